@@ -1,1 +1,52 @@
-//! (under construction)
+//! The words on the bus.
+//!
+//! Every payload that crosses a process boundary is declared here, with its units, its capacity and its place
+//! in the [service table](service). A sensor driver, a robot driver, the daemon and every client agree on this
+//! crate and on nothing else.
+//!
+//! * **In, out:** nothing flows through this crate; it only names what flows.
+//! * **Invariants:** payloads are `#[repr(C)]`, fixed size, free of padding and pointers, and made of `f32`, `f64`,
+//!   `u32`, `u64` and `u8` arrays only, so that any language can declare them. Their type name carries a version;
+//!   a changed layout is a new version. The golden test `tests/layout.rs` pins every size and offset.
+//! * **Conventions:** SI units, stated last in each name. Times are nanoseconds of `CLOCK_MONOTONIC` (of virtual
+//!   time in lock-step). Hand 0 is left, hand 1 is right. Joints: left 11, then right 11, in the order of the URDF.
+//! * **Absent on purpose:** transport (that is `shm-bus`), allocation, clocks, and any behaviour beyond checking
+//!   and printing the words themselves.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod capacity;
+mod code;
+mod control;
+mod crc;
+mod event;
+mod frame;
+mod goal;
+mod joints;
+pub mod layout;
+mod reason;
+pub mod service;
+mod stamp;
+mod status;
+mod swarm;
+mod text;
+mod tick;
+mod truth;
+
+pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
+pub use event::{EventKind, ModuleEvent, ModuleId};
+pub use frame::HandFrame;
+pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFigures};
+pub use joints::{JointCommand, JointState, Mode};
+pub use layout::Layout;
+pub use reason::{Cause, Reason};
+pub use service::Payload;
+pub use stamp::{Hand, Stamp};
+pub use status::{HandStatus, JointStatus, Percentiles, SensorStatus, Status, StatusFlags};
+pub use swarm::{AgentSensors, WheelCommands};
+pub use text::Text;
+pub use tick::{FingerReport, HandReport, TickReport};
+pub use truth::{ObjectTruth, WorldTruth};

@@ -1,0 +1,14 @@
+//! How much fits into one payload. Changing a number changes a layout, so it changes a type version.
+
+/// Hands on one bus: the paper's robot has two (Fig. 2).
+pub const HANDS: usize = 2;
+/// Fingers of one hand: the paper's hand has two; four leaves room for common grippers and hands.
+pub const FINGERS: usize = 4;
+/// Three-axis elements of one fingertip: the paper's dome has 41; a uSkin pad has up to 24; 64 fills one mask word.
+pub const ELEMENTS: usize = 64;
+/// Joints of one robot: the paper's robot has 22.
+pub const JOINTS: usize = 32;
+/// Agents of one swarm on the bus.
+pub const AGENTS: usize = 1024;
+/// Stages of the tick that are timed separately, see [`crate::TickReport::stage_ns`].
+pub const STAGES: usize = 8;

@@ -1,0 +1,68 @@
+//! Codes: open `u32` words with known values.
+//!
+//! A Rust `enum` must never be read from foreign memory, because an unknown value is undefined behaviour. A code is
+//! a `u32` with named constants; an unknown value stays readable and prints as such.
+
+/// Declares a code: a transparent-in-memory `u32` newtype with named values.
+macro_rules! code {
+    ($(#[$doc:meta])* $name:ident as $wire:literal {
+        $($(#[$vdoc:meta])* $value:ident = $number:literal, $text:literal;)*
+    }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(
+            Clone, Copy, PartialEq, Eq, Hash, Default,
+            iceoryx2_bb_derive_macros::ZeroCopySend,
+            zerocopy::FromBytes, zerocopy::IntoBytes, zerocopy::Immutable, zerocopy::KnownLayout,
+        )]
+        #[type_name($wire)]
+        pub struct $name(
+            /// The number on the wire.
+            pub u32,
+        );
+
+        impl $name {
+            $($(#[$vdoc])* pub const $value: Self = Self($number);)*
+
+            /// Every known value.
+            pub const ALL: &'static [Self] = &[$(Self::$value),*];
+
+            /// The value's name in logs and JSON; `"unknown"` for a value that this version does not know.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self.0 {
+                    $($number => $text,)*
+                    _ => "unknown",
+                }
+            }
+
+            /// Whether this version knows the value. Check before acting on a value from the bus.
+            #[must_use]
+            pub const fn is_known(self) -> bool {
+                matches!(self.0, $($number)|*)
+            }
+
+            /// The value with this name.
+            #[must_use]
+            pub fn from_name(name: &str) -> Option<Self> {
+                match name {
+                    $($text => Some(Self::$value),)*
+                    _ => None,
+                }
+            }
+        }
+
+        impl core::fmt::Display for $name {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                if self.is_known() { f.pad(self.name()) } else { write!(f, "unknown({})", self.0) }
+            }
+        }
+
+        impl core::fmt::Debug for $name {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                core::fmt::Display::fmt(self, f)
+            }
+        }
+    };
+}
+pub(crate) use code;

@@ -1,0 +1,74 @@
+//! Control: everything a person or a service manager asks of the daemon besides goals.
+
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::code::code;
+use crate::service::word;
+use crate::{Stamp, Text};
+
+code! {
+    /// What is asked.
+    ControlOp as "atas.ControlOp.v1" {
+        /// Stop now and latch (SAFE_STOP).
+        ESTOP = 1, "estop";
+        /// Leave SAFE_STOP or HOLD, if its cause is gone.
+        RECOVER = 2, "recover";
+        /// Read the parameter `name`.
+        PARAM_GET = 3, "param-get";
+        /// Set the parameter `name` to `value`.
+        PARAM_SET = 4, "param-set";
+        /// Name the parameter with the index `value`.
+        PARAM_LIST = 5, "param-list";
+        /// Take the present reading of the hand with index `value` as zero force.
+        BIAS = 6, "bias";
+        /// Read the configuration files again.
+        RELOAD = 7, "reload";
+    }
+}
+
+code! {
+    /// How it went.
+    ControlOutcome as "atas.ControlOutcome.v1" {
+        /// Done.
+        DONE = 1, "done";
+        /// Refused; `text` says why.
+        REFUSED = 2, "refused";
+        /// The daemon does not know the operation or the name.
+        UNKNOWN = 3, "unknown";
+    }
+}
+
+word! {
+    /// One request.
+    ControlRequest as "atas.ControlRequest.v1" {
+        /// `captured_ns` is when the client sent it.
+        pub stamp: Stamp,
+        /// What is asked.
+        pub op: ControlOp,
+        /// Written as zero.
+        pub pad: u32,
+        /// Its number, where it has one.
+        pub value: f64,
+        /// Its name, where it has one.
+        pub name: Text<64>,
+    }
+}
+
+word! {
+    /// The answer: exactly one per request, given after the request took effect.
+    ControlReply as "atas.ControlReply.v1" {
+        /// `captured_ns` is when the daemon answered.
+        pub stamp: Stamp,
+        /// How it went.
+        pub outcome: ControlOutcome,
+        /// Written as zero.
+        pub pad: u32,
+        /// The value asked for.
+        pub value: f64,
+        /// The lowest value allowed, for parameters.
+        pub lower: f64,
+        /// The highest value allowed, for parameters.
+        pub upper: f64,
+        /// The name asked for, or a sentence that says why not.
+        pub text: Text<256>,
+    }
+}

@@ -1,0 +1,141 @@
+//! Goals: what a client asks for, and what it hears back.
+
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::capacity::FINGERS;
+use crate::code::code;
+use crate::service::word;
+use crate::{Hand, Reason, Stamp, Text};
+
+code! {
+    /// Which task.
+    GoalKind as "atas.GoalKind.v1" {
+        /// Grasp, lift and hold the object at `from_m` (paper II.b (1)).
+        GRASP = 1, "grasp";
+        /// Grasp at `from_m`, set down at `to_m` (paper II.b (3)).
+        PICK_PLACE = 2, "pick-place";
+        /// Screw the cap at `from_m` (paper II.b (2)).
+        SCREW = 3, "screw";
+        /// Cap from `from_m` onto the bottle at `to_m`, with both hands (paper II.c).
+        ASSEMBLE = 4, "assemble";
+        /// Open the hand where it is and move it home.
+        RELEASE = 5, "release";
+        /// A user's own task, by [`GoalRequest::task`].
+        CUSTOM = 6, "custom";
+    }
+}
+
+code! {
+    /// What happens to a goal when its client goes away.
+    GoalPolicy as "atas.GoalPolicy.v1" {
+        /// The goal goes on to its end.
+        DETACHED = 0, "detached";
+        /// The goal is held: HOLD within 100 ticks.
+        ATTACHED = 1, "attached";
+    }
+}
+
+code! {
+    /// Where a goal stands.
+    GoalState as "atas.GoalState.v1" {
+        /// Checked and queued for the next tick.
+        ACCEPTED = 1, "accepted";
+        /// Refused before anything moved; `reason` says why.
+        REJECTED = 2, "rejected";
+        /// In progress.
+        RUNNING = 3, "running";
+        /// Done as asked.
+        SUCCEEDED = 4, "succeeded";
+        /// The robot refused the object while trying, and backed out safely (for example: too heavy for its hardness).
+        REFUSED = 5, "refused";
+        /// Ended without success; `reason` says why.
+        FAILED = 6, "failed";
+        /// Ended by the client.
+        CANCELLED = 7, "cancelled";
+    }
+}
+
+impl GoalState {
+    /// Whether no further update follows.
+    #[must_use]
+    pub fn is_final(self) -> bool {
+        !matches!(self, Self::ACCEPTED | Self::RUNNING)
+    }
+}
+
+word! {
+    /// One goal. Frame: base of the robot (x forward, y left, z up, origin on the table top under the torso).
+    GoalRequest as "atas.GoalRequest.v1" {
+        /// `captured_ns` is when the client sent it.
+        pub stamp: Stamp,
+        /// Chosen by the client; repeated in every update.
+        pub goal_id: u64,
+        /// Which task.
+        pub kind: GoalKind,
+        /// Which hand acts; for assembly, which hand screws.
+        pub hand: Hand,
+        /// What happens when the client goes away.
+        pub policy: GoalPolicy,
+        /// Written as zero.
+        pub pad: u32,
+        /// Where the fingertips shall close, m. The true object may be off by some millimetres.
+        pub from_m: [f64; 3],
+        /// Direction of the closing axis at `from_m`, from finger 2's side to finger 1's, rad from +x towards +y.
+        pub from_yaw_rad: f64,
+        /// Where the object shall stand afterwards, m; not used by GRASP.
+        pub to_m: [f64; 3],
+        /// Direction of the closing axis at `to_m`, rad; not used by GRASP.
+        pub to_yaw_rad: f64,
+        /// Expected width of the object along the closing axis, m. The hand opens a little wider.
+        pub width_m: f64,
+        /// How far to lift, m.
+        pub lift_m: f64,
+        /// How long to hold the lifted object before the goal counts as reached, s.
+        pub hold_s: f64,
+        /// Name of the task for `CUSTOM`.
+        pub task: Text<32>,
+    }
+}
+
+word! {
+    /// What the hand learnt about the object, SI units, zero where not (yet) known.
+    GraspFigures as "atas.GraspFigures.v1" {
+        /// Normal force per finger, N.
+        pub normal_n: [f32; FINGERS],
+        /// Tangential force per finger, N.
+        pub tangential_n: [f32; FINGERS],
+        /// F_1, the minimum grasping force, N.
+        pub f1_n: f32,
+        /// F_2, the maximum grasping force, N.
+        pub f2_n: f32,
+        /// Object stiffness from the hardness probe, N/m.
+        pub hardness_n_m: f32,
+        /// How far the hardness may be trusted, 0 to 1.
+        pub hardness_confidence: f32,
+        /// Estimated friction coefficient, the lowest of the fingers.
+        pub friction: f32,
+        /// How far the hand has lifted the object, m.
+        pub lifted_m: f32,
+    }
+}
+
+word! {
+    /// One step of a goal's story.
+    GoalUpdate as "atas.GoalUpdate.v1" {
+        /// `captured_ns` is the tick's time.
+        pub stamp: Stamp,
+        /// Echo of [`GoalRequest::goal_id`].
+        pub goal_id: u64,
+        /// Tick of this update.
+        pub tick: u64,
+        /// Where the goal stands.
+        pub state: GoalState,
+        /// Fraction done, 0 to 1.
+        pub progress: f32,
+        /// Why, when rejected, refused, failed or held.
+        pub reason: Reason,
+        /// Name of the task's step, for example `lift`.
+        pub step: Text<16>,
+        /// What the hand learnt so far.
+        pub figures: GraspFigures,
+    }
+}

@@ -1,0 +1,76 @@
+//! The service table: the name, the payload and the pattern of everything on the bus.
+//!
+//! Service names carry a version, as type names do, because a live observer keeps an old service alive.
+
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+/// What every payload is: plain bytes without padding that any process may read at any time.
+pub trait Payload:
+    ZeroCopySend + FromBytes + IntoBytes + Immutable + KnownLayout + Copy + core::fmt::Debug + 'static
+{
+    /// The versioned type name that iceoryx2 compares when a peer opens a service.
+    const TYPE_NAME: &'static str;
+}
+
+/// Publish-subscribe, per hand: [`crate::HandFrame`], one publisher, at the sensor's rate.
+pub const HAND_FRAME: [&str; 2] = ["atas/v1/hand-frame/left", "atas/v1/hand-frame/right"];
+/// Publish-subscribe: [`crate::JointState`], one publisher, 1 kHz.
+pub const JOINT_STATE: &str = "atas/v1/joint-state";
+/// Publish-subscribe: [`crate::JointCommand`], one publisher (the daemon), every tick. A closed set of peers.
+pub const JOINT_COMMAND: &str = "atas/v1/joint-command";
+/// Request-response: [`crate::GoalRequest`] answered by a stream of [`crate::GoalUpdate`].
+pub const GOAL: &str = "atas/v1/goal";
+/// Request-response: [`crate::ControlRequest`] answered by one [`crate::ControlReply`].
+pub const CONTROL: &str = "atas/v1/control";
+/// Publish-subscribe: [`crate::Status`], 50 Hz, from the daemon's non-real-time side.
+pub const STATUS: &str = "atas/v1/status";
+/// Publish-subscribe: [`crate::TickReport`], one per tick, from the daemon's non-real-time side.
+pub const TICK_REPORT: &str = "atas/v1/tick-report";
+/// Publish-subscribe: [`crate::ModuleEvent`], on change, from the daemon's non-real-time side.
+pub const MODULE_EVENT: &str = "atas/v1/module-event";
+/// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
+pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
+/// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.
+pub const WORLD_TRUTH: &str = "atas/v1/world-truth";
+/// Publish-subscribe: [`crate::AgentSensors`], one per field frame, from the field's host.
+pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
+/// Publish-subscribe: [`crate::WheelCommands`], one per field frame, from the agents process.
+pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
+
+/// Declares a payload: `#[repr(C)]`, versioned, without padding (checked when it compiles), zero by default.
+macro_rules! word {
+    ($(#[$doc:meta])* $name:ident as $wire:literal {
+        $($(#[$fdoc:meta])* pub $field:ident: $type:ty,)*
+    }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(
+            Clone, Copy, Debug, PartialEq,
+            iceoryx2_bb_derive_macros::ZeroCopySend,
+            zerocopy::FromBytes, zerocopy::IntoBytes, zerocopy::Immutable, zerocopy::KnownLayout,
+        )]
+        #[type_name($wire)]
+        pub struct $name {
+            $($(#[$fdoc])* pub $field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                <Self as zerocopy::FromZeros>::new_zeroed()
+            }
+        }
+
+        impl $crate::service::Payload for $name {
+            const TYPE_NAME: &'static str = $wire;
+        }
+
+        impl $name {
+            /// Every field's name, offset and size in bytes, in order: what the golden layout test pins.
+            pub const FIELDS: &'static [(&'static str, usize, usize)] = &[
+                $((stringify!($field), core::mem::offset_of!($name, $field), core::mem::size_of::<$type>()),)*
+            ];
+        }
+    };
+}
+pub(crate) use word;

@@ -1,0 +1,60 @@
+//! What the simulator knows and the robot does not: the judge's view. The daemon never opens this service.
+
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::capacity::{FINGERS, HANDS};
+use crate::service::word;
+use crate::{Stamp, Text};
+
+word! {
+    /// The true state of one simulated object.
+    ObjectTruth as "atas.ObjectTruth.v1" {
+        /// Name of the object, as in its data file.
+        pub name: Text<32>,
+        /// Centre of mass, base frame, m.
+        pub position_m: [f64; 3],
+        /// Orientation, base frame, quaternion w, x, y, z.
+        pub orientation: [f64; 4],
+        /// How far the centre of mass is above where it rested at the start, m.
+        pub lifted_m: f64,
+        /// Tilt of its upright axis, rad.
+        pub tilt_rad: f64,
+        /// Force each finger must press with to carry it, m·g / (2·μ), N.
+        pub needed_n: f64,
+        /// Force at which it crushes, N; infinite if it does not.
+        pub crush_n: f64,
+        /// Largest force it has felt, N.
+        pub max_force_n: f64,
+        /// Sum of table contact forces, N.
+        pub table_n: f64,
+        /// Angle of a cap against its closing angle, rad; 0 for other objects.
+        pub cap_angle_rad: f64,
+        /// Torque on a cap's thread, N·m; 0 for other objects.
+        pub cap_torque_n_m: f64,
+        /// 1 once crushed.
+        pub crushed: u32,
+        /// 1 once dropped: it fell out of the hand after it had been lifted.
+        pub dropped: u32,
+        /// 1 once it tipped over.
+        pub tipped: u32,
+        /// Written as zero.
+        pub pad: u32,
+    }
+}
+
+word! {
+    /// The true state of the simulated world.
+    WorldTruth as "atas.WorldTruth.v1" {
+        /// `captured_ns` is the simulated time.
+        pub stamp: Stamp,
+        /// Objects that carry data.
+        pub object_count: u32,
+        /// Commands refused or expired so far.
+        pub expired_commands: u32,
+        /// The objects.
+        pub objects: [ObjectTruth; 4],
+        /// True sliding distance of each fingertip on what it touches since its first touch, m.
+        pub slip_m: [[f64; FINGERS]; HANDS],
+        /// True normal force of each fingertip, N.
+        pub normal_n: [[f64; FINGERS]; HANDS],
+    }
+}
