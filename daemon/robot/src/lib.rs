@@ -1,1 +1,78 @@
-//! (under construction)
+//! Kinematics of the two-hand-arm robot: who moves what, where the fingertips are, and which joint angles bring them
+//! where a task wants them.
+//!
+//! A URDF goes in once, at start-up, and becomes a [`RobotModel`] of fixed size. Per tick and hand, joint angles go
+//! through [`HandModel::forward`] and [`HandModel::jacobian`], and [`HandModel::ik_step`] returns the next command for a
+//! [`HandTarget`], usually built from a [`GraspFrame`].
+//!
+//! ```text
+//!  two_hand_arm.urdf ─▶ RobotModel ─▶ hand(side) ─▶ forward(q) ─▶ HandPose ─▶ jacobian ─▶ HandJacobian
+//!                                                                    │                        │
+//!                               GraspFrame ─▶ HandTarget ────────────┴──────── ik_step ◀──────┘ ─▶ next q
+//! ```
+//!
+//! Conventions: metres, radians, newtons. Base frame: origin on the table top under the torso, x forward, y left, z up.
+//! Joint order everywhere: left 11, then right 11, as in the URDF ([`JOINT_NAMES`]); within a hand arm 5, finger 1,
+//! finger 2. Finger 0 of an array is finger 1. Tip frame: see [`HandPose::base_from_tip`].
+//!
+//! Invariants:
+//! - Nothing but loading allocates; nothing reads a clock; the same numbers give the same bits on every machine
+//!   (trigonometry from `libm`, fixed order of summation).
+//! - A step of the inverse kinematics is finite, keeps speed limits, and never leaves the position limits, whatever the
+//!   target; a step that cannot be computed moves nothing and says so.
+//! - The structure (2 × (5 + 3 + 3) revolute joints) is fixed; dimensions, axes, offsets and limits come from the URDF.
+//!
+//! Deliberately absent: dynamics and servos (the simulator's), trajectories and tasks (the controller's), the torso as
+//! an obstacle.
+//!
+//! Feature `std` (default) adds the URDF loader; without it the crate is `no_std`.
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "std")]
+extern crate std;
+
+mod arrow;
+mod capsule;
+mod forward;
+mod ik;
+mod jacobian;
+mod model;
+mod reach;
+mod solve;
+mod target;
+mod transform;
+#[cfg(feature = "std")]
+mod urdf;
+
+pub use capsule::{CAPSULES_MAX, Capsule, Capsules, clearance_m};
+pub use forward::HandPose;
+pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
+pub use jacobian::{HandJacobian, Rows3, Rows6};
+pub use model::{HandModel, JOINT_NAMES, Joint, RobotModel, Side, TIP_LINKS, finger_root};
+pub use reach::{ReachError, Workspace};
+pub use solve::{
+    POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,
+};
+pub use target::{GraspFrame, HandTarget};
+pub use transform::Transform;
+#[cfg(feature = "std")]
+pub use urdf::ModelError;
+
+/// Joints of an arm: shoulder yaw and pitch, elbow pitch, wrist pitch and roll (paper: arm 5 DOF).
+pub const ARM_JOINTS: usize = 5;
+/// Joints of a finger: root, knuckle, distal (paper: finger 3 DOF).
+pub const FINGER_JOINTS: usize = 3;
+/// Fingers of a hand. Ours.
+pub const FINGERS: usize = 2;
+/// Joints of one arm with its hand.
+pub const HAND_JOINTS: usize = ARM_JOINTS + FINGERS * FINGER_JOINTS;
+/// Joints of the robot.
+pub const ROBOT_JOINTS: usize = 2 * HAND_JOINTS;
+
+/// One value per joint of a hand, in hand order.
+pub type HandVector = nalgebra::SVector<f64, HAND_JOINTS>;
+
+/// The built-in robot's URDF.
+pub const TWO_HAND_ARM_URDF: &str = include_str!("../two_hand_arm.urdf");

@@ -1,0 +1,142 @@
+//! Collision capsules of one hand and the clearance between two sets of them.
+
+use core::ops::Deref;
+
+use nalgebra::Vector3;
+
+use crate::forward::HandPose;
+use crate::model::HandModel;
+
+/// Most capsules of one hand: the built-in robot has 15 (shoulder, upper arm, forearm, wrist, palm; per finger root,
+/// proximal, distal, dome and the stem behind it).
+pub const CAPSULES_MAX: usize = 16;
+
+/// All points within `radius_m` of the segment from `a_m` to `b_m`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// One end of the segment, metres.
+    pub a_m: Vector3<f64>,
+    /// Other end of the segment, metres; equal to `a_m` for a sphere.
+    pub b_m: Vector3<f64>,
+    /// Radius, metres.
+    pub radius_m: f64,
+    /// The hand's joint that moves this body, 0–10.
+    pub joint: usize,
+}
+
+impl Capsule {
+    const EMPTY: Capsule = Capsule {
+        a_m: Vector3::new(0.0, 0.0, 0.0),
+        b_m: Vector3::new(0.0, 0.0, 0.0),
+        radius_m: 0.0,
+        joint: 0,
+    };
+}
+
+/// Up to [`CAPSULES_MAX`] capsules; reads as a slice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Capsules {
+    shapes: [Capsule; CAPSULES_MAX],
+    count: usize,
+}
+
+impl Capsules {
+    /// No capsules.
+    #[must_use]
+    pub const fn new() -> Capsules {
+        Capsules {
+            shapes: [Capsule::EMPTY; CAPSULES_MAX],
+            count: 0,
+        }
+    }
+
+    /// Adds one capsule; `false` if there is no room.
+    #[must_use]
+    pub fn push(&mut self, capsule: Capsule) -> bool {
+        let Some(slot) = self.shapes.get_mut(self.count) else {
+            return false;
+        };
+        *slot = capsule;
+        self.count += 1;
+        true
+    }
+}
+
+impl Default for Capsules {
+    fn default() -> Capsules {
+        Capsules::new()
+    }
+}
+
+impl Deref for Capsules {
+    type Target = [Capsule];
+
+    fn deref(&self) -> &[Capsule] {
+        &self.shapes[..self.count]
+    }
+}
+
+impl HandModel {
+    /// The collision bodies of the hand at a pose, base frame.
+    #[must_use]
+    pub fn capsules(&self, pose: &HandPose) -> Capsules {
+        let mut placed = self.capsules.clone();
+        for capsule in &mut placed.shapes[..placed.count] {
+            let frame = &pose.base_from_joint[capsule.joint];
+            capsule.a_m = frame.point(&capsule.a_m);
+            capsule.b_m = frame.point(&capsule.b_m);
+        }
+        placed
+    }
+}
+
+/// Smallest gap between a body of one set and a body of the other, metres: negative when they overlap, infinite if a set
+/// is empty, minus infinity (never safe) if a coordinate is not finite.
+#[must_use]
+pub fn clearance_m(ours: &[Capsule], theirs: &[Capsule]) -> f64 {
+    let mut clearance = f64::INFINITY;
+    for a in ours {
+        for b in theirs {
+            let gap = gap_m(a, b, clearance);
+            if !gap.is_finite() {
+                return f64::NEG_INFINITY;
+            }
+            clearance = clearance.min(gap);
+        }
+    }
+    clearance
+}
+
+/// Gap between two capsules, or a lower bound of it that is not below `enough_m`.
+fn gap_m(a: &Capsule, b: &Capsule, enough_m: f64) -> f64 {
+    let (along_a, along_b) = (a.b_m - a.a_m, b.b_m - b.a_m);
+    let between_middles = (a.a_m + along_a * 0.5) - (b.a_m + along_b * 0.5);
+    let radii = a.radius_m + b.radius_m;
+    let bound = between_middles.norm() - 0.5 * (along_a.norm() + along_b.norm()) - radii;
+    if bound >= enough_m {
+        bound
+    } else {
+        segment_distance_m(a, b) - radii
+    }
+}
+
+/// Distance between the segments of two capsules, metres. Source: closest points of two segments (Ericson, Real-Time
+/// Collision Detection, 5.1.9).
+fn segment_distance_m(one: &Capsule, two: &Capsule) -> f64 {
+    let (d1, d2, between) = (one.b_m - one.a_m, two.b_m - two.a_m, one.a_m - two.a_m);
+    let (a, e, b) = (d1.norm_squared(), d2.norm_squared(), d1.dot(&d2));
+    let (c, f) = (d1.dot(&between), d2.dot(&between));
+    // The fraction along each segment; a segment without length or a parallel pair may take any fraction: take 0.
+    let fraction = |numerator: f64, denominator: f64| {
+        if denominator > 0.0 {
+            (numerator / denominator).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
+    let s_free = fraction(b * f - c * e, a * e - b * b);
+    let t = fraction(b * s_free + f, e);
+    let s = fraction(b * t - c, a);
+    let t = fraction(b * s + f, e);
+    (between + d1 * s - d2 * t).norm()
+}

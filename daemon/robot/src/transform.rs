@@ -1,0 +1,66 @@
+//! A rigid transform as a rotation matrix and a translation.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Rigid transform `a_from_b`: takes coordinates in frame b to coordinates in frame a.
+///
+/// The columns of `rotation` are the axes of b seen from a; `translation_m` is the origin of b seen from a, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// Rotation matrix, orthonormal and right-handed.
+    pub rotation: Matrix3<f64>,
+    /// Translation, metres.
+    pub translation_m: Vector3<f64>,
+}
+
+impl Transform {
+    /// The transform that changes nothing.
+    pub const IDENTITY: Transform = Transform {
+        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        translation_m: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// `a_from_b.then(&b_from_c)` is `a_from_c`.
+    #[must_use]
+    pub fn then(&self, next: &Transform) -> Transform {
+        Transform {
+            rotation: self.rotation * next.rotation,
+            translation_m: self.point(&next.translation_m),
+        }
+    }
+
+    /// A point of frame b in the coordinates of frame a, metres.
+    #[must_use]
+    pub fn point(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * point_m + self.translation_m
+    }
+
+    /// Frame b turned by `angle_rad` about its own z axis.
+    #[must_use]
+    pub(crate) fn turned_about_z(&self, angle_rad: f64) -> Transform {
+        let (sin, cos) = libm::sincos(angle_rad);
+        let (x, y) = (self.x_axis(), self.y_axis());
+        Transform {
+            rotation: Matrix3::from_columns(&[x * cos + y * sin, y * cos - x * sin, self.z_axis()]),
+            translation_m: self.translation_m,
+        }
+    }
+
+    /// x axis of frame b seen from frame a.
+    #[must_use]
+    pub fn x_axis(&self) -> Vector3<f64> {
+        self.rotation.column(0).into_owned()
+    }
+
+    /// y axis of frame b seen from frame a.
+    #[must_use]
+    pub fn y_axis(&self) -> Vector3<f64> {
+        self.rotation.column(1).into_owned()
+    }
+
+    /// z axis of frame b seen from frame a.
+    #[must_use]
+    pub fn z_axis(&self) -> Vector3<f64> {
+        self.rotation.column(2).into_owned()
+    }
+}
