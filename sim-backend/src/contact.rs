@@ -1,0 +1,338 @@
+//! Contact of one fingertip with one object: a bed of elasto-plastic bristles.
+//!
+//! The skin is a Winkler foundation: every bristle presses along the object's normal with its own indentation and its
+//! own damping. Along the surface each bristle is an elastic rod that drags until friction holds no more (return map),
+//! so single bristles slip before the whole fingertip does, and incipient slip is visible in the element forces.
+//! The object's own softness is one compression per contact, solved implicitly.
+//!
+//! A bristle's shear is kept in the object's frame and forgotten when the bristle lifts off. Everything here is in the
+//! object's frame: origin in its centre of mass.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::pad::{DOME_ELEMENTS, LANES, Pad};
+use crate::shape::Shape;
+
+/// Damping time of a bristle along the normal: its damping is this times its stiffness, s (prototype).
+const NORMAL_DAMPING_S: f64 = 0.002;
+/// Damping time of a sticking bristle along the surface, s (prototype).
+const SHEAR_DAMPING_S: f64 = 0.002;
+/// Shear stiffness over normal stiffness of a bristle (prototype; Mindlin gives 0.7 to 1 for rubber on a hard flat).
+const SHEAR_STIFFNESS_RATIO: f64 = 0.7;
+/// Kinetic over static friction (prototype).
+const KINETIC_FRICTION_RATIO: f64 = 0.9;
+/// Damping time of the object's compression: its damping is this times its stiffness, s (prototype).
+const COMPRESSION_DAMPING_S: f64 = 0.005;
+/// Time constant with which an untouched object regains its form, s (prototype).
+const RECOVERY_S: f64 = 0.05;
+/// A fingertip that was free this long begins a new grasp: its slip counts from zero again, s. Ours.
+const REGRASP_S: f64 = 0.05;
+/// The compression counts as solved when a Newton step is shorter than this, m: far below one bristle's 1 mN.
+const COMPRESSION_STEP_MIN_M: f64 = 1e-10;
+/// Newton steps at most; the residual is concave and piecewise linear, three usually do.
+const COMPRESSION_STEPS_MAX: usize = 8;
+
+/// What a fingertip meets on an object.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    pub(crate) shape: Shape,
+    /// Static friction coefficient.
+    pub(crate) friction: f64,
+    /// Stiffness under one fingertip, N/m; infinite for a rigid object.
+    pub(crate) stiffness_n_m: f64,
+}
+
+/// Where a fingertip is and how it moves, seen from the object.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach {
+    /// The tip's axes in the object's frame.
+    pub(crate) object_from_tip: Matrix3<f64>,
+    /// The dome's centre, m.
+    pub(crate) centre_m: Vector3<f64>,
+    /// Velocity against the object of the tip's point that is at the object's origin, m/s.
+    pub(crate) velocity_m_s: Vector3<f64>,
+    /// Angular velocity against the object, rad/s.
+    pub(crate) angular_rad_s: Vector3<f64>,
+}
+
+/// Force and moment about the object's centre of mass, object frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Wrench {
+    pub(crate) force_n: Vector3<f64>,
+    pub(crate) moment_n_m: Vector3<f64>,
+}
+
+/// A bristle that touches in this step.
+#[derive(Clone, Copy, Debug)]
+struct Touch {
+    bristle: usize,
+    depth_m: f64,
+    point_m: Vector3<f64>,
+    normal: Vector3<f64>,
+    /// Force on the object, object frame.
+    force_n: Vector3<f64>,
+}
+
+/// What a bristle remembers from step to step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bristle {
+    /// Shear against the object, object frame, m.
+    shear_m: Vector3<f64>,
+    slipping: bool,
+    /// The step in which it last touched.
+    touched_in: u64,
+}
+
+/// The contact of one fingertip: its bristles' memory and what it last felt.
+#[derive(Clone, Debug)]
+pub(crate) struct Contact {
+    bristles: Vec<Bristle>,
+    touches: Vec<Touch>,
+    step: u64,
+    compression_m: f64,
+    object_from_tip: Matrix3<f64>,
+    free_s: f64,
+    /// Sum of the bristles' normal forces, N.
+    pub(crate) normal_n: f64,
+    /// Bristles that slip in this step.
+    pub(crate) slipping: usize,
+    /// Distance slid since the present grasp's first touch, weighted by normal force, m.
+    pub(crate) slip_m: f64,
+}
+
+impl Contact {
+    pub(crate) fn new() -> Self {
+        Self {
+            bristles: vec![Bristle::default(); LANES],
+            touches: Vec::with_capacity(LANES),
+            step: 1,
+            compression_m: 0.0,
+            object_from_tip: Matrix3::identity(),
+            free_s: 0.0,
+            normal_n: 0.0,
+            slipping: 0,
+            slip_m: 0.0,
+        }
+    }
+
+    /// Makes every bristle forget its shear.
+    pub(crate) fn let_go(&mut self) {
+        self.step += 1;
+    }
+
+    /// One step of `dt_s` with nothing in reach.
+    pub(crate) fn free(&mut self, dt_s: f64) {
+        self.let_go();
+        self.touches.clear();
+        self.free_s += dt_s;
+        self.compression_m -= self.compression_m * (dt_s / RECOVERY_S);
+        self.normal_n = 0.0;
+        self.slipping = 0;
+    }
+
+    /// One step of `dt_s` against a surface; returns the wrench on the object.
+    pub(crate) fn press(
+        &mut self,
+        pad: &Pad,
+        surface: &Surface,
+        approach: &Approach,
+        dt_s: f64,
+    ) -> Wrench {
+        self.find_touches(pad, &surface.shape, approach);
+        if self.touches.is_empty() {
+            self.free(dt_s);
+            return Wrench::default();
+        }
+        self.step += 1;
+        if self.free_s >= REGRASP_S {
+            self.slip_m = 0.0;
+        }
+        self.free_s = 0.0;
+        self.object_from_tip = approach.object_from_tip;
+        self.compress(pad.stiffness_n_m, surface.stiffness_n_m, dt_s);
+        self.drag(pad.stiffness_n_m, surface.friction, approach, dt_s)
+    }
+
+    /// Collects the bristles under the surface: all against the supporting plane first, then those few exactly.
+    fn find_touches(&mut self, pad: &Pad, shape: &Shape, approach: &Approach) {
+        self.touches.clear();
+        let face = shape.face_towards(&approach.centre_m);
+        let gap_m = face.normal.dot(&approach.centre_m) - face.offset_m;
+        if gap_m >= pad.radius_m {
+            return;
+        }
+        let depth_m = plane_depths(pad, &approach.object_from_tip.tr_mul(&face.normal), gap_m);
+        for (bristle, _) in depth_m[..pad.count]
+            .iter()
+            .enumerate()
+            .filter(|(_, depth_m)| **depth_m > 0.0)
+        {
+            let [x, y, z] = &pad.direction;
+            let direction =
+                approach.object_from_tip * Vector3::new(x[bristle], y[bristle], z[bristle]);
+            let point_m = approach.centre_m + direction * pad.radius_m;
+            if let Some((depth_m, normal)) = face.depth_at(&point_m) {
+                let force_n = Vector3::zeros();
+                self.touches.push(Touch {
+                    bristle,
+                    depth_m,
+                    point_m,
+                    normal,
+                    force_n,
+                });
+            }
+        }
+    }
+
+    /// One implicit step of the object's compression u: c·du/dt + k·u = force of the bristles at depth − u.
+    fn compress(&mut self, bristle_n_m: f64, object_n_m: f64, dt_s: f64) {
+        if object_n_m.is_infinite() {
+            self.compression_m = 0.0;
+        } else {
+            let before_m = self.compression_m;
+            let damping_n_m = object_n_m * (COMPRESSION_DAMPING_S / dt_s);
+            for _ in 0..COMPRESSION_STEPS_MAX {
+                let u = self.compression_m;
+                let (mut force_n, mut slope_n_m) = (0.0, 0.0);
+                for touch in self.touches.iter().filter(|touch| touch.depth_m > u) {
+                    force_n += bristle_n_m * (touch.depth_m - u);
+                    slope_n_m += bristle_n_m;
+                }
+                let residual_n = damping_n_m * (u - before_m) + object_n_m * u - force_n;
+                let step_m = residual_n / (damping_n_m + object_n_m + slope_n_m);
+                self.compression_m = u - step_m;
+                if step_m.abs() < COMPRESSION_STEP_MIN_M {
+                    break;
+                }
+            }
+        }
+        let compression_m = self.compression_m;
+        for touch in &mut self.touches {
+            touch.depth_m -= compression_m;
+        }
+    }
+
+    /// Normal and friction force of every touching bristle, and their sum.
+    fn drag(&mut self, bristle_n_m: f64, friction: f64, approach: &Approach, dt_s: f64) -> Wrench {
+        let shear_n_m = bristle_n_m * SHEAR_STIFFNESS_RATIO;
+        let mut sum = Wrench::default();
+        let (mut normal_n, mut slipping, mut slip_n_m) = (0.0, 0, 0.0);
+        for touch in &mut self.touches {
+            if touch.depth_m <= 0.0 {
+                touch.force_n = Vector3::zeros();
+                continue;
+            }
+            let bristle = &mut self.bristles[touch.bristle];
+            let velocity = approach.velocity_m_s + approach.angular_rad_s.cross(&touch.point_m);
+            let leaving_m_s = velocity.dot(&touch.normal);
+            let sliding = velocity - touch.normal * leaving_m_s;
+            let pressing_n =
+                (bristle_n_m * (touch.depth_m - NORMAL_DAMPING_S * leaving_m_s)).max(0.0);
+            let fresh = bristle.touched_in + 1 != self.step;
+            let rod = if fresh { Bristle::default() } else { *bristle };
+            let (next, shear_force_n) = rod.sheared(
+                &touch.normal,
+                &sliding,
+                shear_n_m,
+                friction * pressing_n,
+                dt_s,
+            );
+            *bristle = Bristle {
+                touched_in: self.step,
+                ..next
+            };
+            if next.slipping {
+                slipping += 1;
+                slip_n_m += pressing_n * norm(&sliding) * dt_s;
+            }
+            touch.force_n = shear_force_n - touch.normal * pressing_n;
+            normal_n += pressing_n;
+            sum.force_n += touch.force_n;
+            sum.moment_n_m += touch.point_m.cross(&touch.force_n);
+        }
+        self.normal_n = normal_n;
+        self.slipping = slipping;
+        if normal_n > 0.0 {
+            self.slip_m += slip_n_m / normal_n;
+        }
+        sum
+    }
+
+    /// Adds up the force of the object on the tip per element, tip frame, N.
+    pub(crate) fn element_forces(&self, pad: &Pad, force_n: &mut [Vector3<f64>; DOME_ELEMENTS]) {
+        *force_n = [Vector3::zeros(); DOME_ELEMENTS];
+        for touch in &self.touches {
+            force_n[pad.element_of(touch.bristle)] -= touch.force_n;
+        }
+        if !self.touches.is_empty() {
+            for force in force_n {
+                *force = self.object_from_tip.tr_mul(force);
+            }
+        }
+    }
+
+    /// Whether any bristle presses.
+    pub(crate) fn is_touching(&self) -> bool {
+        self.normal_n > 0.0
+    }
+}
+
+impl Bristle {
+    /// The bristle after its foot was dragged for `dt_s`, and the friction force on the object.
+    ///
+    /// Return map: the elastic trial force is cut to the friction limit, and what was cut becomes sliding.
+    #[inline]
+    fn sheared(
+        self,
+        normal: &Vector3<f64>,
+        sliding: &Vector3<f64>,
+        shear_n_m: f64,
+        limit_n: f64,
+        dt_s: f64,
+    ) -> (Self, Vector3<f64>) {
+        // The object may have turned under the bristle: only the shear along the surface stays.
+        let along = self.shear_m - normal * self.shear_m.dot(normal);
+        let shear_m = along + sliding * dt_s;
+        let trial_n = (shear_m + sliding * SHEAR_DAMPING_S) * shear_n_m;
+        let limit_n = if self.slipping {
+            KINETIC_FRICTION_RATIO * limit_n
+        } else {
+            limit_n
+        };
+        let magnitude_n = norm(&trial_n);
+        if magnitude_n <= limit_n {
+            return (
+                Self {
+                    shear_m,
+                    slipping: false,
+                    ..self
+                },
+                trial_n,
+            );
+        }
+        let force_n = trial_n * (limit_n / magnitude_n);
+        // The shear that carries this force once the sliding stops, without turning it round.
+        let carried_m = force_n / shear_n_m;
+        let damping_s = SHEAR_DAMPING_S.min(norm(&carried_m) / (norm(sliding) + f64::MIN_POSITIVE));
+        (
+            Self {
+                shear_m: carried_m - sliding * damping_s,
+                slipping: true,
+                ..self
+            },
+            force_n,
+        )
+    }
+}
+
+/// Depth of every bristle under a plane, m: radius·(−n·d) − gap.
+fn plane_depths(pad: &Pad, normal_in_tip: &Vector3<f64>, gap_m: f64) -> [f64; LANES] {
+    let scale = -normal_in_tip * pad.radius_m;
+    let [x, y, z] = &pad.direction;
+    core::array::from_fn(|i| x[i] * scale.x + y[i] * scale.y + z[i] * scale.z - gap_m)
+}
+
+#[inline]
+fn norm(vector: &Vector3<f64>) -> f64 {
+    (vector.x * vector.x + vector.y * vector.y + vector.z * vector.z).sqrt()
+}

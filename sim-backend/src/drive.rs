@@ -1,0 +1,106 @@
+//! The drives' side of the command line: what a command must be to be obeyed, when it takes effect, when it lapses.
+//!
+//! A command takes effect [`LATENCY_MS`] after it arrived. Its positions are approached linearly within one millisecond
+//! and then held; its velocities are fed forward for that millisecond only. So whatever stops the commands, whether loss or
+//! expiry, ends in the same safe state: zero velocity at the last commanded positions, which keeps the grip.
+
+use robot_model::ROBOT_JOINTS;
+use shm_schemas::JointCommand;
+
+/// Time from a command's arrival until the joints obey it, ms (tactile design: 2 ms command latency).
+pub const LATENCY_MS: usize = 2;
+
+/// What the joints follow in one millisecond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Orders {
+    pub(crate) position_rad: [f64; ROBOT_JOINTS],
+    pub(crate) velocity_rad_s: [f64; ROBOT_JOINTS],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Accepted {
+    orders: Orders,
+    valid_until_ns: u64,
+}
+
+/// The command line of all joints.
+#[derive(Clone, Debug)]
+pub(crate) struct Drive {
+    /// Commands under way; `slot` is the one that arrives next.
+    under_way: [Option<Accepted>; LATENCY_MS],
+    slot: usize,
+    held: Orders,
+    /// When the command in force lapses; `None` when there is none.
+    valid_until_ns: Option<u64>,
+    lapsed: u32,
+}
+
+impl Drive {
+    /// A drive that holds these positions until told otherwise.
+    pub(crate) fn holding(position_rad: [f64; ROBOT_JOINTS]) -> Self {
+        let held = Orders {
+            position_rad,
+            velocity_rad_s: [0.0; ROBOT_JOINTS],
+        };
+        Self {
+            under_way: [None; LATENCY_MS],
+            slot: 0,
+            held,
+            valid_until_ns: None,
+            lapsed: 0,
+        }
+    }
+
+    /// Takes the command that arrived in this millisecond, if any, and returns what the joints follow in it.
+    pub(crate) fn orders(&mut self, arrived: Option<&JointCommand>, now_ns: u64) -> Orders {
+        let accepted = arrived.and_then(|command| self.accept(command));
+        let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
+        self.slot = (self.slot + 1) % LATENCY_MS;
+        self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
+        if let Some(Accepted {
+            orders,
+            valid_until_ns,
+        }) = due
+        {
+            self.valid_until_ns = Some(valid_until_ns);
+            if valid_until_ns >= now_ns {
+                self.held = orders;
+            }
+        }
+        if self
+            .valid_until_ns
+            .is_some_and(|until_ns| until_ns < now_ns)
+        {
+            self.valid_until_ns = None;
+            self.lapsed += 1;
+        }
+        self.held
+    }
+
+    /// The command, if it is whole: sealed, for exactly these joints, every number finite.
+    fn accept(&mut self, command: &JointCommand) -> Option<Accepted> {
+        let orders = Orders {
+            position_rad: core::array::from_fn(|joint| command.position_rad[joint]),
+            velocity_rad_s: core::array::from_fn(|joint| command.velocity_rad_s[joint]),
+        };
+        let finite = orders
+            .position_rad
+            .iter()
+            .chain(&orders.velocity_rad_s)
+            .all(|value| value.is_finite());
+        let whole = command.is_intact() && command.joint_count as usize == ROBOT_JOINTS && finite;
+        if !whole {
+            self.lapsed += 1;
+            return None;
+        }
+        Some(Accepted {
+            orders,
+            valid_until_ns: command.valid_until_ns,
+        })
+    }
+
+    /// Commands refused, and times that commands lapsed without a successor.
+    pub(crate) fn lapsed(&self) -> u32 {
+        self.lapsed
+    }
+}

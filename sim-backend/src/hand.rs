@@ -1,0 +1,189 @@
+//! One simulated hand: its joints, its fingertips' contacts, its tremble.
+//!
+//! Kinematics run in every substep while a fingertip is near an object, because a contact stiffness of thousands of
+//! newtons per metre sees nanometres. A hand in free air only moves its joints.
+
+use nalgebra::Vector3;
+use robot_model::{
+    ARM_JOINTS, FINGER_JOINTS, FINGERS, HandModel, HandPose, HandVector, finger_root,
+};
+
+use crate::contact::{Approach, Contact, Wrench};
+use crate::pad::Pad;
+use crate::plant::Plant;
+use crate::thing::Thing;
+use crate::vibration::Vibration;
+
+/// A fingertip whose dome comes this close to an object's bounding sphere within a millisecond counts as near, m: nothing
+/// of the robot moves 5 mm in a millisecond.
+const NEAR_M: f64 = 0.005;
+/// Arm speed above which a hand counts as moving, rad/s: 1 mm/s at 0.25 m.
+const MOVING_RAD_S: f64 = 0.004;
+
+/// One hand of the world.
+#[derive(Clone, Debug)]
+pub(crate) struct Hand {
+    model: HandModel,
+    pub(crate) plant: Plant,
+    /// Where the command interpolation stands, rad.
+    reference_rad: HandVector,
+    pub(crate) contacts: [Contact; FINGERS],
+    /// The thing that each fingertip was nearest to.
+    facing: [usize; FINGERS],
+    vibration: Vibration,
+    contact_n_m: HandVector,
+    near: bool,
+}
+
+/// A fingertip in the base frame.
+struct Tip {
+    base_from_tip: robot_model::Transform,
+    velocity_m_s: Vector3<f64>,
+    angular_rad_s: Vector3<f64>,
+}
+
+impl Hand {
+    pub(crate) fn new(model: &HandModel, start_rad: HandVector, vibration: Vibration) -> Self {
+        Self {
+            model: model.clone(),
+            plant: Plant::at(model, start_rad),
+            reference_rad: start_rad,
+            contacts: [Contact::new(), Contact::new()],
+            facing: [0; FINGERS],
+            vibration,
+            contact_n_m: HandVector::zeros(),
+            near: false,
+        }
+    }
+
+    /// Looks round at the start of a millisecond of `dt_s`.
+    pub(crate) fn begin(&mut self, things: &[Thing], dt_s: f64) {
+        let arm_rad_s = (0..ARM_JOINTS)
+            .map(|joint| self.plant.velocity_rad_s[joint].abs())
+            .fold(0.0, f64::max);
+        self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
+        let pose = self.model.forward(&self.plant.position_rad);
+        self.near = things.iter().any(|thing| {
+            let reach_m =
+                thing.body.shape.bounding_radius_m() + self.model.dome_radius_m()[0] + NEAR_M;
+            let is_near = |finger| {
+                (pose.tip_m(finger) - thing.body.position_m).norm_squared() < reach_m * reach_m
+            };
+            (0..FINGERS).any(is_near)
+        });
+    }
+
+    /// The contacts of one substep: wrenches on the things, torques on the own joints.
+    pub(crate) fn touch(&mut self, pad: &Pad, things: &mut [Thing], dt_s: f64) {
+        let (tremble_m, tremble_m_s) = self.vibration.step();
+        self.contact_n_m = HandVector::zeros();
+        if !self.near {
+            self.contacts
+                .iter_mut()
+                .for_each(|contact| contact.free(dt_s));
+            return;
+        }
+        let pose = self.model.forward(&self.plant.position_rad);
+        for finger in 0..FINGERS {
+            let mut tip = self.tip(&pose, finger);
+            tip.base_from_tip.translation_m.z += tremble_m;
+            tip.velocity_m_s.z += tremble_m_s;
+            let thing = &mut things[self.face_nearest(finger, &tip, things)];
+            let contact = &mut self.contacts[finger];
+            let wrench = contact.press(pad, &thing.surface(), &tip.approach(thing), dt_s);
+            if contact.is_touching() {
+                thing.feel(&wrench, contact.normal_n);
+                self.react(&pose, finger, &tip.wrench_from(thing, &wrench));
+            }
+        }
+    }
+
+    /// The thing whose surface is nearest to a fingertip, which touches one thing at a time.
+    fn face_nearest(&mut self, finger: usize, tip: &Tip, things: &[Thing]) -> usize {
+        let gap_m = |index: &usize| things[*index].gap_m(&tip.base_from_tip.translation_m);
+        let nearest = (0..things.len())
+            .min_by(|a, b| gap_m(a).total_cmp(&gap_m(b)))
+            .unwrap_or(0);
+        if core::mem::replace(&mut self.facing[finger], nearest) != nearest {
+            self.contacts[finger].let_go();
+        }
+        nearest
+    }
+
+    /// Moves the joints by one of `substeps` substeps; `left` of them remain, this one included.
+    pub(crate) fn step(
+        &mut self,
+        target_rad: &HandVector,
+        feed_forward_rad_s: &HandVector,
+        left: usize,
+        dt_s: f64,
+    ) {
+        self.reference_rad += (target_rad - self.reference_rad) / left as f64;
+        self.plant.step(
+            &self.reference_rad,
+            feed_forward_rad_s,
+            &self.contact_n_m,
+            dt_s,
+        );
+    }
+
+    fn tip(&self, pose: &HandPose, finger: usize) -> Tip {
+        let base_from_tip = pose.base_from_tip()[finger];
+        let (mut velocity_m_s, mut angular_rad_s) = (Vector3::zeros(), Vector3::zeros());
+        for joint in chain(finger) {
+            let turning = pose.joint_axis(joint) * self.plant.velocity_rad_s[joint];
+            velocity_m_s +=
+                turning.cross(&(base_from_tip.translation_m - pose.joint_origin_m(joint)));
+            angular_rad_s += turning;
+        }
+        Tip {
+            base_from_tip,
+            velocity_m_s,
+            angular_rad_s,
+        }
+    }
+
+    /// Joint torques of a wrench about the dome's centre, base frame: Jᵀ·w, joint by joint as virtual work.
+    fn react(&mut self, pose: &HandPose, finger: usize, wrench: &Wrench) {
+        let tip_m = pose.tip_m(finger);
+        for joint in chain(finger) {
+            let arm_m = tip_m - pose.joint_origin_m(joint);
+            let moment_n_m = arm_m.cross(&wrench.force_n) + wrench.moment_n_m;
+            self.contact_n_m[joint] += pose.joint_axis(joint).dot(&moment_n_m);
+        }
+    }
+}
+
+/// The joints that move a finger's tip: the arm's and its own.
+fn chain(finger: usize) -> impl Iterator<Item = usize> {
+    let root = finger_root(finger);
+    (0..ARM_JOINTS).chain(root..root + FINGER_JOINTS)
+}
+
+impl Tip {
+    /// The same seen from a thing.
+    fn approach(&self, thing: &Thing) -> Approach {
+        let body = &thing.body;
+        let body_from_base = body.base_from_body.transpose();
+        let centre_m = body_from_base * (self.base_from_tip.translation_m - body.position_m);
+        let angular = body_from_base * self.angular_rad_s;
+        let velocity = body_from_base * (self.velocity_m_s - body.velocity_m_s);
+        Approach {
+            object_from_tip: body_from_base * self.base_from_tip.rotation,
+            centre_m,
+            velocity_m_s: velocity - angular.cross(&centre_m),
+            angular_rad_s: angular - body_from_base * body.angular_rad_s,
+        }
+    }
+    /// The wrench of a thing on the tip about the dome's centre, base frame, from the tip's wrench on the thing.
+    fn wrench_from(&self, thing: &Thing, on_thing: &Wrench) -> Wrench {
+        let body = &thing.body;
+        let force_n = -(body.base_from_body * on_thing.force_n);
+        let about_thing_n_m = -(body.base_from_body * on_thing.moment_n_m);
+        let arm_m = self.base_from_tip.translation_m - body.position_m;
+        Wrench {
+            force_n,
+            moment_n_m: about_thing_n_m - arm_m.cross(&force_n),
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Objects as data: what a TOML file says of one, checked.
+//!
+//! ```toml
+//! name = "paper-box"
+//! mass_kg = 0.020
+//! friction = 0.4                     # against a fingertip, static
+//! stiffness_n_m = 1500.0             # under one fingertip; leave out for a rigid object
+//! crush_n = 1.5                      # leave out if nothing crushes it
+//! shape = { kind = "box", size_m = [0.05, 0.05, 0.05] }
+//! # or: shape = { kind = "cylinder", radius_m = 0.03, height_m = 0.12 }
+//! ```
+//!
+//! The file's x axis is the closing axis of a grasp; z is up. Unknown keys and values out of range are refused.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use crate::shape::Shape;
+
+/// A checked object. Rigid objects have an infinite stiffness, robust ones an infinite crushing force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// Its name, at most 31 bytes.
+    pub name: String,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Static friction coefficient against a fingertip.
+    pub friction: f64,
+    /// Stiffness under one fingertip, N/m.
+    pub stiffness_n_m: f64,
+    /// Normal force of one fingertip that crushes it, N.
+    pub crush_n: f64,
+    /// Its outline.
+    pub shape: Shape,
+}
+
+/// Why an object could not be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ObjectError {
+    /// No built-in object has this name.
+    #[error(
+        "could not find an object because {name:?} is not built in, needs one of {known}{hint}, or the path of a file"
+    )]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// The built-in names.
+        known: String,
+        /// The nearest name, as a sentence; empty if none is near.
+        hint: String,
+    },
+    /// The file could not be read.
+    #[error(
+        "could not read the object file {path:?} because {source}; check the path and its permissions"
+    )]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The text is not an object.
+    #[error(
+        "could not understand the object {origin} because {message}; see the examples in sim-backend/objects"
+    )]
+    Malformed {
+        /// The file, or the built-in name.
+        origin: String,
+        /// What the parser said, with the place in the text.
+        message: String,
+    },
+    /// A value is out of range.
+    #[error(
+        "could not use the object {origin} because {key} was {value}, needs {lower} to {upper}; correct the file"
+    )]
+    OutOfRange {
+        /// The file, or the built-in name.
+        origin: String,
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// The lowest value allowed.
+        lower: f64,
+        /// The highest value allowed.
+        upper: f64,
+    },
+}
+
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        /// The built-in objects: name and file.
+        const BUILT_IN: &[(&str, &str)] = &[$(($name, include_str!(concat!("../objects/", $name, ".toml")))),*];
+    };
+}
+built_in!(
+    "wood",
+    "slippery-200",
+    "slippery-50",
+    "paper-box",
+    "sponge",
+    "bottle",
+    "heavy-block",
+    "filled-paper-box",
+);
+
+/// Allowed values: wide enough for anything two fingertips can hold, narrow enough for a stable simulation. Ours.
+mod range {
+    pub(super) const MASS_KG: [f64; 2] = [0.01, 5.0];
+    pub(super) const FRICTION: [f64; 2] = [0.05, 2.0];
+    pub(super) const STIFFNESS_N_M: [f64; 2] = [100.0, 1e6];
+    pub(super) const CRUSH_N: [f64; 2] = [0.1, 1e3];
+    pub(super) const LENGTH_M: [f64; 2] = [0.01, 0.3];
+    pub(super) const NAME_BYTES: [f64; 2] = [1.0, 31.0];
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObjectFile {
+    name: String,
+    mass_kg: f64,
+    friction: f64,
+    stiffness_n_m: Option<f64>,
+    crush_n: Option<f64>,
+    shape: ShapeFile,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+enum ShapeFile {
+    Box { size_m: [f64; 3] },
+    Cylinder { radius_m: f64, height_m: f64 },
+}
+
+impl Object {
+    /// Names of the built-in objects: six that can be held, two that must be refused.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.iter().map(|(name, _)| *name)
+    }
+
+    /// A built-in object.
+    ///
+    /// # Errors
+    /// [`ObjectError::Unknown`] if no built-in object has this name.
+    pub fn built_in(name: &str) -> Result<Self, ObjectError> {
+        match BUILT_IN.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => Self::parse(text, name),
+            None => Err(unknown(name)),
+        }
+    }
+
+    /// An object from a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is not an object, or holds a value out of range.
+    pub fn from_file(path: &Path) -> Result<Self, ObjectError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ObjectError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// A built-in object by its name, or a file if the text looks like a path.
+    ///
+    /// # Errors
+    /// As [`Object::built_in`] and [`Object::from_file`].
+    pub fn named_or_file(text: &str) -> Result<Self, ObjectError> {
+        let is_path = text.contains(std::path::MAIN_SEPARATOR) || text.ends_with(".toml");
+        if is_path {
+            Self::from_file(Path::new(text))
+        } else {
+            Self::built_in(text)
+        }
+    }
+
+    /// An object from the text of a file; `origin` is what errors call it.
+    ///
+    /// # Errors
+    /// [`ObjectError::Malformed`], [`ObjectError::OutOfRange`].
+    pub fn parse(text: &str, origin: &str) -> Result<Self, ObjectError> {
+        let malformed = |e: toml::de::Error| ObjectError::Malformed {
+            origin: origin.into(),
+            message: e.to_string(),
+        };
+        let file: ObjectFile = toml::from_str(text).map_err(malformed)?;
+        let check = |key, value, range| checked(origin, key, value, range);
+        check(
+            "the length of name in bytes",
+            file.name.len() as f64,
+            range::NAME_BYTES,
+        )?;
+        Ok(Self {
+            mass_kg: check("mass_kg", file.mass_kg, range::MASS_KG)?,
+            friction: check("friction", file.friction, range::FRICTION)?,
+            stiffness_n_m: or_infinite(file.stiffness_n_m, |k| {
+                check("stiffness_n_m", k, range::STIFFNESS_N_M)
+            })?,
+            crush_n: or_infinite(file.crush_n, |force| {
+                check("crush_n", force, range::CRUSH_N)
+            })?,
+            shape: file.shape.checked(origin)?,
+            name: file.name,
+        })
+    }
+
+    /// Force that each of two fingers must press with to carry it, m·g / (2·μ), N.
+    #[must_use]
+    pub fn needed_n(&self) -> f64 {
+        self.mass_kg * crate::body::GRAVITY_M_S2 / (2.0 * self.friction)
+    }
+}
+
+impl ShapeFile {
+    fn checked(self, origin: &str) -> Result<Shape, ObjectError> {
+        let length = |key, value| checked(origin, key, value, range::LENGTH_M);
+        match self {
+            Self::Box { size_m: [x, y, z] } => {
+                let size_m = Vector3::new(
+                    length("shape.size_m[0]", x)?,
+                    length("shape.size_m[1]", y)?,
+                    length("shape.size_m[2]", z)?,
+                );
+                Ok(Shape::Box {
+                    half_m: size_m / 2.0,
+                })
+            }
+            Self::Cylinder { radius_m, height_m } => Ok(Shape::Cylinder {
+                radius_m: length("twice shape.radius_m", 2.0 * radius_m)? / 2.0,
+                half_height_m: length("shape.height_m", height_m)? / 2.0,
+            }),
+        }
+    }
+}
+
+/// The value, if it lies in its range; NaN lies in none.
+fn checked(
+    origin: &str,
+    key: &'static str,
+    value: f64,
+    [lower, upper]: [f64; 2],
+) -> Result<f64, ObjectError> {
+    if value >= lower && value <= upper {
+        return Ok(value);
+    }
+    Err(ObjectError::OutOfRange {
+        origin: origin.into(),
+        key,
+        value,
+        lower,
+        upper,
+    })
+}
+
+fn or_infinite(
+    value: Option<f64>,
+    check: impl FnOnce(f64) -> Result<f64, ObjectError>,
+) -> Result<f64, ObjectError> {
+    value.map_or(Ok(f64::INFINITY), check)
+}
+
+fn unknown(name: &str) -> ObjectError {
+    let known: Vec<&str> = Object::names().collect();
+    let nearest = known
+        .iter()
+        .map(|known| (edit_distance(known, name), known))
+        .min();
+    let hint = match nearest {
+        Some((distance, known)) if distance <= known.len() / 2 => {
+            format!(" (did you mean {known:?}?)")
+        }
+        _ => String::new(),
+    };
+    ObjectError::Unknown {
+        name: name.into(),
+        known: known.join(", "),
+        hint,
+    }
+}
+
+/// Levenshtein distance in characters.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut diagonal = core::mem::replace(&mut row[0], i + 1);
+        for (j, to) in b.chars().enumerate() {
+            let cheapest = (diagonal + usize::from(from != to))
+                .min(row[j] + 1)
+                .min(row[j + 1] + 1);
+            diagonal = core::mem::replace(&mut row[j + 1], cheapest);
+        }
+    }
+    row.last().copied().unwrap_or(0)
+}

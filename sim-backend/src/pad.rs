@@ -1,0 +1,92 @@
+//! The fingertip's soft skin: where its bristles are and how stiff they are.
+//!
+//! Every element of the layout carries seven bristles, one at its centre and six around it. A single bristle per
+//! element is wrong: new elements then enter the contact in jumps, and the force rises too slowly with the indentation
+//! (slope 524 instead of 844 N/m in the hardness probe).
+
+use shm_schemas::Layout;
+
+/// Bristles per element (tactile design; 1 is measurably wrong, 19 changes nothing more).
+pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
+/// Bristles of a full dome.
+pub(crate) const BRISTLES: usize = DOME_ELEMENTS * BRISTLES_PER_ELEMENT;
+/// Elements of the simulated dome, layout `dome-41`.
+pub(crate) const DOME_ELEMENTS: usize = 41;
+/// Length of the bristle arrays: [`BRISTLES`] rounded up to whole vectors.
+pub(crate) const LANES: usize = BRISTLES.next_multiple_of(8);
+
+/// Winkler foundation stiffness of the skin, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
+pub(crate) const FOUNDATION_N_M3: f64 = 1.7e8;
+/// Distance of the six outer bristles from their element's centre, in radii of a disc of the element's area (prototype).
+const RING_RADIUS: f64 = 0.66;
+
+/// The bristles of one dome, tip frame; the same for every fingertip.
+#[derive(Clone, Debug)]
+pub(crate) struct Pad {
+    /// Outward unit vectors of the bristles, by component; bristle b belongs to element b / 7. Padding is zero.
+    pub(crate) direction: [[f64; LANES]; 3],
+    /// Distance of the bristles from the dome's centre, m.
+    pub(crate) radius_m: f64,
+    /// Normal stiffness of one bristle, N/m.
+    pub(crate) stiffness_n_m: f64,
+    /// Bristles in use.
+    pub(crate) count: usize,
+    /// Bristles per element in use.
+    per_element: usize,
+}
+
+impl Pad {
+    /// The skin of a dome of layout `dome-41`.
+    #[must_use]
+    pub(crate) fn dome_41() -> Self {
+        Self::with_bristles(&Layout::dome_41(), BRISTLES_PER_ELEMENT)
+    }
+
+    /// The skin of a layout with this many bristles per element, 1 to [`BRISTLES_PER_ELEMENT`].
+    pub(crate) fn with_bristles(layout: &Layout, per_element: usize) -> Self {
+        let ring_rad = RING_RADIUS * libm::sqrt(layout.element_area_m2 / core::f64::consts::PI)
+            / layout.radius_m;
+        let mut pad = Self {
+            direction: [[0.0; LANES]; 3],
+            radius_m: layout.radius_m,
+            stiffness_n_m: FOUNDATION_N_M3 * layout.element_area_m2 / per_element as f64,
+            count: layout.count * per_element,
+            per_element,
+        };
+        for element in 0..layout.count {
+            for sub in 0..per_element {
+                let (offset1, offset2) = offset_in_element(sub, per_element, ring_rad);
+                pad.place(layout, element, sub, offset1, offset2);
+            }
+        }
+        pad
+    }
+
+    fn place(&mut self, layout: &Layout, element: usize, sub: usize, offset1: f64, offset2: f64) {
+        let (d, t1, t2) = (
+            layout.normal[element],
+            layout.tangent1[element],
+            layout.tangent2[element],
+        );
+        let leaning = [0, 1, 2].map(|axis| d[axis] + t1[axis] * offset1 + t2[axis] * offset2);
+        let length = libm::sqrt(leaning.iter().map(|x| x * x).sum());
+        for axis in 0..3 {
+            self.direction[axis][element * self.per_element + sub] = leaning[axis] / length;
+        }
+    }
+
+    /// The element that a bristle belongs to.
+    pub(crate) fn element_of(&self, bristle: usize) -> usize {
+        bristle / self.per_element
+    }
+}
+
+/// Where a bristle stands in its element, rad along both tangents: the first at the centre, the others on a ring.
+fn offset_in_element(sub: usize, per_element: usize, ring_rad: f64) -> (f64, f64) {
+    if sub == 0 {
+        return (0.0, 0.0);
+    }
+    let angle = core::f64::consts::TAU * sub as f64 / (per_element - 1) as f64;
+    let (sin, cos) = libm::sincos(angle);
+    (ring_rad * cos, ring_rad * sin)
+}

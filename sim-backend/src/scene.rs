@@ -1,0 +1,272 @@
+//! Scenes: which objects stand where, how good the sensors are, and how reality differs from what a client is told.
+//!
+//! A scene has a nominal side, which a client may know ([`Scene::grasp_hint`]), and a true side, which only the world
+//! knows. [`Scene::varied`] moves the true side within the seeded family of the evaluation and leaves the nominal alone.
+
+use core::f64::consts::FRAC_PI_2;
+
+use nalgebra::Vector3;
+use robot_model::{GraspFrame, ROBOT_JOINTS, RobotModel, Side, Unreachable};
+
+use crate::object::Object;
+use crate::random::Random;
+
+/// Objects in one scene, the capacity of [`shm_schemas::WorldTruth`].
+pub const OBJECTS_MAX: usize = 4;
+/// Where objects stand by default: x, and the distance from the middle towards the acting hand, m. Well inside the proved
+/// workspace, and on a bearing that leaves the wrist nearly straight.
+const DEFAULT_PLACE_M: [f64; 2] = [0.32, 0.15];
+/// Default closing axis: along y, so that both hands may work side by side (robot design).
+const DEFAULT_YAW_RAD: f64 = FRAC_PI_2;
+/// Home of a hand: x, distance from the middle, height of the point between the fingertips, m (robot design).
+const HOME_M: [f64; 3] = [0.26, 0.22, 0.15];
+/// Distance between the fingertips at home, m. Ours: wider than every built-in object.
+const HOME_OPENING_M: f64 = 0.07;
+/// Lowest grasp height, m (robot design: dome centre ≥ 16 mm, grasp height ≥ 25 mm).
+const GRASP_HEIGHT_MIN_M: f64 = 0.025;
+/// A grasp aims a little above the centre of mass, so that the object hangs: height over half height (prototype).
+const GRASP_HEIGHT_RATIO: f64 = 1.15;
+/// Distance that a grasp keeps from the object's top, m (prototype): the dome's contact patch must fit.
+const GRASP_BELOW_TOP_M: f64 = 0.010;
+/// Amplitude of the hands' tremble, m (tactile design).
+const VIBRATION_M: f64 = 1e-5;
+/// Rate of a sensor that keeps up with the tick, Hz.
+const FULL_RATE_HZ: u32 = 1000;
+
+/// Half widths of the seeded families (issue: mass, friction, stiffness ±20 %, pose ±2 mm and ±5°).
+mod family {
+    pub(super) const MASS: f64 = 0.2;
+    pub(super) const FRICTION: f64 = 0.2;
+    pub(super) const STIFFNESS: f64 = 0.2;
+    pub(super) const POSITION_M: f64 = 0.002;
+    pub(super) const YAW_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
+}
+
+/// An object with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// What it truly is.
+    pub object: Object,
+    /// Where it truly stands on the table: x, y, base frame, m.
+    pub position_m: [f64; 2],
+    /// Direction of its x axis, rad from +x towards +y.
+    pub yaw_rad: f64,
+    /// What a client is told.
+    nominal: GraspHint,
+}
+
+/// Where a client would grasp an object, from nominal knowledge: the fields of a goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GraspHint {
+    /// Where the fingertips shall close, base frame, m.
+    pub from_m: [f64; 3],
+    /// Direction of the closing axis, rad from +x towards +y.
+    pub yaw_rad: f64,
+    /// Width along the closing axis, m.
+    pub width_m: f64,
+}
+
+/// Everything that a world starts from, but the seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// The objects, at most [`OBJECTS_MAX`].
+    pub objects: Vec<Placed>,
+    /// Frames per second of each hand's sensor, 1 to 1000; left, right.
+    pub sensor_rate_hz: [u32; 2],
+    /// Scales the noise of the fingertip sensors; 1 is the design's, 0 is none.
+    pub noise_factor: f64,
+    /// Amplitude of the hands' tremble, m.
+    pub vibration_m: f64,
+    /// Joints at the start, rad; `None` is home.
+    pub start_rad: Option<[f64; ROBOT_JOINTS]>,
+}
+
+/// Why a world could not be made from a scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// More objects than fit.
+    #[error(
+        "could not set the scene because it has {0} objects, needs at most {OBJECTS_MAX}; take some away"
+    )]
+    TooManyObjects(usize),
+    /// A number is out of range.
+    #[error(
+        "could not set the scene because {what} was {value}, needs {lower} to {upper}; correct it"
+    )]
+    OutOfRange {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+        /// The lowest value allowed.
+        lower: f64,
+        /// The highest value allowed.
+        upper: f64,
+    },
+    /// The home posture is out of this robot's reach.
+    #[error("could not bring the {side:?} hand home: {source}")]
+    HomeUnreachable {
+        /// Which hand.
+        side: Side,
+        /// How far off the best posture is.
+        source: Unreachable,
+    },
+}
+
+impl Default for Scene {
+    /// An empty table, full-rate sensors, the design's noise and tremble, hands at home.
+    fn default() -> Self {
+        Self {
+            objects: Vec::new(),
+            sensor_rate_hz: [FULL_RATE_HZ; 2],
+            noise_factor: 1.0,
+            vibration_m: VIBRATION_M,
+            start_rad: None,
+        }
+    }
+}
+
+impl Placed {
+    /// An object at a place, known to clients exactly.
+    #[must_use]
+    pub fn new(object: Object, position_m: [f64; 2], yaw_rad: f64) -> Self {
+        let half_m = object.shape.half_height_m();
+        let height_m = (GRASP_HEIGHT_RATIO * half_m)
+            .min(2.0 * half_m - GRASP_BELOW_TOP_M)
+            .max(GRASP_HEIGHT_MIN_M);
+        let from_m = [position_m[0], position_m[1], height_m];
+        let nominal = GraspHint {
+            from_m,
+            yaw_rad,
+            width_m: object.shape.width_m(),
+        };
+        Self {
+            object,
+            position_m,
+            yaw_rad,
+            nominal,
+        }
+    }
+
+    /// The same with its true properties and pose drawn from its family.
+    fn varied(&self, random: &mut Random) -> Self {
+        let mut varied = self.clone();
+        let mut scale = |half_width: f64| random.between(1.0 - half_width, 1.0 + half_width);
+        varied.object.mass_kg *= scale(family::MASS);
+        varied.object.friction *= scale(family::FRICTION);
+        varied.object.stiffness_n_m *= scale(family::STIFFNESS);
+        let mut shift = |half_width: f64| random.between(-half_width, half_width);
+        varied.position_m[0] += shift(family::POSITION_M);
+        varied.position_m[1] += shift(family::POSITION_M);
+        varied.yaw_rad += shift(family::YAW_RAD);
+        varied
+    }
+}
+
+impl Scene {
+    /// One object in front of one hand.
+    #[must_use]
+    pub fn grasp(object: Object, side: Side) -> Self {
+        let [x_m, off_middle_m] = DEFAULT_PLACE_M;
+        let placed = Placed::new(object, [x_m, side.y_sign() * off_middle_m], DEFAULT_YAW_RAD);
+        Self {
+            objects: vec![placed],
+            ..Self::default()
+        }
+    }
+
+    /// The same scene with every object's true mass, friction, stiffness and pose drawn from its family. What clients are
+    /// told stays as it is.
+    #[must_use]
+    pub fn varied(&self, seed: u64) -> Self {
+        let mut random = Random::new(seed, stream::FAMILY);
+        let objects = self
+            .objects
+            .iter()
+            .map(|placed| placed.varied(&mut random))
+            .collect();
+        Self {
+            objects,
+            ..self.clone()
+        }
+    }
+
+    /// Where a client would grasp the object with this index; `None` if there is none.
+    #[must_use]
+    pub fn grasp_hint(&self, index: usize) -> Option<GraspHint> {
+        self.objects.get(index).map(|placed| placed.nominal)
+    }
+
+    /// Refuses what cannot be simulated.
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        if self.objects.len() > OBJECTS_MAX {
+            return Err(SceneError::TooManyObjects(self.objects.len()));
+        }
+        in_range("the noise factor", self.noise_factor, 0.0, 100.0)?;
+        in_range("the vibration in metres", self.vibration_m, 0.0, 1e-3)?;
+        for rate_hz in self.sensor_rate_hz {
+            in_range(
+                "the sensor rate in hertz",
+                f64::from(rate_hz),
+                1.0,
+                f64::from(FULL_RATE_HZ),
+            )?;
+        }
+        for placed in &self.objects {
+            in_range("an object's x in metres", placed.position_m[0], -2.0, 2.0)?;
+            in_range("an object's y in metres", placed.position_m[1], -2.0, 2.0)?;
+            in_range("an object's yaw in radians", placed.yaw_rad, -10.0, 10.0)?;
+        }
+        for angle_rad in self.start_rad.iter().flatten() {
+            in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
+        }
+        Ok(())
+    }
+
+    /// Joint angles at the start.
+    pub(crate) fn start(&self, robot: &RobotModel) -> Result<[f64; ROBOT_JOINTS], SceneError> {
+        self.start_rad.map_or_else(|| home_rad(robot), Ok)
+    }
+}
+
+/// The home posture: both hands in front of the body, pointing down, open.
+///
+/// # Errors
+/// [`SceneError::HomeUnreachable`] for a robot of other dimensions that cannot get there.
+pub fn home_rad(robot: &RobotModel) -> Result<[f64; ROBOT_JOINTS], SceneError> {
+    let mut home_rad = [0.0; ROBOT_JOINTS];
+    for side in Side::BOTH {
+        let hand = robot.hand(side);
+        let centre_m = Vector3::new(HOME_M[0], side.y_sign() * HOME_M[1], HOME_M[2]);
+        let yaw_rad = hand.closing_yaw_rad(&centre_m, DEFAULT_YAW_RAD);
+        let posture = hand
+            .posture_for(&GraspFrame::from_above(centre_m, yaw_rad, HOME_OPENING_M))
+            .map_err(|source| SceneError::HomeUnreachable { side, source })?;
+        home_rad[side.joint_range()].copy_from_slice(posture.q_rad.as_slice());
+    }
+    Ok(home_rad)
+}
+
+/// NaN lies in no range.
+fn in_range(what: &'static str, value: f64, lower: f64, upper: f64) -> Result<(), SceneError> {
+    if value >= lower && value <= upper {
+        Ok(())
+    } else {
+        Err(SceneError::OutOfRange {
+            what,
+            value,
+            lower,
+            upper,
+        })
+    }
+}
+
+/// Streams of a seed, so that adding a draw in one place changes nothing in another.
+pub(crate) mod stream {
+    pub(crate) const FAMILY: u64 = 1;
+    pub(crate) const EPOCH: u64 = 2;
+    /// Plus the hand's index.
+    pub(crate) const VIBRATION: u64 = 10;
+    /// Plus four times the hand's index, plus the finger's.
+    pub(crate) const TIP_SENSOR: u64 = 20;
+}

@@ -1,0 +1,195 @@
+//! Shapes of objects, and where a fingertip meets them.
+//!
+//! A convex shape meets a dome on the [`Face`] that separates it farthest from the dome's centre. The face's supporting
+//! plane bounds the shape, so one dot product per bristle tells which bristles cannot touch; only the others ask
+//! [`Face::depth_at`]. Coordinates are the object's: origin in the centre of mass, z upright.
+
+use nalgebra::Vector3;
+
+/// The outline of a rigid object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A box with these half edges, m.
+    Box {
+        /// Half edges along x, y, z, m.
+        half_m: Vector3<f64>,
+    },
+    /// A cylinder about z.
+    Cylinder {
+        /// Radius, m.
+        radius_m: f64,
+        /// Half of its height, m.
+        half_height_m: f64,
+    },
+}
+
+/// One face of a shape, as a dome sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Face {
+    shape: Shape,
+    /// Axis that the face is normal to; 2 is an end of a cylinder, 0 its side.
+    axis: usize,
+    /// Outward normal of the supporting plane.
+    pub(crate) normal: Vector3<f64>,
+    /// Distance of the supporting plane from the origin, m.
+    pub(crate) offset_m: f64,
+}
+
+impl Shape {
+    /// The face that separates the shape farthest from a point.
+    pub(crate) fn face_towards(&self, point_m: &Vector3<f64>) -> Face {
+        match *self {
+            Self::Box { half_m } => {
+                let beyond = point_m.abs() - half_m;
+                let axis = beyond.imax();
+                self.flat_face(axis, point_m[axis], half_m[axis])
+            }
+            Self::Cylinder {
+                radius_m,
+                half_height_m,
+            } => {
+                let radial_m = radial_distance_m(point_m);
+                if point_m.z.abs() - half_height_m > radial_m - radius_m {
+                    return self.flat_face(2, point_m.z, half_height_m);
+                }
+                // On the axis every direction is as good as another.
+                let normal = if radial_m > 0.0 {
+                    Vector3::new(point_m.x, point_m.y, 0.0) / radial_m
+                } else {
+                    Vector3::x()
+                };
+                Face {
+                    shape: *self,
+                    axis: 0,
+                    normal,
+                    offset_m: radius_m,
+                }
+            }
+        }
+    }
+
+    fn flat_face(&self, axis: usize, side: f64, offset_m: f64) -> Face {
+        let mut normal = Vector3::zeros();
+        normal[axis] = 1.0_f64.copysign(side);
+        Face {
+            shape: *self,
+            axis,
+            normal,
+            offset_m,
+        }
+    }
+
+    /// Radius of the sphere about the origin that holds the shape, m.
+    pub(crate) fn bounding_radius_m(&self) -> f64 {
+        match *self {
+            Self::Box { half_m } => half_m.norm(),
+            Self::Cylinder {
+                radius_m,
+                half_height_m,
+            } => (radius_m * radius_m + half_height_m * half_height_m).sqrt(),
+        }
+    }
+
+    /// Half of its extent along z when it stands upright, m.
+    #[must_use]
+    pub fn half_height_m(&self) -> f64 {
+        match *self {
+            Self::Box { half_m } => half_m.z,
+            Self::Cylinder { half_height_m, .. } => half_height_m,
+        }
+    }
+
+    /// Its extent along x, m: what a grasp with closing axis x spans.
+    #[must_use]
+    pub fn width_m(&self) -> f64 {
+        match *self {
+            Self::Box { half_m } => 2.0 * half_m.x,
+            Self::Cylinder { radius_m, .. } => 2.0 * radius_m,
+        }
+    }
+
+    /// Principal moments of inertia of a homogeneous body of this shape and mass, kg·m².
+    pub(crate) fn inertia_kg_m2(&self, mass_kg: f64) -> Vector3<f64> {
+        match *self {
+            Self::Box { half_m } => {
+                let square = half_m.component_mul(&half_m);
+                Vector3::new(
+                    square.y + square.z,
+                    square.x + square.z,
+                    square.x + square.y,
+                ) * (mass_kg / 3.0)
+            }
+            Self::Cylinder {
+                radius_m,
+                half_height_m,
+            } => {
+                let about_z = 0.5 * mass_kg * radius_m * radius_m;
+                let about_x = 0.5 * about_z + mass_kg * half_height_m * half_height_m / 3.0;
+                Vector3::new(about_x, about_x, about_z)
+            }
+        }
+    }
+
+    /// Points of the surface that the table may touch: the corners of a box, an octagon on each end of a cylinder.
+    pub(crate) fn corners_m(&self) -> Vec<Vector3<f64>> {
+        match *self {
+            Self::Box { half_m } => {
+                let sign =
+                    |corner: usize, axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+                let corner =
+                    |index| half_m.component_mul(&Vector3::from_fn(|axis, _| sign(index, axis)));
+                (0..8).map(corner).collect()
+            }
+            Self::Cylinder {
+                radius_m,
+                half_height_m,
+            } => {
+                let corner = |eighth: u32, z_m: f64| {
+                    let (sin, cos) = libm::sincos(f64::from(eighth) * core::f64::consts::FRAC_PI_4);
+                    Vector3::new(radius_m * cos, radius_m * sin, z_m)
+                };
+                let ends = [-half_height_m, half_height_m];
+                ends.into_iter()
+                    .flat_map(|z_m| (0..8).map(move |eighth| corner(eighth, z_m)))
+                    .collect()
+            }
+        }
+    }
+}
+
+impl Face {
+    /// How deep a point lies under the face, m, and the face's outward normal there; `None` outside of the face's edges.
+    /// The depth is negative above the face.
+    pub(crate) fn depth_at(&self, point_m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        match self.shape {
+            Shape::Box { half_m } => {
+                let (a, b) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+                let inside = point_m[a].abs() <= half_m[a] && point_m[b].abs() <= half_m[b];
+                inside.then(|| self.flat_depth(point_m))
+            }
+            Shape::Cylinder {
+                radius_m,
+                half_height_m,
+            } => {
+                let radial_m = radial_distance_m(point_m);
+                if self.axis == 2 {
+                    return (radial_m <= radius_m).then(|| self.flat_depth(point_m));
+                }
+                (point_m.z.abs() <= half_height_m && radial_m > 0.0).then(|| {
+                    (
+                        radius_m - radial_m,
+                        Vector3::new(point_m.x / radial_m, point_m.y / radial_m, 0.0),
+                    )
+                })
+            }
+        }
+    }
+
+    fn flat_depth(&self, point_m: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        (self.offset_m - self.normal.dot(point_m), self.normal)
+    }
+}
+
+fn radial_distance_m(point_m: &Vector3<f64>) -> f64 {
+    (point_m.x * point_m.x + point_m.y * point_m.y).sqrt()
+}

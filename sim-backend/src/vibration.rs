@@ -1,0 +1,77 @@
+//! The tremble of a hand: a vertical displacement of both fingertips that the encoders do not see.
+//!
+//! Two tones, 12 Hz and a quarter of its amplitude at 45 Hz (prototype), each with a seeded phase, five times weaker while
+//! the hand is not being moved. Each tone is a phasor turned once per substep.
+
+use crate::random::Random;
+
+/// Frequencies, Hz, and amplitudes relative to the setting (tactile design).
+const TONES: [(f64, f64); 2] = [(12.0, 1.0), (45.0, 0.25)];
+/// Share of the amplitude that remains at rest (prototype).
+const AT_REST: f64 = 0.2;
+/// Time constant of the change between rest and motion, s. Ours: no jump of the displacement.
+const BLEND_S: f64 = 0.05;
+
+/// One hand's tremble.
+#[derive(Clone, Debug)]
+pub(crate) struct Vibration {
+    amplitude_m: f64,
+    share: f64,
+    tones: [Tone; 2],
+}
+
+#[derive(Clone, Debug)]
+struct Tone {
+    omega_rad_s: f64,
+    weight: f64,
+    /// Cosine and sine of the present phase, and of the phase's advance in one substep.
+    phase: [f64; 2],
+    advance: [f64; 2],
+}
+
+impl Vibration {
+    pub(crate) fn new(amplitude_m: f64, dt_s: f64, random: &mut Random) -> Self {
+        let tone = |(frequency_hz, weight): (f64, f64), random: &mut Random| {
+            let omega_rad_s = core::f64::consts::TAU * frequency_hz;
+            let phasor = |angle: f64| [libm::cos(angle), libm::sin(angle)];
+            let phase = phasor(random.between(0.0, core::f64::consts::TAU));
+            Tone {
+                omega_rad_s,
+                weight,
+                phase,
+                advance: phasor(omega_rad_s * dt_s),
+            }
+        };
+        Self {
+            amplitude_m,
+            share: AT_REST,
+            tones: TONES.map(|t| tone(t, random)),
+        }
+    }
+
+    /// Blends towards rest or motion, once per `dt_s`.
+    pub(crate) fn blend(&mut self, moving: bool, dt_s: f64) {
+        let wanted = if moving { 1.0 } else { AT_REST };
+        self.share += (wanted - self.share) * (dt_s / BLEND_S);
+    }
+
+    /// Goes one substep on; returns displacement, m, and velocity, m/s.
+    pub(crate) fn step(&mut self) -> (f64, f64) {
+        let scale_m = self.amplitude_m * self.share;
+        let mut sum = (0.0, 0.0);
+        for tone in &mut self.tones {
+            let [cos, sin] = tone.turn();
+            sum.0 += scale_m * tone.weight * sin;
+            sum.1 += scale_m * tone.weight * tone.omega_rad_s * cos;
+        }
+        sum
+    }
+}
+
+impl Tone {
+    fn turn(&mut self) -> [f64; 2] {
+        let ([c, s], [a, b]) = (self.phase, self.advance);
+        self.phase = [c * a - s * b, s * a + c * b];
+        self.phase
+    }
+}

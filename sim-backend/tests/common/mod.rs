@@ -1,0 +1,122 @@
+//! A robot that follows a script: what the tests of the world need instead of a controller.
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use nalgebra::Vector3;
+use robot_model::{GraspFrame, HandVector, IkWeights, ROBOT_JOINTS, RobotModel, Side};
+use shm_schemas::JointCommand;
+use sim_backend::{GraspHint, Scene, Sensed, World};
+
+/// A hand under script: a grasp frame goes in, commands for the whole robot come out.
+pub struct Script {
+    pub robot: RobotModel,
+    pub world: World,
+    pub sensed: Sensed,
+    pub frame: GraspFrame,
+    side: Side,
+    q_rad: HandVector,
+    others_rad: [f64; ROBOT_JOINTS],
+    sequence: u64,
+}
+
+/// Compliance-free start: fingertips this far from the object on both sides, m.
+pub const START_GAP_M: f64 = 0.002;
+
+impl Script {
+    /// The hand stands around the nominal grasp, [`START_GAP_M`] away on both sides.
+    pub fn around(mut scene: Scene, side: Side, seed: u64) -> Self {
+        let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let hand = robot.hand(side);
+        let GraspHint {
+            from_m,
+            yaw_rad,
+            width_m,
+        } = scene.grasp_hint(0).expect("an object");
+        let centre_m = Vector3::from(from_m);
+        let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
+        let frame = GraspFrame::from_above(centre_m, yaw_rad, width_m + 2.0 * START_GAP_M);
+        let q_rad = hand.posture_for(&frame).expect("a reachable grasp").q_rad;
+        let mut start_rad = sim_backend::home_rad(&robot).expect("home");
+        start_rad[side.joint_range()].copy_from_slice(q_rad.as_slice());
+        scene.start_rad = Some(start_rad);
+        let world = World::new(&robot, &scene, seed).expect("a world");
+        Self {
+            robot,
+            world,
+            sensed: Sensed::default(),
+            frame,
+            side,
+            q_rad,
+            others_rad: start_rad,
+            sequence: 0,
+        }
+    }
+
+    /// One tick: sense, one step of inverse kinematics towards the frame, advance.
+    pub fn tick(&mut self) {
+        self.world.sense(&mut self.sensed);
+        let command = self.command();
+        self.world.advance(Some(&command));
+    }
+
+    pub fn ticks(&mut self, count: usize, mut change: impl FnMut(&mut Self)) {
+        for _ in 0..count {
+            change(self);
+            self.tick();
+        }
+    }
+
+    /// The sealed command for the present frame.
+    pub fn command(&mut self) -> JointCommand {
+        let hand = self.robot.hand(self.side);
+        let pose = hand.forward(&self.q_rad);
+        let target = self.frame.target(hand);
+        let step = hand.ik_step(
+            &pose,
+            &hand.jacobian(&pose),
+            &target,
+            1e-3,
+            &IkWeights::TICK,
+        );
+        self.q_rad = step.q_rad;
+        let mut command = JointCommand::default();
+        command.position_rad[..ROBOT_JOINTS].copy_from_slice(&self.others_rad);
+        let range = self.side.joint_range();
+        command.position_rad[range.clone()].copy_from_slice(step.q_rad.as_slice());
+        command.velocity_rad_s[range].copy_from_slice((step.dq_rad / 1e-3).as_slice());
+        command.stamp.sequence = self.sequence;
+        command.answers_sequence = self.sensed.joints.stamp.sequence;
+        command.joint_count = ROBOT_JOINTS as u32;
+        command.valid_until_ns = self.world.now_ns() + 5_000_000;
+        command.seal();
+        self.sequence += 1;
+        command
+    }
+
+    /// Closes both fingers at 2 mm/s each until both true normal forces reach `force_n`.
+    pub fn close_to(&mut self, force_n: f64) {
+        for _ in 0..20_000 {
+            if self.normal_n() >= force_n {
+                break;
+            }
+            self.frame
+                .half_opening_m
+                .iter_mut()
+                .for_each(|half| *half -= 2e-6);
+            self.tick();
+        }
+        self.ticks(100, |_| ());
+    }
+
+    /// The weaker finger's true normal force, N.
+    pub fn normal_n(&self) -> f64 {
+        let [a, b, ..] = self.world.truth().normal_n[self.side.index()];
+        a.min(b)
+    }
+
+    /// Moves up by `height_m` at 10 mm/s.
+    pub fn lift(&mut self, height_m: f64) {
+        self.ticks((height_m / 1e-5) as usize, |script| {
+            script.frame.centre_m.z += 1e-5
+        });
+    }
+}
