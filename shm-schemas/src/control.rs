@@ -1,9 +1,9 @@
 //! Control: everything a person or a service manager asks of the daemon besides goals.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::code::code;
 use crate::service::word;
 use crate::{Stamp, Text};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
     /// What is asked.

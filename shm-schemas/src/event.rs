@@ -1,9 +1,9 @@
 //! Events: what happened, when it happened, one record each.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::code::code;
 use crate::service::word;
 use crate::{Hand, Mode, Reason, Stamp, Text};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
     /// The modules of the paper, and the motions that carry them.

@@ -1,9 +1,9 @@
 //! What one hand's fingertips feel.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::capacity::{ELEMENTS, FINGERS};
 use crate::service::word;
 use crate::{Hand, Stamp};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
 word! {

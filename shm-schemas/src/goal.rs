@@ -1,10 +1,10 @@
 //! Goals: what a client asks for, and what it hears back.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::capacity::FINGERS;
 use crate::code::code;
 use crate::service::word;
 use crate::{Hand, Reason, Stamp, Text};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
     /// Which task.
@@ -93,6 +93,35 @@ word! {
         pub hold_s: f64,
         /// Name of the task for `CUSTOM`.
         pub task: Text<32>,
+    }
+}
+
+impl GoalRequest {
+    /// Names of [`GoalRequest::values`], in order; a [`Reason`] about a goal refers to them by index.
+    pub const VALUE_NAMES: [&'static str; 11] = [
+        "from x", "from y", "from z", "from yaw", "to x", "to y", "to z", "to yaw", "width",
+        "lift", "hold",
+    ];
+
+    /// Every number of the goal, in the order of [`GoalRequest::VALUE_NAMES`], SI units.
+    #[must_use]
+    pub fn values(&self) -> [f64; 11] {
+        let [from_x, from_y, from_z] = self.from_m;
+        let [to_x, to_y, to_z] = self.to_m;
+        let (from_yaw, to_yaw) = (self.from_yaw_rad, self.to_yaw_rad);
+        [
+            from_x,
+            from_y,
+            from_z,
+            from_yaw,
+            to_x,
+            to_y,
+            to_z,
+            to_yaw,
+            self.width_m,
+            self.lift_m,
+            self.hold_s,
+        ]
     }
 }
 

@@ -1,10 +1,10 @@
 //! What the robot's joints do and what they are told.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::Stamp;
 use crate::capacity::JOINTS;
 use crate::code::code;
 use crate::service::word;
-use crate::Stamp;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
 word! {

@@ -68,7 +68,11 @@ impl Layout {
         let mut element = 0;
         for (ring, &n) in rings.iter().enumerate() {
             let middle = (element as f64 + 0.5 * n as f64) / count as f64;
-            let theta = if ring == 0 { 0.0 } else { libm::acos(1.0 - middle * depth) };
+            let theta = if ring == 0 {
+                0.0
+            } else {
+                libm::acos(1.0 - middle * depth)
+            };
             for i in 0..n {
                 let phi = core::f64::consts::TAU * (i as f64 + 0.5 * (ring % 2) as f64) / n as f64;
                 layout.place(element, theta, phi);
@@ -85,7 +89,11 @@ impl Layout {
         let up = [-1.0, 0.0, 0.0];
         let d = [-sin_theta * sin_phi, sin_theta * cos_phi, cos_theta];
         let along = dot(up, d);
-        let t2 = unit([up[0] - d[0] * along, up[1] - d[1] * along, up[2] - d[2] * along]);
+        let t2 = unit([
+            up[0] - d[0] * along,
+            up[1] - d[1] * along,
+            up[2] - d[2] * along,
+        ]);
         self.normal[element] = d;
         self.tangent2[element] = t2;
         self.tangent1[element] = cross(t2, d);
@@ -112,7 +120,9 @@ pub const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 /// Continues an FNV-1a 64 hash over more bytes.
 #[must_use]
 pub fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(hash, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+    bytes.iter().fold(hash, |h, &b| {
+        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -120,7 +130,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {

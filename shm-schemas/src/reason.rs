@@ -1,9 +1,9 @@
 //! Reasons: why something was refused, held or stopped, in a form that prints as one clear sentence.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::ModuleId;
 use crate::code::code;
 use crate::service::word;
-use crate::ModuleId;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
     /// What went wrong.
@@ -22,6 +22,10 @@ code! {
         BUSY = 5, "busy";
         /// The daemon is not ready: see its mode.
         NOT_READY = 6, "not-ready";
+        /// The hand still holds an object.
+        HAND_FULL = 7, "hand-full";
+        /// The hand has no tactile sensor.
+        NO_SENSOR = 8, "no-sensor";
         /// No object was touched on the way in.
         NOTHING_TOUCHED = 10, "nothing-touched";
         /// The object needs more force than its hardness allows.
@@ -99,13 +103,21 @@ impl Reason {
     /// A cause without figures.
     #[must_use]
     pub fn of(cause: Cause) -> Self {
-        Self { cause, ..Self::default() }
+        Self {
+            cause,
+            ..Self::default()
+        }
     }
 
     /// A cause with the value that broke a limit.
     #[must_use]
     pub fn limit(cause: Cause, value: f64, limit: f64) -> Self {
-        Self { cause, value, limit, ..Self::default() }
+        Self {
+            cause,
+            value,
+            limit,
+            ..Self::default()
+        }
     }
 
     /// The same reason, attributed to a module.
@@ -117,7 +129,10 @@ impl Reason {
     /// The same reason, about the joint, finger, hand or field with this index.
     #[must_use]
     pub fn about(self, index: usize) -> Self {
-        Self { index: u32::try_from(index).unwrap_or(u32::MAX), ..self }
+        Self {
+            index: u32::try_from(index).unwrap_or(u32::MAX),
+            ..self
+        }
     }
 
     /// Whether there is anything to report.
@@ -129,33 +144,77 @@ impl Reason {
 
 impl core::fmt::Display for Reason {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { value, limit, index, .. } = *self;
+        let Self {
+            value,
+            limit,
+            index,
+            ..
+        } = *self;
         match self.cause {
             Cause::NONE => f.write_str("nothing to report"),
-            Cause::NOT_FINITE => write!(f, "value {index} of the goal is not finite; send finite numbers"),
+            Cause::NOT_FINITE => write!(
+                f,
+                "{} of the goal is not finite; send finite numbers",
+                goal_value(index)
+            ),
             Cause::OUT_OF_RANGE => {
-                write!(f, "value {index} of the goal is {value:.4}, the limit is {limit:.4}; choose a value within it")
+                write!(
+                    f,
+                    "{} of the goal is {value:.4}, the limit is {limit:.4}; choose a value within it",
+                    goal_value(index)
+                )
             }
             Cause::UNREACHABLE => write!(
                 f,
-                "the hand cannot reach it: value {index} is {value:.4}, the limit is {limit:.4}; move the object nearer"
+                "the hand cannot reach it: {} is {value:.4}, the limit is {limit:.4}; move the object nearer",
+                goal_value(index)
             ),
-            Cause::UNKNOWN_GOAL => write!(f, "field {index} of the goal has the unknown code {value}; update the client"),
+            Cause::UNKNOWN_GOAL => write!(
+                f,
+                "field {index} of the goal has the unknown code {value}; update the client"
+            ),
             Cause::BUSY => f.write_str("another goal is active; wait for it or cancel it"),
             Cause::NOT_READY => write!(
                 f,
                 "the daemon is in mode {}, needs ready; see `atas status`",
                 crate::Mode(value as u32)
             ),
+            Cause::HAND_FULL => {
+                write!(
+                    f,
+                    "the {} hand still holds an object; release it first with `atas release`",
+                    crate::Hand(index)
+                )
+            }
+            Cause::NO_SENSOR => {
+                write!(
+                    f,
+                    "the {} hand has no tactile sensor in the configuration; use the other hand",
+                    crate::Hand(index)
+                )
+            }
             Cause::NOTHING_TOUCHED => {
-                write!(f, "closed to {:.1} mm and touched nothing; is the object there?", value * 1e3)
+                write!(
+                    f,
+                    "closed to {:.1} mm and touched nothing; is the object there?",
+                    value * 1e3
+                )
             }
             Cause::TOO_HEAVY => {
-                write!(f, "needs more than {value:.2} N, F_2 is {limit:.2} N: object too heavy for its hardness")
+                write!(
+                    f,
+                    "needs more than {value:.2} N, F_2 is {limit:.2} N: object too heavy for its hardness"
+                )
             }
-            Cause::LOST_OBJECT => write!(f, "the object slipped out: normal force {value:.2} N, needs {limit:.2} N"),
+            Cause::LOST_OBJECT => write!(
+                f,
+                "the object slipped out: normal force {value:.2} N, needs {limit:.2} N"
+            ),
             Cause::OUT_OF_FORCE => {
-                write!(f, "still slipping at {value:.2} N, F_2 is {limit:.2} N: the load grew beyond what the object bears")
+                write!(
+                    f,
+                    "still slipping at {value:.2} N, F_2 is {limit:.2} N: the load grew beyond what the object bears"
+                )
             }
             Cause::TIMED_OUT => write!(f, "took {value:.1} s, allowed {limit:.1} s"),
             Cause::CANCELLED => f.write_str("cancelled by the client"),
@@ -163,20 +222,34 @@ impl core::fmt::Display for Reason {
             Cause::FRAMES_STOPPED => write!(
                 f,
                 "no tactile frame of hand {} for {:.1} ms, allowed {:.1} ms; is the sensor process running?",
-                crate::Hand(index), value * 1e-6, limit * 1e-6
+                crate::Hand(index),
+                value * 1e-6,
+                limit * 1e-6
             ),
             Cause::FRAME_STALE => write!(
                 f,
                 "the newest frame of hand {} is {:.1} ms old, allowed {:.1} ms",
-                crate::Hand(index), value * 1e-6, limit * 1e-6
+                crate::Hand(index),
+                value * 1e-6,
+                limit * 1e-6
             ),
             Cause::FRAME_FUTURE => write!(
                 f,
                 "a frame of hand {} is stamped {:.1} ms ahead, allowed {:.1} ms; use CLOCK_MONOTONIC of this machine",
-                crate::Hand(index), value * 1e-6, limit * 1e-6
+                crate::Hand(index),
+                value * 1e-6,
+                limit * 1e-6
             ),
-            Cause::FRAMES_LOST => write!(f, "{value} frames of hand {} lost in a row, allowed {limit}", crate::Hand(index)),
-            Cause::FRAME_CORRUPT => write!(f, "{value} frames of hand {} failed their checksum", crate::Hand(index)),
+            Cause::FRAMES_LOST => write!(
+                f,
+                "{value} frames of hand {} lost in a row, allowed {limit}",
+                crate::Hand(index)
+            ),
+            Cause::FRAME_CORRUPT => write!(
+                f,
+                "{value} frames of hand {} failed their checksum",
+                crate::Hand(index)
+            ),
             Cause::FRAME_FOREIGN => write!(
                 f,
                 "a frame of hand {} comes from another writer or follows another layout than configured",
@@ -185,40 +258,77 @@ impl core::fmt::Display for Reason {
             Cause::ELEMENTS_INVALID => write!(
                 f,
                 "{:.0} % of the elements of hand {} are invalid, allowed {:.0} %",
-                value * 100.0, crate::Hand(index), limit * 100.0
+                value * 100.0,
+                crate::Hand(index),
+                limit * 100.0
             ),
             Cause::FRAMES_FROZEN => write!(
                 f,
                 "the readings of hand {} have not changed for {value} frames, allowed {limit}",
                 crate::Hand(index)
             ),
-            Cause::SENSOR_RESTARTED => write!(f, "the sensor process of hand {} restarted", crate::Hand(index)),
+            Cause::SENSOR_RESTARTED => write!(
+                f,
+                "the sensor process of hand {} restarted",
+                crate::Hand(index)
+            ),
             Cause::JOINTS_STOPPED => write!(
                 f,
                 "no joint state for {:.1} ms, allowed {:.1} ms; is the robot process running?",
-                value * 1e-6, limit * 1e-6
+                value * 1e-6,
+                limit * 1e-6
             ),
             Cause::JOINTS_INVALID => {
-                write!(f, "joint {index} reports {value:.4} rad, last trusted position {limit:.4} rad")
+                write!(
+                    f,
+                    "joint {index} reports {value:.4} rad, last trusted position {limit:.4} rad"
+                )
             }
             Cause::FOLLOWING_ERROR => {
-                write!(f, "joint {index} is {value:.4} rad off its command, allowed {limit:.4} rad; is it blocked?")
+                write!(
+                    f,
+                    "joint {index} is {value:.4} rad off its command, allowed {limit:.4} rad; is it blocked?"
+                )
             }
             Cause::COMMAND_NOT_FINITE => write!(f, "the command for joint {index} was not finite"),
             Cause::COMMAND_STEP => {
-                write!(f, "the command for joint {index} jumped by {value:.4} rad, allowed {limit:.4} rad")
+                write!(
+                    f,
+                    "the command for joint {index} jumped by {value:.4} rad, allowed {limit:.4} rad"
+                )
             }
             Cause::GRIP_CEILING => {
-                write!(f, "grip force {value:.2} N of finger {index} is above its ceiling {limit:.2} N")
+                write!(
+                    f,
+                    "grip force {value:.2} N of finger {index} is above its ceiling {limit:.2} N"
+                )
             }
-            Cause::MODULE_PANICKED => f.write_str("a module panicked; restart the daemon and report this"),
+            Cause::MODULE_PANICKED => {
+                f.write_str("a module panicked; restart the daemon and report this")
+            }
             Cause::LOOP_STALLED => {
-                write!(f, "the loop stood still for {:.1} ms, allowed {:.1} ms", value * 1e-6, limit * 1e-6)
+                write!(
+                    f,
+                    "the loop stood still for {:.1} ms, allowed {:.1} ms",
+                    value * 1e-6,
+                    limit * 1e-6
+                )
             }
             Cause::ESTOP => f.write_str("stopped by `atas estop`; `atas recover` re-arms"),
             Cause::SHUTDOWN => f.write_str("the daemon is shutting down"),
             unknown => write!(f, "{unknown}: value {value}, limit {limit}"),
         }?;
-        if self.module != ModuleId::NONE { write!(f, " ({})", self.module) } else { Ok(()) }
+        if self.module != ModuleId::NONE {
+            write!(f, " ({})", self.module)
+        } else {
+            Ok(())
+        }
     }
+}
+
+fn goal_value(index: u32) -> &'static str {
+    crate::GoalRequest::VALUE_NAMES
+        .get(index as usize)
+        .copied()
+        .unwrap_or("a value")
 }

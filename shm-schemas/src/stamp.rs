@@ -1,8 +1,8 @@
 //! The stamp at the beginning of every payload, and which hand a payload speaks of.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::code::code;
 use crate::service::word;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// Who wrote a payload, when, and as which in its series.

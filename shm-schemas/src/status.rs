@@ -1,9 +1,9 @@
 //! How everybody is.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::capacity::{FINGERS, HANDS};
 use crate::service::word;
 use crate::{GoalKind, GoalState, Hand, Mode, Reason, Stamp, Text};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// A distribution of durations since the start, ns.

@@ -1,9 +1,9 @@
 //! The swarm's words: what the agents of methodology 2 sense and what they do (paper III).
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::Stamp;
 use crate::capacity::AGENTS;
 use crate::service::word;
-use crate::Stamp;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// What every agent senses at the start of one field frame.

@@ -1,12 +1,14 @@
 //! Short text of fixed capacity.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// Up to `N` bytes of UTF-8, zero-filled. What does not fit is cut at a character boundary.
 #[repr(C)]
-#[derive(Clone, Copy, PartialEq, Eq, ZeroCopySend, FromBytes, IntoBytes, Immutable, KnownLayout)]
+#[derive(
+    Clone, Copy, PartialEq, Eq, ZeroCopySend, FromBytes, IntoBytes, Immutable, KnownLayout,
+)]
 #[type_name("atas.Text.v1")]
 pub struct Text<const N: usize>(
     /// The bytes; text ends at the first zero.

@@ -1,9 +1,9 @@
 //! One record per tick, for those who look closely.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::capacity::{FINGERS, HANDS, STAGES};
 use crate::service::word;
 use crate::{Mode, Stamp};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// What one fingertip felt, after perception.

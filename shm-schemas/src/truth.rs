@@ -1,9 +1,9 @@
 //! What the simulator knows and the robot does not: the judge's view. The daemon never opens this service.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::capacity::{FINGERS, HANDS};
 use crate::service::word;
 use crate::{Stamp, Text};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// The true state of one simulated object.

@@ -1,0 +1,112 @@
+//! Arbitration: merges the proposals of all modules into one intent, by rules that do not depend on their order.
+//!
+//! 1. Fingers close at the highest speed that any module wants,
+//! 2. but no faster than the lowest ceiling that any module sets; a negative ceiling opens.
+//! 3. The hand goes where the carrying module wants it, at the lowest speed factor that any module tolerates.
+//! 4. A refusal outweighs every other verdict.
+//!
+//! Speeds are slewed so that switching modules does not jerk the joints: slowly up, quickly down.
+
+use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
+use crate::modules::{Carried, Proposal, Verdict};
+use robot_model::FINGERS;
+
+/// What one hand shall do in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intent {
+    /// Where the hand shall be; `None` keeps it.
+    pub carry: Option<Carried>,
+    /// Closing speed of each finger, m/s, negative opens; not used while the path includes the fingers.
+    pub closing_m_s: [f64; FINGERS],
+    /// What the modules conclude.
+    pub verdict: Verdict,
+}
+
+/// The speeds of the tick before, which limit those of this one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arbiter {
+    closing_m_s: [f64; FINGERS],
+    carry_scale: f64,
+}
+
+impl Default for Arbiter {
+    fn default() -> Self {
+        Self {
+            closing_m_s: [0.0; FINGERS],
+            carry_scale: 1.0,
+        }
+    }
+}
+
+impl Arbiter {
+    /// Merges the proposals.
+    pub fn merge(&mut self, proposals: &[Proposal], step_s: f64) -> Intent {
+        for finger in 0..FINGERS {
+            let wanted = highest(proposals.iter().map(|p| p.closing_m_s[finger]), 0.0);
+            let ceiling = lowest(
+                proposals.iter().map(|p| p.closing_ceiling_m_s[finger]),
+                f64::INFINITY,
+            );
+            let target = if wanted < ceiling { wanted } else { ceiling };
+            self.closing_m_s[finger] = slew_closing(self.closing_m_s[finger], target, step_s);
+        }
+        let tolerated = lowest(proposals.iter().map(|p| p.carry_ceiling), 1.0);
+        self.carry_scale = approach(self.carry_scale, tolerated, CARRY_SCALE_PER_S * step_s);
+        Intent {
+            carry: proposals.iter().find_map(|p| p.carry),
+            closing_m_s: self.closing_m_s,
+            verdict: weightiest(proposals),
+        }
+    }
+
+    /// Factor on the hand's speed that the modules tolerate now.
+    #[must_use]
+    pub fn carry_scale(&self) -> f64 {
+        self.carry_scale
+    }
+
+    /// The fingers stand still: what the next tick slews from.
+    pub fn rest(&mut self) {
+        self.closing_m_s = [0.0; FINGERS];
+    }
+}
+
+/// Closing may only grow slowly; stopping and opening must come at once.
+fn slew_closing(before: f64, target: f64, step_s: f64) -> f64 {
+    if target > before && target > 0.0 {
+        approach(before, target, CLOSING_SPEED_UP_M_S2 * step_s)
+    } else {
+        approach(before, target, CLOSING_SLOW_DOWN_M_S2 * step_s)
+    }
+}
+
+fn approach(before: f64, target: f64, largest_change: f64) -> f64 {
+    let change = target - before;
+    if change.abs() <= largest_change {
+        target
+    } else {
+        before + largest_change.copysign(change)
+    }
+}
+
+fn highest(values: impl Iterator<Item = f64>, start: f64) -> f64 {
+    values.fold(start, |best, v| if v > best { v } else { best })
+}
+
+fn lowest(values: impl Iterator<Item = f64>, start: f64) -> f64 {
+    values.fold(start, |best, v| if v < best { v } else { best })
+}
+
+fn weightiest(proposals: &[Proposal]) -> Verdict {
+    let refusal = proposals
+        .iter()
+        .map(|p| p.verdict)
+        .find(|v| matches!(v, Verdict::Refuse(_)));
+    let other = || {
+        proposals
+            .iter()
+            .map(|p| p.verdict)
+            .find(|v| *v != Verdict::None)
+    };
+    refusal.or_else(other).unwrap_or_default()
+}

@@ -1,0 +1,427 @@
+//! One hand: everything between its frames and its joint positions, in the order in which data flows.
+
+use crate::Tick;
+use crate::arbitration::{Arbiter, Intent};
+use crate::intake::FrameIntake;
+use crate::io::Events;
+use crate::kinematics::{Carrier, HandCommand, frame_of, gap_m};
+use crate::modules::{self, Modules, Proposal, Selection};
+use crate::perception::{Percept, Perception};
+use crate::safety::Grip;
+use crate::settings::Settings;
+use crate::tasks::{GRASP, Outcome, RELEASE, Runner, Sites, Step};
+use crate::wiring::Wiring;
+use robot_model::{FINGERS, HandModel, HandPose, HandVector};
+use shm_schemas::{
+    EventKind, FingerReport, GoalKind, GoalRequest, GraspFigures, Hand, HandFrame, HandReport,
+    HandStatus, ModuleEvent, Reason,
+};
+
+/// One hand of the controller.
+#[derive(Clone, Debug)]
+pub struct HandControl {
+    hand: Hand,
+    model: HandModel,
+    required: bool,
+    layout_hash: u64,
+    pub(crate) intake: FrameIntake,
+    perception: Perception,
+    modules: Modules,
+    arbiter: Arbiter,
+    carrier: Option<Carrier>,
+    runner: Option<Runner>,
+    intent: Option<Intent>,
+    active: u32,
+    measured_gap_m: f64,
+    frames: u32,
+}
+
+impl HandControl {
+    /// A hand that feels nothing yet and stands nowhere.
+    #[must_use]
+    pub fn new(hand: Hand, model: HandModel, wiring: &Wiring) -> Self {
+        let own = &wiring.hands[model.side().index()];
+        Self {
+            hand,
+            model,
+            required: own.required,
+            layout_hash: own.layout.hash(),
+            intake: FrameIntake::new(hand, own),
+            perception: Perception::new(own),
+            modules: Modules::default(),
+            arbiter: Arbiter::default(),
+            carrier: None,
+            runner: None,
+            intent: None,
+            active: 0,
+            measured_gap_m: 0.0,
+            frames: 0,
+        }
+    }
+
+    /// Takes in this tick's frames.
+    pub fn feel(
+        &mut self,
+        frames: &[HandFrame],
+        tick: Tick,
+        settings: &Settings,
+        events: &mut Events,
+    ) {
+        let before = *self.perception.percept();
+        self.intake.begin();
+        self.perception.begin();
+        self.frames = frames.len() as u32;
+        for frame in frames {
+            if let Some(checked) = self.intake.check(frame, tick, &settings.intake) {
+                self.perception.feel(&checked, &settings.perception);
+            }
+        }
+        self.tell_touches(&before, settings, events);
+        if self.intake.warning().is_some() {
+            events.push(ModuleEvent {
+                reason: self.intake.warning(),
+                ..self.event(EventKind::WARNING)
+            });
+        }
+    }
+
+    /// What the hand must be held for.
+    #[must_use]
+    pub fn doubt(&self, tick: Tick, settings: &Settings) -> Reason {
+        self.intake.doubt(tick, &settings.intake)
+    }
+
+    /// Takes in where the joints are.
+    pub fn locate(&mut self, measured: &HandPose) {
+        self.measured_gap_m = gap_m(measured);
+    }
+
+    /// Stands at these joint positions, rad, at rest.
+    pub fn anchor(&mut self, q_rad: HandVector, wiring: &Wiring) {
+        self.carrier = Some(Carrier::at(&self.model, q_rad, wiring.stiffness_n_m_rad));
+        self.arbiter.rest();
+    }
+
+    /// One tick of the task: modules in parallel, arbitration, kinematics, and what became of it.
+    pub fn act(
+        &mut self,
+        settings: &Settings,
+        step_s: f64,
+        events: &mut Events,
+    ) -> Option<Outcome> {
+        let (runner, carrier) = (self.runner.as_mut()?, self.carrier.as_mut()?);
+        let percept = self.perception.percept();
+        runner.observe(percept, self.measured_gap_m, carrier.frame(), step_s);
+        let context = runner.context(settings, step_s, self.arbiter.carry_scale());
+        let proposals = self
+            .modules
+            .evaluate(runner.step().modules, percept, &context);
+        let intent = self.arbiter.merge(&proposals, step_s);
+        let arrived = intent.carry.is_some_and(|c| c.arrived);
+        let now = *carrier.frame();
+        let outcome = runner.conclude(
+            intent.verdict,
+            arrived,
+            percept,
+            &now,
+            settings,
+            &mut self.modules,
+        );
+        self.intent = Some(intent);
+        self.tell_modules(runner_selection(&self.runner), &proposals, events);
+        self.tell_outcome(outcome, events);
+        Some(outcome)
+    }
+
+    /// Where the joints shall go: towards this tick's intent if the hand moves, else where they are.
+    pub fn follow(&mut self, moves: bool, step_s: f64) -> HandCommand {
+        let intent = self.intent.take();
+        let Some(carrier) = self.carrier.as_mut() else {
+            return HandCommand {
+                q_rad: HandVector::zeros(),
+                closing_m_s: [0.0; FINGERS],
+            };
+        };
+        match intent {
+            Some(intent) if moves => {
+                carrier.follow(&self.model, &intent, self.perception.percept(), step_s)
+            }
+            _ => carrier.rest(),
+        }
+    }
+
+    /// Takes over what the safety gate let through.
+    pub fn adopt(&mut self, q_rad: HandVector) {
+        if let Some(carrier) = self.carrier.as_mut() {
+            carrier.adopt(q_rad);
+        }
+    }
+
+    /// Starts the task of a checked goal.
+    pub fn start(&mut self, goal: &GoalRequest, settings: &Settings) {
+        let Some(carrier) = self.carrier.as_ref() else {
+            return;
+        };
+        let now = *carrier.frame();
+        let home = frame_of(&self.model, &self.model.forward(self.model.reference_rad()));
+        let (steps, sites) = match goal.kind {
+            GoalKind::GRASP => (
+                GRASP,
+                Sites::new(&self.model, &now, home, goal, &settings.motion),
+            ),
+            _ => (RELEASE, Sites::resting(now, home, &settings.motion)),
+        };
+        self.modules.reset();
+        self.arbiter.rest();
+        self.runner = Some(Runner::start(
+            steps,
+            sites,
+            &now,
+            (goal.width_m, goal.hold_s),
+            settings,
+        ));
+    }
+
+    /// Ends the task; what the hand holds, it keeps holding and watching.
+    pub fn end(&mut self, settings: &Settings) {
+        let keeps = self.runner.as_mut().is_some_and(|r| {
+            r.grips()
+                && self
+                    .carrier
+                    .as_ref()
+                    .is_some_and(|c| r.stand(c.frame(), settings, &mut self.modules))
+        });
+        if !keeps {
+            self.runner = None;
+            self.active = 0;
+        }
+    }
+
+    /// Ends the task and lets the modules rest, whatever the hand holds.
+    pub fn abandon(&mut self) {
+        self.runner = None;
+        self.active = 0;
+        self.arbiter.rest();
+    }
+
+    /// Whether a task, or what remains of one, is in force.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.runner.is_some()
+    }
+
+    /// Whether the hand holds an object.
+    #[must_use]
+    pub fn grips(&self) -> bool {
+        self.runner.as_ref().is_some_and(Runner::grips)
+    }
+
+    /// The task, if one is in force.
+    #[must_use]
+    pub fn runner(&self) -> Option<&Runner> {
+        self.runner.as_ref()
+    }
+
+    /// What the gate must know of the grip.
+    #[must_use]
+    pub fn grip(&self) -> Grip {
+        let percept = self.perception.percept();
+        Grip {
+            normal_n: core::array::from_fn(|f| percept.fingers[f].normal_n),
+            f2_n: self
+                .runner
+                .as_ref()
+                .filter(|r| r.hardness().is_some())
+                .map(|r| r.thresholds().f2_n),
+        }
+    }
+
+    /// Takes the present reading as zero.
+    pub fn bias(&mut self) {
+        self.perception.bias();
+    }
+
+    /// The model of this hand.
+    #[must_use]
+    pub fn model(&self) -> &HandModel {
+        &self.model
+    }
+
+    /// What the hand has learnt, for the goal's client.
+    #[must_use]
+    pub fn figures(&self) -> GraspFigures {
+        let percept = self.perception.percept();
+        let mut figures = GraspFigures::default();
+        for (i, finger) in percept.fingers.iter().enumerate() {
+            figures.normal_n[i] = finger.normal_n as f32;
+            figures.tangential_n[i] = finger.tangential_n as f32;
+        }
+        let friction = percept.fingers[..FINGERS]
+            .iter()
+            .map(|f| f.friction)
+            .fold(f64::INFINITY, f64::min);
+        figures.friction = friction as f32;
+        if let Some(runner) = &self.runner {
+            figures.f1_n = runner.thresholds().f1_n as f32;
+            figures.f2_n = runner.thresholds().f2_n as f32;
+            figures.lifted_m = runner.carried_m() as f32;
+            if let Some(fit) = runner.hardness() {
+                figures.hardness_n_m = fit.object_n_m as f32;
+                figures.hardness_confidence = fit.confidence as f32;
+            }
+        }
+        figures
+    }
+
+    /// What the tick saw and did.
+    #[must_use]
+    pub fn report(&self, tick: Tick) -> HandReport {
+        let percept = self.perception.percept();
+        let closing = self.intent_closing();
+        let mut report = HandReport {
+            frame_sequence: self.intake.sequence(),
+            frame_age_ns: self.intake.age_ns(tick),
+            frames: self.frames,
+            modules_active: self.active,
+            centre_m: self
+                .carrier
+                .as_ref()
+                .map_or([0.0; 3], |c| c.frame().centre_m.into()),
+            ..HandReport::default()
+        };
+        if let Some(runner) = &self.runner {
+            report.step = runner.index() as u32;
+            report.f1_n = runner.thresholds().f1_n as f32;
+            report.f2_n = runner.thresholds().f2_n as f32;
+            report.hardness_n_m = runner.hardness().map_or(0.0, |h| h.object_n_m as f32);
+        }
+        for (i, finger) in percept.fingers.iter().enumerate() {
+            report.fingers[i] = FingerReport {
+                normal_n: finger.normal_n as f32,
+                tangential_n: finger.tangential_n as f32,
+                tangential_increment_n: finger.increment_n as f32,
+                utilisation: finger.utilisation as f32,
+                utilisation_now: finger.utilisation_now as f32,
+                friction: finger.friction as f32,
+                closing_m_s: closing.get(i).map_or(0.0, |c| *c as f32),
+                in_contact: u32::from(finger.in_contact),
+            };
+        }
+        report
+    }
+
+    /// Counts and present readings, as [`shm_schemas::Status`] shows them.
+    #[must_use]
+    pub fn status(&self, tick: Tick) -> HandStatus {
+        let counts = self.intake.counts();
+        let fingers = &self.perception.percept().fingers;
+        HandStatus {
+            frames: counts.frames,
+            lost: counts.lost,
+            duplicates: counts.duplicates,
+            reordered: counts.reordered,
+            corrupt: counts.corrupt,
+            mistimed: counts.mistimed,
+            foreign: counts.foreign,
+            masked_elements: counts.masked_elements,
+            restarts: counts.restarts,
+            touches: fingers.map(|f| f.touches),
+            writer_epoch: self.intake.writer_epoch(),
+            age_ns: self.intake.age_ns(tick),
+            layout_hash: self.layout_hash,
+            normal_n: fingers.map(|f| f.normal_n as f32),
+            tangential_n: fingers.map(|f| f.tangential_n as f32),
+            required: u32::from(self.required),
+            modules_active: self.active,
+        }
+    }
+
+    fn intent_closing(&self) -> [f64; FINGERS] {
+        self.intent.map_or([0.0; FINGERS], |i| i.closing_m_s)
+    }
+
+    fn event(&self, kind: EventKind) -> ModuleEvent {
+        ModuleEvent {
+            kind,
+            hand: self.hand,
+            ..ModuleEvent::default()
+        }
+    }
+
+    fn tell_touches(&self, before: &Percept, settings: &Settings, events: &mut Events) {
+        for (i, (was, is)) in before
+            .fingers
+            .iter()
+            .zip(&self.perception.percept().fingers)
+            .enumerate()
+        {
+            if was.in_contact == is.in_contact {
+                continue;
+            }
+            let (kind, threshold) = if is.in_contact {
+                (EventKind::TOUCH_ON, settings.perception.touch_on_n)
+            } else {
+                (EventKind::TOUCH_OFF, settings.perception.touch_off_n)
+            };
+            events.push(ModuleEvent {
+                finger: i as u32,
+                value: is.normal_n,
+                threshold,
+                ..self.event(kind)
+            });
+        }
+    }
+
+    fn tell_modules(&mut self, selection: Selection, proposals: &[Proposal], events: &mut Events) {
+        let before = self.active;
+        self.active = 0;
+        for (id, proposal) in modules::IDS.iter().zip(proposals) {
+            let bit = 1 << id.0;
+            let is = proposal.active && selection.contains(*id);
+            self.active |= if is { bit } else { 0 };
+            if is != (before & bit != 0) {
+                let kind = if is {
+                    EventKind::MODULE_ON
+                } else {
+                    EventKind::MODULE_OFF
+                };
+                events.push(ModuleEvent {
+                    module: *id,
+                    ..self.event(kind)
+                });
+            }
+        }
+    }
+
+    fn tell_outcome(&self, outcome: Outcome, events: &mut Events) {
+        let Some(runner) = self
+            .runner
+            .as_ref()
+            .filter(|_| outcome == Outcome::NextStep)
+        else {
+            return;
+        };
+        events.push(self.step_event(runner.step()));
+        if let (Some(fit), "grip") = (runner.hardness(), runner.step().name) {
+            let mut event = self.event(EventKind::HARDNESS);
+            event.value = fit.object_n_m;
+            event.threshold = runner.thresholds().f2_n;
+            events.push(event);
+        }
+    }
+
+    /// The event that announces a step.
+    #[must_use]
+    pub fn step_event(&self, step: &Step) -> ModuleEvent {
+        ModuleEvent {
+            text: shm_schemas::Text::new(step.name),
+            ..self.event(EventKind::STEP)
+        }
+    }
+}
+
+fn runner_selection(runner: &Option<Runner>) -> Selection {
+    runner
+        .as_ref()
+        .map_or_else(Selection::default, |r| r.step().modules)
+}

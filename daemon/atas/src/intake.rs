@@ -1,0 +1,416 @@
+//! Intake: decides which frames and joint states are believed. Lost or old data degrades towards caution.
+//!
+//! A [`CheckedFrame`] can only be made here. Every refusal is counted, and what matters for safety becomes a
+//! [`Reason`]; nothing is ever repaired silently.
+
+use crate::Tick;
+use crate::limits;
+use crate::settings::Intake as Limits;
+use crate::tick::seconds_between;
+use crate::wiring::HandWiring;
+use shm_schemas::capacity::{ELEMENTS, FINGERS};
+use shm_schemas::{Cause, Hand, HandFrame, Reason};
+
+/// A frame that passed every check. Invalid elements are masked out and read as zero.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckedFrame<'a> {
+    frame: &'a HandFrame,
+    mask: [u64; FINGERS],
+    step_s: f64,
+}
+
+impl CheckedFrame<'_> {
+    /// Force of one element `[f_n, f_t1, f_t2]`, N; `None` if the element is masked out.
+    #[must_use]
+    pub fn element_n(&self, finger: usize, element: usize) -> Option<[f64; 3]> {
+        (self.mask[finger] >> element & 1 == 1)
+            .then(|| self.frame.force_n[finger][element].map(f64::from))
+    }
+
+    /// Sensor time since the frame before, s; lost frames included, long pauses cut.
+    #[must_use]
+    pub fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    /// When the sensor sampled, ns.
+    #[must_use]
+    pub fn captured_ns(&self) -> u64 {
+        self.frame.stamp.captured_ns
+    }
+}
+
+/// Why a frame was not believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refusal {
+    Corrupt,
+    Foreign,
+    Duplicate,
+    Reordered,
+    Mistimed,
+    Resyncing,
+}
+
+/// Counts since the start, as [`shm_schemas::HandStatus`] shows them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameCounts {
+    /// Believed.
+    pub frames: u64,
+    /// Missing from the sequence.
+    pub lost: u64,
+    /// Seen twice.
+    pub duplicates: u64,
+    /// Came after a newer one.
+    pub reordered: u64,
+    /// Failed the checksum.
+    pub corrupt: u64,
+    /// Stamped too far in the past or in the future.
+    pub mistimed: u64,
+    /// Another writer, hand or layout.
+    pub foreign: u64,
+    /// Elements masked because they were not finite or out of range.
+    pub masked_elements: u64,
+    /// Restarts of the writer.
+    pub restarts: u64,
+}
+
+/// The gatekeeper of one hand's frames.
+#[derive(Clone, Debug)]
+pub struct FrameIntake {
+    hand: Hand,
+    layout_hash: u64,
+    elements: u32,
+    fingers: usize,
+    required: bool,
+    period_s: f64,
+    counts: FrameCounts,
+    /// The writer that is believed, and the last frame from it.
+    pinned: Option<Pinned>,
+    /// A new writer that is on probation.
+    candidate: Option<Candidate>,
+    /// What of this tick's frames the robot must hold for.
+    doubt: Reason,
+    /// What of this tick's frames was refused but needs no reaction.
+    warning: Reason,
+    identical: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Pinned {
+    epoch: u64,
+    sequence: u64,
+    captured_ns: u64,
+    received_ns: u64,
+    force_n: [[[f32; 3]; ELEMENTS]; FINGERS],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    epoch: u64,
+    sequence: u64,
+    good: u32,
+}
+
+impl FrameIntake {
+    /// An intake for one hand's sensor.
+    #[must_use]
+    pub fn new(hand: Hand, wiring: &HandWiring) -> Self {
+        Self {
+            hand,
+            layout_hash: wiring.layout.hash(),
+            elements: wiring.layout.count as u32,
+            fingers: wiring.fingers,
+            required: wiring.required,
+            period_s: 1.0 / wiring.rate_hz,
+            counts: FrameCounts::default(),
+            pinned: None,
+            candidate: None,
+            doubt: Reason::default(),
+            warning: Reason::default(),
+            identical: 0,
+        }
+    }
+
+    /// Counts since the start.
+    #[must_use]
+    pub fn counts(&self) -> &FrameCounts {
+        &self.counts
+    }
+
+    /// Epoch of the pinned writer, 0 before the first frame.
+    #[must_use]
+    pub fn writer_epoch(&self) -> u64 {
+        self.pinned.map_or(0, |p| p.epoch)
+    }
+
+    /// Sequence of the newest believed frame.
+    #[must_use]
+    pub fn sequence(&self) -> u64 {
+        self.pinned.map_or(0, |p| p.sequence)
+    }
+
+    /// Age of the newest believed frame, ns; `u64::MAX` before the first.
+    #[must_use]
+    pub fn age_ns(&self, tick: Tick) -> u64 {
+        self.pinned
+            .map_or(u64::MAX, |p| tick.now_ns.saturating_sub(p.captured_ns))
+    }
+
+    /// Begins a tick.
+    pub fn begin(&mut self) {
+        self.doubt = Reason::default();
+        self.warning = Reason::default();
+    }
+
+    /// What was refused in this tick without need to hold, for the event log.
+    #[must_use]
+    pub fn warning(&self) -> Reason {
+        self.warning
+    }
+
+    /// Checks one frame. `None` if it is not believed; the counts and [`FrameIntake::doubt`] say why.
+    pub fn check<'a>(
+        &mut self,
+        frame: &'a HandFrame,
+        tick: Tick,
+        limits: &Limits,
+    ) -> Option<CheckedFrame<'a>> {
+        match self.admit(frame, tick, limits) {
+            Ok(gap) => Some(self.accept(frame, gap, tick, limits)),
+            Err(refusal) => {
+                self.count(refusal, frame, tick, limits);
+                None
+            }
+        }
+    }
+
+    /// What the robot must hold for, if anything: the worst doubt of this tick, or silence.
+    #[must_use]
+    pub fn doubt(&self, tick: Tick, limits: &Limits) -> Reason {
+        if !self.required || self.doubt.is_some() {
+            return self.doubt;
+        }
+        let allowed_s = limits.hold_age_s.max(self.longest_silence_s());
+        let index = self.hand.0 as usize;
+        match self.pinned {
+            None => Reason::limit(Cause::FRAMES_STOPPED, tick.now_ns as f64, allowed_s * 1e9)
+                .about(index),
+            Some(p) => {
+                let age_s = seconds_between(p.captured_ns, tick.now_ns);
+                let cause = if seconds_between(p.received_ns, tick.now_ns) > allowed_s {
+                    Cause::FRAMES_STOPPED
+                } else {
+                    Cause::FRAME_STALE
+                };
+                if age_s > allowed_s {
+                    Reason::limit(cause, age_s * 1e9, allowed_s * 1e9).about(index)
+                } else {
+                    Reason::default()
+                }
+            }
+        }
+    }
+
+    /// A slow sensor is silent between its frames: three and a half periods are no reason to worry.
+    fn longest_silence_s(&self) -> f64 {
+        3.5 * self.period_s
+    }
+
+    /// The checks in order; `Ok` carries the number of frames lost before this one.
+    fn admit(&mut self, frame: &HandFrame, tick: Tick, limits: &Limits) -> Result<u64, Refusal> {
+        if !frame.is_intact() {
+            return Err(Refusal::Corrupt);
+        }
+        if frame.hand != self.hand
+            || frame.layout_hash != self.layout_hash
+            || frame.finger_count as usize != self.fingers
+        {
+            return Err(Refusal::Foreign);
+        }
+        let ahead_s = seconds_between(tick.now_ns, frame.stamp.captured_ns);
+        if ahead_s > limits.future_s || -ahead_s > limits.reject_age_s {
+            return Err(Refusal::Mistimed);
+        }
+        let Some(pinned) = self.pinned else {
+            return Ok(0);
+        };
+        if frame.stamp.writer_epoch != pinned.epoch {
+            return self.consider_writer(frame, pinned, tick, limits);
+        }
+        match frame.stamp.sequence {
+            s if s == pinned.sequence => Err(Refusal::Duplicate),
+            s if s < pinned.sequence => Err(Refusal::Reordered),
+            _ if frame.stamp.captured_ns <= pinned.captured_ns => Err(Refusal::Mistimed),
+            s => Ok(s - pinned.sequence - 1),
+        }
+    }
+
+    /// Another writer is believed only after the pinned one fell silent and a run of good frames.
+    fn consider_writer(
+        &mut self,
+        frame: &HandFrame,
+        pinned: Pinned,
+        tick: Tick,
+        limits: &Limits,
+    ) -> Result<u64, Refusal> {
+        if tick.now_ns.saturating_sub(pinned.received_ns) < limits::WRITER_SILENT_NS {
+            return Err(Refusal::Foreign);
+        }
+        let (epoch, sequence) = (frame.stamp.writer_epoch, frame.stamp.sequence);
+        let good = match self.candidate {
+            Some(c) if c.epoch == epoch && sequence > c.sequence => c.good + 1,
+            _ => 1,
+        };
+        self.candidate = Some(Candidate {
+            epoch,
+            sequence,
+            good,
+        });
+        if f64::from(good) < limits.resync_frames {
+            return Err(Refusal::Resyncing);
+        }
+        self.candidate = None;
+        self.counts.restarts += 1;
+        self.worsen(Reason::of(Cause::SENSOR_RESTARTED));
+        Ok(0)
+    }
+
+    fn accept<'a>(
+        &mut self,
+        frame: &'a HandFrame,
+        gap: u64,
+        tick: Tick,
+        limits: &Limits,
+    ) -> CheckedFrame<'a> {
+        self.counts.frames += 1;
+        self.counts.lost += gap;
+        if gap as f64 > limits.gap_frames {
+            self.worsen(Reason::limit(
+                Cause::FRAMES_LOST,
+                gap as f64,
+                limits.gap_frames,
+            ));
+        }
+        self.watch_frozen(frame, limits);
+        let mask = self.mask(frame, limits);
+        let step_s = self
+            .pinned
+            .map_or(self.period_s, |p| {
+                seconds_between(p.captured_ns, frame.stamp.captured_ns)
+            })
+            .clamp(0.0, limits::FILTER_STEP_MAX_S);
+        self.pinned = Some(Pinned {
+            epoch: frame.stamp.writer_epoch,
+            sequence: frame.stamp.sequence,
+            captured_ns: frame.stamp.captured_ns,
+            received_ns: tick.now_ns,
+            force_n: frame.force_n,
+        });
+        CheckedFrame {
+            frame,
+            mask,
+            step_s,
+        }
+    }
+
+    /// Masks elements that are flagged invalid, not finite or beyond belief; too many of them are a doubt.
+    fn mask(&mut self, frame: &HandFrame, limits: &Limits) -> [u64; FINGERS] {
+        let mut mask = [0; FINGERS];
+        let mut invalid = 0;
+        for finger in 0..self.fingers {
+            for element in 0..self.elements as usize {
+                let flagged = frame.valid_mask[finger] >> element & 1 == 1;
+                let force = frame.force_n[finger][element];
+                // The comparison is false for NaN, so a NaN is masked before any arithmetic sees it.
+                let believable = force
+                    .iter()
+                    .all(|f| f64::from(f.abs()) <= limits.element_force_n);
+                if flagged && believable {
+                    mask[finger] |= 1 << element;
+                } else {
+                    invalid += 1;
+                }
+            }
+        }
+        self.counts.masked_elements += invalid;
+        let share = invalid as f64 / (self.fingers as f64 * f64::from(self.elements));
+        if share > limits.invalid_share {
+            self.worsen(Reason::limit(
+                Cause::ELEMENTS_INVALID,
+                share,
+                limits.invalid_share,
+            ));
+        }
+        mask
+    }
+
+    /// A living sensor has noise: readings that repeat exactly while the counter advances are not readings.
+    fn watch_frozen(&mut self, frame: &HandFrame, limits: &Limits) {
+        let same = self
+            .pinned
+            .as_ref()
+            .is_some_and(|p| p.force_n == frame.force_n);
+        self.identical = if same {
+            self.identical.saturating_add(1)
+        } else {
+            0
+        };
+        if limits.frozen_frames > 0.0 && f64::from(self.identical) >= limits.frozen_frames {
+            self.worsen(Reason::limit(
+                Cause::FRAMES_FROZEN,
+                f64::from(self.identical),
+                limits.frozen_frames,
+            ));
+        }
+    }
+
+    fn count(&mut self, refusal: Refusal, frame: &HandFrame, tick: Tick, limits: &Limits) {
+        match refusal {
+            Refusal::Corrupt => {
+                self.counts.corrupt += 1;
+                self.warn(Reason::limit(
+                    Cause::FRAME_CORRUPT,
+                    self.counts.corrupt as f64,
+                    0.0,
+                ));
+            }
+            Refusal::Foreign => {
+                self.counts.foreign += 1;
+                self.warn(Reason::of(Cause::FRAME_FOREIGN));
+            }
+            Refusal::Mistimed => {
+                self.counts.mistimed += 1;
+                self.warn(mistimed(frame, tick, limits));
+            }
+            Refusal::Duplicate => self.counts.duplicates += 1,
+            Refusal::Reordered => self.counts.reordered += 1,
+            Refusal::Resyncing => self.worsen(Reason::of(Cause::SENSOR_RESTARTED)),
+        }
+    }
+
+    /// Keeps the first doubt of a tick: it is the one that explains the others.
+    fn worsen(&mut self, reason: Reason) {
+        if !self.doubt.is_some() {
+            self.doubt = reason.about(self.hand.0 as usize);
+        }
+    }
+
+    fn warn(&mut self, reason: Reason) {
+        if !self.warning.is_some() {
+            self.warning = reason.about(self.hand.0 as usize);
+        }
+    }
+}
+
+fn mistimed(frame: &HandFrame, tick: Tick, limits: &Limits) -> Reason {
+    let ahead_s = seconds_between(tick.now_ns, frame.stamp.captured_ns);
+    if ahead_s > 0.0 {
+        Reason::limit(Cause::FRAME_FUTURE, ahead_s * 1e9, limits.future_s * 1e9)
+    } else {
+        Reason::limit(
+            Cause::FRAME_STALE,
+            -ahead_s * 1e9,
+            limits.reject_age_s * 1e9,
+        )
+    }
+}

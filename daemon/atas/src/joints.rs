@@ -1,0 +1,167 @@
+//! Joint feedback: decides which joint states are believed.
+
+use crate::Tick;
+use crate::limits::FEEDBACK_JUMP_FACTOR;
+use crate::settings::Intake as Limits;
+use crate::tick::seconds_between;
+use robot_model::{HandVector, Joint, ROBOT_JOINTS, RobotModel, Side};
+use shm_schemas::{Cause, JointState, JointStatus, Reason};
+
+/// The gatekeeper of joint states, and the newest that it believed.
+#[derive(Clone, Debug)]
+pub struct JointIntake {
+    joints: [Joint; ROBOT_JOINTS],
+    required: bool,
+    newest: Option<Newest>,
+    fault: Reason,
+    status: JointStatus,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Newest {
+    sequence: u64,
+    epoch: u64,
+    captured_ns: u64,
+    position_rad: [f64; ROBOT_JOINTS],
+}
+
+impl JointIntake {
+    /// An intake for this robot.
+    #[must_use]
+    pub fn new(robot: &RobotModel, required: bool) -> Self {
+        let hand = |i: usize| {
+            robot
+                .hand(Side::BOTH[i / robot_model::HAND_JOINTS])
+                .joints()[i % robot_model::HAND_JOINTS]
+        };
+        Self {
+            joints: core::array::from_fn(hand),
+            required,
+            newest: None,
+            fault: Reason::default(),
+            status: JointStatus::default(),
+        }
+    }
+
+    /// Takes in the newest state, if one arrived.
+    pub fn take(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
+        self.fault = Reason::default();
+        let Some(state) = state else { return };
+        match self.admit(state, tick, limits) {
+            Ok(lost) => {
+                self.status.states += 1;
+                self.status.lost += lost;
+                let mut position_rad = [0.0; ROBOT_JOINTS];
+                position_rad.copy_from_slice(&state.position_rad[..ROBOT_JOINTS]);
+                self.newest = Some(Newest {
+                    sequence: state.stamp.sequence,
+                    epoch: state.stamp.writer_epoch,
+                    captured_ns: state.stamp.captured_ns,
+                    position_rad,
+                });
+            }
+            Err(fault) => {
+                self.status.rejected += 1;
+                self.fault = fault;
+            }
+        }
+    }
+
+    /// Measured positions, rad, if any were ever believed.
+    #[must_use]
+    pub fn position_rad(&self) -> Option<&[f64; ROBOT_JOINTS]> {
+        self.newest.as_ref().map(|n| &n.position_rad)
+    }
+
+    /// Measured positions of one hand, rad.
+    #[must_use]
+    pub fn hand_rad(&self, side: Side) -> Option<HandVector> {
+        self.position_rad()
+            .map(|q| HandVector::from_row_slice(&q[side.joint_range()]))
+    }
+
+    /// Sequence of the newest believed state.
+    #[must_use]
+    pub fn sequence(&self) -> u64 {
+        self.newest.map_or(0, |n| n.sequence)
+    }
+
+    /// What needs SAFE_STOP: feedback that is present and wrong.
+    #[must_use]
+    pub fn fault(&self) -> Reason {
+        self.fault
+    }
+
+    /// What needs HOLD: feedback that is missing.
+    #[must_use]
+    pub fn doubt(&self, tick: Tick, limits: &Limits) -> Reason {
+        if !self.required {
+            return Reason::default();
+        }
+        let age_s = self.newest.map_or(f64::INFINITY, |n| {
+            seconds_between(n.captured_ns, tick.now_ns)
+        });
+        if age_s > limits.hold_age_s {
+            Reason::limit(Cause::JOINTS_STOPPED, age_s * 1e9, limits.hold_age_s * 1e9)
+        } else {
+            Reason::default()
+        }
+    }
+
+    /// Counts and age, as [`shm_schemas::Status`] shows them.
+    #[must_use]
+    pub fn status(&self, tick: Tick) -> JointStatus {
+        let age_ns = self
+            .newest
+            .map_or(u64::MAX, |n| tick.now_ns.saturating_sub(n.captured_ns));
+        JointStatus {
+            age_ns,
+            ..self.status
+        }
+    }
+
+    /// The checks; `Ok` carries the number of states lost before this one. Old or repeated states are refused without
+    /// a fault: their absence of news shows as age.
+    fn admit(&self, state: &JointState, tick: Tick, limits: &Limits) -> Result<u64, Reason> {
+        if (state.joint_count as usize) < ROBOT_JOINTS {
+            return Err(Reason::limit(
+                Cause::JOINTS_INVALID,
+                f64::from(state.joint_count),
+                ROBOT_JOINTS as f64,
+            ));
+        }
+        if let Some(joint) = state.position_rad[..ROBOT_JOINTS]
+            .iter()
+            .position(|q| !q.is_finite())
+        {
+            let last_rad = self.newest.map_or(0.0, |n| n.position_rad[joint]);
+            return Err(Reason::limit(Cause::JOINTS_INVALID, f64::NAN, last_rad).about(joint));
+        }
+        let age_s = seconds_between(state.stamp.captured_ns, tick.now_ns);
+        if age_s > limits.reject_age_s || -age_s > limits.future_s {
+            return Err(Reason::default());
+        }
+        let Some(newest) = self.newest.filter(|n| n.epoch == state.stamp.writer_epoch) else {
+            return Ok(0);
+        };
+        if state.stamp.sequence <= newest.sequence || state.stamp.captured_ns <= newest.captured_ns
+        {
+            return Err(Reason::default());
+        }
+        self.check_jump(state, &newest)?;
+        Ok(state.stamp.sequence - newest.sequence - 1)
+    }
+
+    fn check_jump(&self, state: &JointState, newest: &Newest) -> Result<(), Reason> {
+        let elapsed_s = seconds_between(newest.captured_ns, state.stamp.captured_ns);
+        for joint in 0..ROBOT_JOINTS {
+            let (now_rad, last_rad) = (state.position_rad[joint], newest.position_rad[joint]);
+            let allowed_rad =
+                FEEDBACK_JUMP_FACTOR * self.joints[joint].velocity_max_rad_s * elapsed_s;
+            if (now_rad - last_rad).abs() > allowed_rad {
+                return Err(Reason::limit(Cause::JOINTS_INVALID, now_rad, last_rad).about(joint));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,169 @@
+//! Kinematics: from one hand's intent to joint positions. Intent in, [`HandCommand`] out; one inverse-kinematics step
+//! per tick, warm-started on what was last commanded.
+//!
+//! Squeezing bends the fingers and moves the tips up or down by more than the rim of a patch can bear without slipping;
+//! the known compliance C = J·K⁻¹·Jᵀ is corrected ahead: z −= (C·F_n)_z.
+
+use crate::arbitration::Intent;
+use crate::limits::{COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M};
+use crate::perception::Percept;
+use nalgebra::{Vector2, Vector3};
+use robot_model::{
+    ARM_JOINTS, FINGERS, GraspFrame, HandModel, HandPose, HandVector, IkStatus, IkWeights,
+};
+
+/// Joint positions that kinematics asks for, before the safety gate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandCommand {
+    /// Wanted positions, rad. May be anything; the gate checks.
+    pub(crate) q_rad: HandVector,
+    /// Closing speed that each finger is asked for, m/s.
+    pub(crate) closing_m_s: [f64; FINGERS],
+}
+
+/// The commanded pose of one hand.
+#[derive(Clone, Debug)]
+pub struct Carrier {
+    frame: GraspFrame,
+    q_rad: HandVector,
+    normal_n: [f64; FINGERS],
+    weights: IkWeights,
+    stiffness_n_m_rad: HandVector,
+}
+
+impl Carrier {
+    /// A hand that stands at these joint positions, rad.
+    #[must_use]
+    pub fn at(hand: &HandModel, q_rad: HandVector, stiffness_n_m_rad: HandVector) -> Self {
+        Self {
+            frame: frame_of(hand, &hand.forward(&q_rad)),
+            q_rad,
+            normal_n: [0.0; FINGERS],
+            weights: IkWeights::TICK,
+            stiffness_n_m_rad,
+        }
+    }
+
+    /// The commanded pose, without the compliance correction.
+    #[must_use]
+    pub fn frame(&self) -> &GraspFrame {
+        &self.frame
+    }
+
+    /// What was last commanded, rad.
+    #[must_use]
+    pub fn q_rad(&self) -> &HandVector {
+        &self.q_rad
+    }
+
+    /// Takes over what the safety gate made of the last command.
+    pub fn adopt(&mut self, q_rad: HandVector) {
+        self.q_rad = q_rad;
+    }
+
+    /// Keeps still.
+    #[must_use]
+    pub fn rest(&self) -> HandCommand {
+        HandCommand {
+            q_rad: self.q_rad,
+            closing_m_s: [0.0; FINGERS],
+        }
+    }
+
+    /// One step towards the intent.
+    pub fn follow(
+        &mut self,
+        hand: &HandModel,
+        intent: &Intent,
+        percept: &Percept,
+        step_s: f64,
+    ) -> HandCommand {
+        let closing_m_s = self.integrate(intent, step_s);
+        let pose = hand.forward(&self.q_rad);
+        let jacobian = hand.jacobian(&pose);
+        let mut corrected = self.frame;
+        if let Some(compliance) = jacobian.tip_compliance(&self.stiffness_n_m_rad) {
+            let share = step_s / (COMPLIANCE_FILTER_S + step_s);
+            for finger in 0..FINGERS {
+                self.normal_n[finger] +=
+                    (percept.fingers[finger].normal_n - self.normal_n[finger]) * share;
+                // Finger 1 is pressed along +n, finger 2 along −n.
+                let outward = if finger == 0 { 1.0 } else { -1.0 };
+                let bend_m = compliance[finger]
+                    * self.frame.closing_axis()
+                    * (outward * self.normal_n[finger]);
+                corrected.up_m[finger] -= bend_m.z.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
+            }
+        }
+        let step = hand.ik_step(
+            &pose,
+            &jacobian,
+            &corrected.target(hand),
+            step_s,
+            &self.weights,
+        );
+        let q_rad = if step.status == IkStatus::Failed {
+            self.q_rad
+        } else {
+            step.q_rad
+        };
+        HandCommand { q_rad, closing_m_s }
+    }
+
+    /// Moves the commanded pose; returns the closing speed it stands for.
+    fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; FINGERS] {
+        let before_m = self.frame.half_opening_m;
+        let carried_fingers = match intent.carry {
+            Some(carried) => {
+                self.frame = carried.frame;
+                carried.with_fingers
+            }
+            None => false,
+        };
+        if !carried_fingers {
+            self.frame.half_opening_m =
+                core::array::from_fn(|f| before_m[f] - intent.closing_m_s[f] * step_s);
+        }
+        core::array::from_fn(|f| (before_m[f] - self.frame.half_opening_m[f]) / step_s)
+    }
+}
+
+/// Distance between the tips' centres, m: what the measured closing is made of.
+#[must_use]
+pub fn gap_m(pose: &HandPose) -> f64 {
+    (pose.tip_m(0) - pose.tip_m(1)).norm()
+}
+
+/// The grasp pose in which a hand stands.
+#[must_use]
+pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
+    let (tip1_m, tip2_m) = (pose.tip_m(0), pose.tip_m(1));
+    let centre_m = (tip1_m + tip2_m) / 2.0;
+    let across = Vector2::new(tip1_m.x - tip2_m.x, tip1_m.y - tip2_m.y);
+    let axis = pose.hand_axis();
+    let radius_m = hand.dome_radius_m();
+    let half_m = across.norm() / 2.0;
+    let q_rad = pose.q_rad();
+    GraspFrame {
+        centre_m,
+        closing_yaw_rad: unwound_yaw_rad(hand, q_rad, &centre_m, libm::atan2(across.y, across.x)),
+        hand_azimuth_rad: hand.bearing_rad(&centre_m),
+        hand_pitch_rad: libm::atan2(-axis.z, Vector3::new(axis.x, axis.y, 0.0).norm()),
+        root_rad: (q_rad[ARM_JOINTS] + q_rad[ARM_JOINTS + 3]) / 2.0,
+        half_opening_m: radius_m.map(|radius_m| half_m - radius_m),
+        tangential_m: [0.0; FINGERS],
+        up_m: [tip1_m.z - centre_m.z, tip2_m.z - centre_m.z],
+    }
+}
+
+/// The measured yaw, unwound so that it agrees with the wrist's actual turn: roll = bearing + 90° − yaw.
+fn unwound_yaw_rad(
+    hand: &HandModel,
+    q_rad: &HandVector,
+    centre_m: &Vector3<f64>,
+    yaw_rad: f64,
+) -> f64 {
+    use core::f64::consts::{FRAC_PI_2, TAU};
+    let by_wrist = hand.bearing_rad(centre_m) + FRAC_PI_2 - q_rad[ARM_JOINTS - 1];
+    yaw_rad + TAU * libm::round((by_wrist - yaw_rad) / TAU)
+}

@@ -1,0 +1,48 @@
+//! Numbers that nobody tunes: each with its unit, its source, and what breaks at the extremes.
+
+/// Longest step the perception filters take, s. After a pause a longer step would throw away the whole filter state.
+pub const FILTER_STEP_MAX_S: f64 = 0.05;
+/// Slowest and fastest tick rate, Hz: windows and filters are in seconds, the bounds are what was tried.
+pub const TICK_RATE_HZ: (u32, u32) = (100, 10_000);
+
+/// Acceleration of every joint that the gate allows, rad/s² (ours: ten times what the tasks use).
+pub const JOINT_ACCELERATION_RAD_S2: f64 = 60.0;
+/// Jerk of every joint that the gate allows, rad/s³ (ours: a full stop from the largest acceleration takes 4 ms).
+pub const JOINT_JERK_RAD_S3: f64 = 30_000.0;
+/// Position step of one command, as a multiple of what the joint's top speed allows in one tick, above which the
+/// command counts as a jump and is refused (ours; below 1 the gate would refuse what it could have limited).
+pub const STEP_FACTOR: f64 = 8.0;
+/// Joint feedback that moved faster than this multiple of the top speed since the last one is a jump (ours).
+pub const FEEDBACK_JUMP_FACTOR: f64 = 5.0;
+
+/// How fast the closing speed of a finger may grow, m/s² (ours: 2 mm/s within 20 ms keeps finger jerk low).
+pub const CLOSING_SPEED_UP_M_S2: f64 = 0.1;
+/// How fast it may fall, m/s² (ours: Module 3 stops 2 mm/s within 2 ms).
+pub const CLOSING_SLOW_DOWN_M_S2: f64 = 1.0;
+/// How fast the slip gate may change the speed of the hand, 1/s (ours: full range within 20 ms).
+pub const CARRY_SCALE_PER_S: f64 = 50.0;
+
+/// Time constant of the force that feeds the compliance correction, s (robot design: 5 ms).
+pub const COMPLIANCE_FILTER_S: f64 = 0.005;
+/// Largest compliance correction, m (ours: four times what 8 N bends, a broken force reading must not move the hand).
+pub const COMPLIANCE_MAX_M: f64 = 0.001;
+
+/// Ticks without doubt after which HOLD ends by itself (fault catalogue F20: at most 50).
+pub const REARM_TICKS: u32 = 20;
+/// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
+pub const WRITER_SILENT_NS: u64 = 20_000_000;
+
+/// Weakest patch for which a contact normal is computed, N; below it the dome axis stands in (prototype: 0.1 N).
+pub const PATCH_FLOOR_N: f64 = 0.1;
+/// Weakest element that takes part in the contact normal, N (prototype: 10 mN, three times the noise).
+pub const NORMAL_FLOOR_N: f64 = 0.01;
+/// Weakest tangential force for which a friction utilisation is meaningful, N (prototype: 40 mN).
+pub const TANGENTIAL_FLOOR_N: f64 = 0.04;
+/// Largest friction ratio an element may report (prototype: 1.2; higher values are noise on weak elements).
+pub const FRICTION_CLIP: f64 = 1.2;
+/// Smallest friction estimate that is divided by (prototype: 0.05).
+pub const FRICTION_FLOOR: f64 = 0.05;
+/// Share of the friction estimate that follows F_t/F_n per frame of 1 ms during gross slip (prototype: 2 %).
+pub const FRICTION_RELAX_S: f64 = 0.05;
+/// Longest slip window in samples; longer windows are thinned out.
+pub const INCREMENT_SAMPLES: usize = 100;

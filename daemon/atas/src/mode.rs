@@ -1,0 +1,97 @@
+//! The mode machine. The most severe reaction wins; every change carries its reason.
+//!
+//! ```text
+//!            sensors and joints believed                goal started
+//!   INIT ───────────────────────────────▶ READY ◀───────────────────────▶ RUN
+//!                                           │ ▲        goal ended           │ ▲
+//!                                    doubt  │ │ no doubt for REARM_TICKS    │ │ no doubt for REARM_TICKS
+//!                                           ▼ │                     doubt   ▼ │ (goal paused, not ended)
+//!                                           HOLD ◀────────────────────────────┘
+//!        estop, shutdown, joint fault         │
+//!   any ─────────────────────────────▶ SAFE_STOP ── recover ──▶ HOLD            any ── panic ──▶ FAULT (latched)
+//! ```
+//!
+//! HOLD keeps position and grip. Opening the hand is never a reaction to doubt.
+
+use crate::limits::REARM_TICKS;
+use shm_schemas::{Mode, Reason};
+
+/// The mode and why it is so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeMachine {
+    mode: Mode,
+    reason: Reason,
+    calm_ticks: u32,
+}
+
+impl Default for ModeMachine {
+    fn default() -> Self {
+        Self {
+            mode: Mode::INIT,
+            reason: Reason::default(),
+            calm_ticks: 0,
+        }
+    }
+}
+
+impl ModeMachine {
+    /// The mode.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Why the mode is HOLD, SAFE_STOP or FAULT.
+    #[must_use]
+    pub fn reason(&self) -> Reason {
+        self.reason
+    }
+
+    /// One tick: `doubt` is what must be held for, `has_goal` whether a goal is active or paused.
+    pub fn update(&mut self, doubt: Reason, has_goal: bool) {
+        self.calm_ticks = if doubt.is_some() {
+            0
+        } else {
+            self.calm_ticks.saturating_add(1)
+        };
+        match self.mode {
+            Mode::READY | Mode::RUN if doubt.is_some() => self.enter(Mode::HOLD, doubt),
+            Mode::READY if has_goal => self.enter(Mode::RUN, Reason::default()),
+            Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::default()),
+            Mode::INIT | Mode::HOLD if self.calm_ticks >= REARM_TICKS => {
+                self.enter(
+                    if has_goal { Mode::RUN } else { Mode::READY },
+                    Reason::default(),
+                );
+            }
+            _ => {}
+        }
+    }
+
+    /// Stops and latches.
+    pub fn stop(&mut self, reason: Reason) {
+        if self.mode != Mode::SAFE_STOP && self.mode != Mode::FAULT {
+            self.enter(Mode::SAFE_STOP, reason);
+        }
+    }
+
+    /// Latches a failure of the daemon itself.
+    pub fn fail(&mut self, reason: Reason) {
+        if self.mode != Mode::FAULT {
+            self.enter(Mode::FAULT, reason);
+        }
+    }
+
+    /// Leaves SAFE_STOP; the machine then waits in HOLD until nothing is in doubt.
+    pub fn recover(&mut self) {
+        if self.mode == Mode::SAFE_STOP {
+            self.calm_ticks = 0;
+            self.enter(Mode::HOLD, self.reason);
+        }
+    }
+
+    fn enter(&mut self, mode: Mode, reason: Reason) {
+        self.mode = mode;
+        self.reason = reason;
+    }
+}

@@ -1,0 +1,30 @@
+//! Carry: moves the hand along the path of the present step, at the speed that the other modules tolerate.
+//!
+//! The paper's robot lifts, conveys and lowers between its tactile behaviours without naming a module for it; here it
+//! is one proposal among the others, so that slip can slow it down.
+
+use super::{Carried, Context, Module, Proposal};
+use crate::perception::Percept;
+
+/// How far along its path the hand is, s of path time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Carry {
+    path_s: f64,
+}
+
+impl Module for Carry {
+    fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
+        self.path_s += context.step_s * context.carry_scale;
+        let arrived = self.path_s >= context.path.duration_s();
+        let frame = context.path.at(self.path_s);
+        Proposal {
+            active: !arrived,
+            carry: Some(Carried {
+                frame,
+                with_fingers: context.path.moves_fingers(),
+                arrived,
+            }),
+            ..Proposal::default()
+        }
+    }
+}

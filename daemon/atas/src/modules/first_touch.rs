@@ -1,0 +1,31 @@
+//! Module 1, first touch (paper II.b (1)): "if the grasping force reaches threshold of minimum grasping force F_1 when
+//! it first touches the object, the grasping force enhancement behavior is stopped (F_n > F_1)".
+//!
+//! Until every finger has touched, each finger closes at the approach speed (paper: 2 mm/s), stops at its own first
+//! touch and waits for the other. Then all fingers close until the weakest presses more than F_1. The module is active
+//! while it enhances.
+
+use super::{Context, Module, Proposal, force_range_n};
+use crate::perception::Percept;
+use robot_model::FINGERS;
+
+/// The module has no memory: what the fingers feel decides.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FirstTouch;
+
+impl Module for FirstTouch {
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let (weakest_n, _) = force_range_n(percept);
+        let enhance: [bool; FINGERS] = if context.all_touched {
+            [weakest_n <= context.thresholds.f1_n; FINGERS]
+        } else {
+            core::array::from_fn(|finger| !percept.fingers[finger].in_contact)
+        };
+        let speed_m_s = context.settings.grasp.approach_m_s;
+        Proposal {
+            active: enhance.contains(&true),
+            closing_m_s: enhance.map(|enhance| if enhance { speed_m_s } else { 0.0 }),
+            ..Proposal::default()
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The program modules of the paper (section II, Fig. 4): one file each, in parallel, without priority.
+//!
+//! In: what the hand feels ([`Percept`]) and what it is about ([`Context`]). Out: one [`Proposal`] per module. Every
+//! module says from sensor information whether it is active and what it would do; none knows of another, and the order
+//! of the list means nothing ([`crate::arbitration`] merges by rules that do not depend on it). That is what separates
+//! ATAS from subsumption.
+//!
+//! | file | module | paper |
+//! |---|---|---|
+//! | `first_touch` | 1: enhance until F_n > F_1 | II.b (1) |
+//! | `slip` | 2: enhance while slipping, dF_t > dr | II.b (1) |
+//! | `force_limit` | 3: never enhance above F_2 | II.b (1) |
+//! | `probe` | hardness within 100 ms of the first touch | II.b (1) |
+//! | `carry` | moves the hand along the step's path | II.b (1), (3) |
+
+mod carry;
+mod first_touch;
+mod force_limit;
+mod probe;
+mod slip;
+
+use crate::path::Path;
+use crate::perception::{HardnessFit, Percept};
+use crate::settings::Settings;
+use crate::tasks::Thresholds;
+use carry::Carry;
+use first_touch::FirstTouch;
+use force_limit::ForceLimit;
+use probe::Probe;
+use robot_model::{FINGERS, GraspFrame};
+use shm_schemas::{ModuleId, Reason};
+use slip::Slip;
+
+/// What a module may know besides what the hand feels.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// Every tunable number.
+    pub settings: &'a Settings,
+    /// Time since the tick before, s.
+    pub step_s: f64,
+    /// F_1 and F_2 for the present object.
+    pub thresholds: Thresholds,
+    /// Whether every finger has touched since the approach began.
+    pub all_touched: bool,
+    /// Total measured closing of the fingers since every finger touched, m.
+    pub closing_m: f64,
+    /// How far the hand has carried the object, m.
+    pub carried_m: f64,
+    /// The path of the present step.
+    pub path: &'a Path,
+    /// Factor on the hand's speed that arbitration allows now, 0 to 1.
+    pub carry_scale: f64,
+}
+
+/// What one module would do now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proposal {
+    /// Whether the module's condition holds.
+    pub active: bool,
+    /// Closing speed that the module wants of each finger, m/s; 0 for none.
+    pub closing_m_s: [f64; FINGERS],
+    /// Highest closing speed that the module tolerates on each finger, m/s; negative demands opening.
+    pub closing_ceiling_m_s: [f64; FINGERS],
+    /// Highest factor on the hand's speed that the module tolerates, 0 to 1.
+    pub carry_ceiling: f64,
+    /// Where the module wants the hand to be.
+    pub carry: Option<Carried>,
+    /// What the module concludes.
+    pub verdict: Verdict,
+}
+
+/// A wanted pose of the hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// The pose.
+    pub frame: GraspFrame,
+    /// Whether the pose includes the opening of the fingers; otherwise they keep what the closing speeds made.
+    pub with_fingers: bool,
+    /// Whether the path has ended.
+    pub arrived: bool,
+}
+
+/// A module's conclusion about the task.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Verdict {
+    /// Nothing to conclude.
+    #[default]
+    None,
+    /// The hardness of the object.
+    Hardness(HardnessFit),
+    /// The object cannot be handled, because of this.
+    Refuse(Reason),
+}
+
+impl Default for Proposal {
+    fn default() -> Self {
+        Self {
+            active: false,
+            closing_m_s: [0.0; FINGERS],
+            closing_ceiling_m_s: [f64::INFINITY; FINGERS],
+            carry_ceiling: 1.0,
+            carry: None,
+            verdict: Verdict::None,
+        }
+    }
+}
+
+/// One behaviour of the paper.
+pub trait Module {
+    /// Says from sensor information whether it is active and what it would do.
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal;
+}
+
+/// Number of modules.
+pub const COUNT: usize = 5;
+
+/// Which modules a step of a task consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Selection(u32);
+
+impl Selection {
+    /// The modules with these names.
+    #[must_use]
+    pub const fn of(modules: &[ModuleId]) -> Self {
+        let mut bits = 0;
+        let mut i = 0;
+        while i < modules.len() {
+            bits |= 1 << modules[i].0;
+            i += 1;
+        }
+        Self(bits)
+    }
+
+    /// Whether a module is among them.
+    #[must_use]
+    pub const fn contains(self, module: ModuleId) -> bool {
+        self.0 >> module.0 & 1 == 1
+    }
+}
+
+/// The modules of one hand, with their memories.
+#[derive(Clone, Debug, Default)]
+pub struct Modules {
+    carry: Carry,
+    first_touch: FirstTouch,
+    probe: Probe,
+    slip: Slip,
+    force_limit: ForceLimit,
+}
+
+/// The modules in the order of their proposals. The order carries no meaning.
+pub const IDS: [ModuleId; COUNT] = [
+    ModuleId::CARRY,
+    ModuleId::FIRST_TOUCH,
+    ModuleId::PROBE,
+    ModuleId::SLIP,
+    ModuleId::FORCE_LIMIT,
+];
+
+impl Modules {
+    /// Evaluates every selected module; the others propose nothing.
+    pub fn evaluate(
+        &mut self,
+        selection: Selection,
+        percept: &Percept,
+        context: &Context<'_>,
+    ) -> [Proposal; COUNT] {
+        let list: [&mut dyn Module; COUNT] = [
+            &mut self.carry,
+            &mut self.first_touch,
+            &mut self.probe,
+            &mut self.slip,
+            &mut self.force_limit,
+        ];
+        let mut proposals = [Proposal::default(); COUNT];
+        for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {
+            if selection.contains(id) {
+                *proposal = module.evaluate(percept, context);
+            }
+        }
+        proposals
+    }
+
+    /// Forgets the present object.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The carry module starts a new path.
+    pub fn restart_path(&mut self) {
+        self.carry = Carry::default();
+    }
+}
+
+/// Smallest and largest normal force over the fingers that grip, N.
+#[must_use]
+pub fn force_range_n(percept: &Percept) -> (f64, f64) {
+    percept.fingers[..FINGERS].iter().fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(low, high), finger| {
+            (
+                if finger.normal_n < low {
+                    finger.normal_n
+                } else {
+                    low
+                },
+                if finger.normal_n > high {
+                    finger.normal_n
+                } else {
+                    high
+                },
+            )
+        },
+    )
+}

@@ -1,0 +1,155 @@
+//! Paths: how a hand gets from one pose to another.
+//!
+//! Every coordinate of the [`GraspFrame`] follows the same minimum-jerk profile s(τ) = τ³(10 − 15τ + 6τ²), so a path
+//! begins and ends at rest with bounded jerk, and its shape does not depend on its speed.
+
+use core::f64::consts::PI;
+use nalgebra::Vector3;
+use robot_model::{FINGERS, GraspFrame, HandModel};
+
+/// Shortest path, s (ours): even a zero-length path gives the loop time to settle.
+const DURATION_MIN_S: f64 = 0.05;
+
+/// Mean speeds that no coordinate of a path exceeds; the peak of a minimum-jerk profile is 1.875 times the mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speeds {
+    /// Of the centre, m/s.
+    pub move_m_s: f64,
+    /// Of yaw, azimuth, pitch and roots, rad/s.
+    pub turn_rad_s: f64,
+    /// Of each finger's opening, m/s.
+    pub open_m_s: f64,
+}
+
+/// One path between two poses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Path {
+    from: GraspFrame,
+    to: GraspFrame,
+    duration_s: f64,
+    moves_fingers: bool,
+}
+
+impl Path {
+    /// A path that keeps the hand where it is.
+    #[must_use]
+    pub fn stay(at: GraspFrame) -> Self {
+        Self {
+            from: at,
+            to: at,
+            duration_s: 0.0,
+            moves_fingers: false,
+        }
+    }
+
+    /// A path that carries hand and fingers to a pose.
+    #[must_use]
+    pub fn free(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
+        Self {
+            from,
+            to,
+            duration_s: duration_s(&from, &to, speeds),
+            moves_fingers: true,
+        }
+    }
+
+    /// A path that carries the hand and leaves the fingers to the modules.
+    #[must_use]
+    pub fn gripping(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
+        let to = GraspFrame {
+            half_opening_m: from.half_opening_m,
+            ..to
+        };
+        Self {
+            from,
+            to,
+            duration_s: duration_s(&from, &to, speeds),
+            moves_fingers: false,
+        }
+    }
+
+    /// How long the path takes at full speed, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// Where the path ends.
+    #[must_use]
+    pub fn end(&self) -> &GraspFrame {
+        &self.to
+    }
+
+    /// Whether the path includes the opening of the fingers.
+    #[must_use]
+    pub fn moves_fingers(&self) -> bool {
+        self.moves_fingers
+    }
+
+    /// The pose after some time on the path, s.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> GraspFrame {
+        if time_s >= self.duration_s {
+            return self.to;
+        }
+        let tau = time_s / self.duration_s;
+        blend(
+            &self.from,
+            &self.to,
+            tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau),
+        )
+    }
+}
+
+fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
+    let mix = |a: f64, b: f64| a + (b - a) * s;
+    let mix2 = |a: [f64; FINGERS], b: [f64; FINGERS]| core::array::from_fn(|i| mix(a[i], b[i]));
+    GraspFrame {
+        centre_m: a.centre_m + (b.centre_m - a.centre_m) * s,
+        closing_yaw_rad: mix(a.closing_yaw_rad, b.closing_yaw_rad),
+        hand_azimuth_rad: mix(a.hand_azimuth_rad, b.hand_azimuth_rad),
+        hand_pitch_rad: mix(a.hand_pitch_rad, b.hand_pitch_rad),
+        root_rad: mix(a.root_rad, b.root_rad),
+        half_opening_m: mix2(a.half_opening_m, b.half_opening_m),
+        tangential_m: mix2(a.tangential_m, b.tangential_m),
+        up_m: mix2(a.up_m, b.up_m),
+    }
+}
+
+fn duration_s(from: &GraspFrame, to: &GraspFrame, speeds: &Speeds) -> f64 {
+    let turns = [
+        to.closing_yaw_rad - from.closing_yaw_rad,
+        to.hand_azimuth_rad - from.hand_azimuth_rad,
+        to.hand_pitch_rad - from.hand_pitch_rad,
+        to.root_rad - from.root_rad,
+    ];
+    let opening = (0..FINGERS).map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
+    let slides = (0..FINGERS).map(|f| to.tangential_m[f] - from.tangential_m[f]);
+    let largest = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold(0.0, |m: f64, v| if v.abs() > m { v.abs() } else { m })
+    };
+    [
+        (to.centre_m - from.centre_m).norm() / speeds.move_m_s,
+        largest(&mut turns.into_iter()) / speeds.turn_rad_s,
+        largest(&mut opening.chain(slides)) / speeds.open_m_s,
+        DURATION_MIN_S,
+    ]
+    .into_iter()
+    .fold(0.0, f64::max)
+}
+
+/// The yaw, equivalent to `yaw_rad` for the grasp, that the hand reaches from `from` without turning its wrist beyond
+/// a quarter turn; unwound so that the path to it turns the short way.
+#[must_use]
+pub fn reachable_yaw_rad(
+    hand: &HandModel,
+    from: &GraspFrame,
+    centre_m: &Vector3<f64>,
+    yaw_rad: f64,
+) -> f64 {
+    let yaw_rad = hand.closing_yaw_rad(centre_m, yaw_rad);
+    // The wrist roll is bearing + 90° − yaw: with both rolls within a quarter turn the yaw change is unambiguous.
+    let bearing_change = hand.bearing_rad(centre_m) - hand.bearing_rad(&from.centre_m);
+    let ahead = yaw_rad - from.closing_yaw_rad - bearing_change;
+    from.closing_yaw_rad + bearing_change + ahead - 2.0 * PI * libm::round(ahead / (2.0 * PI))
+}

@@ -1,0 +1,154 @@
+//! One fingertip: filter, patch, touch, tangential increment, friction.
+
+use super::friction::Friction;
+use super::increment::Increment;
+use super::patch::{ElementAxes, Patch};
+use crate::intake::CheckedFrame;
+use crate::settings::Perception as Settings;
+use nalgebra::Vector3;
+use shm_schemas::Layout;
+use shm_schemas::capacity::ELEMENTS;
+
+/// What one fingertip feels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FingerPercept {
+    /// Filtered force of the object on the tip, tip frame, N.
+    pub force_tip_n: Vector3<f64>,
+    /// Outward normal of the contact patch, unit vector, tip frame.
+    pub patch_normal: Vector3<f64>,
+    /// F_n: force along the inward patch normal, N, positive when pressed.
+    pub normal_n: f64,
+    /// F_t: size of the force in the patch plane, N.
+    pub tangential_n: f64,
+    /// dF_t: size of the change of the tangential force vector over the window, N.
+    pub increment_n: f64,
+    /// S: F_t/F_n over the remembered friction; 1 means gross slip.
+    pub utilisation: f64,
+    /// S with the present friction reading, without memory.
+    pub utilisation_now: f64,
+    /// μ̂: remembered friction coefficient since the first touch; 0 while unknown.
+    pub friction: f64,
+    /// How long gross slip has lasted, s.
+    pub gross_slip_s: f64,
+    /// Whether the fingertip touches something, with hysteresis.
+    pub in_contact: bool,
+    /// Touches since the start.
+    pub touches: u64,
+}
+
+impl Default for FingerPercept {
+    fn default() -> Self {
+        Self {
+            force_tip_n: Vector3::zeros(),
+            patch_normal: Vector3::z(),
+            normal_n: 0.0,
+            tangential_n: 0.0,
+            increment_n: 0.0,
+            utilisation: 0.0,
+            utilisation_now: 0.0,
+            friction: 0.0,
+            gross_slip_s: 0.0,
+            in_contact: false,
+            touches: 0,
+        }
+    }
+}
+
+/// The state of one fingertip's perception.
+#[derive(Clone, Debug)]
+pub struct Finger {
+    axes: ElementAxes,
+    filtered_n: [[f64; 3]; ELEMENTS],
+    bias_n: [[f64; 3]; ELEMENTS],
+    increment: Increment,
+    friction: Friction,
+    percept: FingerPercept,
+}
+
+impl Finger {
+    /// A fingertip with this layout that feels nothing yet.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        Self {
+            axes: ElementAxes::new(layout),
+            filtered_n: [[0.0; 3]; ELEMENTS],
+            bias_n: [[0.0; 3]; ELEMENTS],
+            increment: Increment::default(),
+            friction: Friction::default(),
+            percept: FingerPercept::default(),
+        }
+    }
+
+    /// Takes in this finger's part of one frame.
+    pub fn feel(
+        &mut self,
+        finger: usize,
+        frame: &CheckedFrame<'_>,
+        settings: &Settings,
+    ) -> FingerPercept {
+        self.filter(finger, frame, settings);
+        let patch = Patch::of(&self.axes, &self.filtered_n, settings.element_floor_n);
+        self.touch(&patch, settings);
+        let slipping = self.friction.update(&patch, frame.step_s(), settings);
+        self.percept = FingerPercept {
+            force_tip_n: patch.force_n,
+            patch_normal: patch.normal,
+            normal_n: patch.normal_n,
+            tangential_n: patch.tangential_n.norm(),
+            increment_n: self.increment.update(
+                &patch.tangential_n,
+                frame,
+                settings.increment_window_s,
+            ),
+            utilisation: slipping.utilisation,
+            utilisation_now: slipping.utilisation_now,
+            friction: slipping.friction,
+            gross_slip_s: slipping.gross_s,
+            in_contact: self.percept.in_contact,
+            touches: self.percept.touches,
+        };
+        self.percept
+    }
+
+    /// Takes the present filtered reading of every element as zero.
+    pub fn bias(&mut self) {
+        for (bias, filtered) in self.bias_n.iter_mut().zip(&mut self.filtered_n) {
+            for axis in 0..3 {
+                bias[axis] += filtered[axis];
+                filtered[axis] = 0.0;
+            }
+        }
+    }
+
+    /// First-order low-pass on every element; a masked element keeps its last value for the patch to lose it slowly.
+    fn filter(&mut self, finger: usize, frame: &CheckedFrame<'_>, settings: &Settings) {
+        let step_s = frame.step_s();
+        let share = if settings.filter_s > 0.0 {
+            step_s / (settings.filter_s + step_s)
+        } else {
+            1.0
+        };
+        for element in 0..self.axes.count {
+            let Some(force_n) = frame.element_n(finger, element) else {
+                continue;
+            };
+            for axis in 0..3 {
+                let unbiased = force_n[axis] - self.bias_n[element][axis];
+                self.filtered_n[element][axis] +=
+                    (unbiased - self.filtered_n[element][axis]) * share;
+            }
+        }
+    }
+
+    /// Touch with hysteresis: bare crossings of one threshold flicker on real data.
+    fn touch(&mut self, patch: &Patch, settings: &Settings) {
+        let percept = &mut self.percept;
+        if !percept.in_contact && patch.normal_n > settings.touch_on_n {
+            percept.in_contact = true;
+            percept.touches += 1;
+        } else if percept.in_contact && patch.normal_n < settings.touch_off_n {
+            percept.in_contact = false;
+            self.friction = Friction::default();
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! The last gate. Nothing reaches the robot but through [`Gate::pass`]; a [`SafeCommand`] cannot be made elsewhere.
+//!
+//! In this order, visible in `pass`: finite, mode, grip ceiling, step, position → velocity → acceleration → jerk with
+//! braking distance, following error, stamp and seal. Every check comes before any arithmetic that could swallow a NaN.
+//! The gate publishes something in every mode: the command is the robot's heartbeat.
+
+use crate::Tick;
+use crate::kinematics::HandCommand;
+use crate::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3, STEP_FACTOR};
+use crate::settings::Safety as Settings;
+use crate::tick::nanoseconds;
+use robot_model::{
+    ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, Joint, ROBOT_JOINTS, RobotModel,
+    Side,
+};
+use shm_schemas::capacity::{HANDS, JOINTS};
+use shm_schemas::{Cause, JointCommand, Mode, Reason, Stamp};
+
+/// What kinematics wants of the whole robot.
+pub type RawCommand = [HandCommand; HANDS];
+
+/// What the gate knows of the hands' grip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip {
+    /// Measured normal force per finger, N.
+    pub normal_n: [f64; FINGERS],
+    /// F_2 of the object in the hand, if known, N.
+    pub f2_n: Option<f64>,
+}
+
+/// A command that passed the gate.
+#[derive(Clone, Copy, Debug)]
+pub struct SafeCommand {
+    command: JointCommand,
+}
+
+impl SafeCommand {
+    /// The words to publish.
+    #[must_use]
+    pub fn command(&self) -> &JointCommand {
+        &self.command
+    }
+
+    /// Commanded positions of one hand, rad.
+    #[must_use]
+    pub fn hand_rad(&self, side: Side) -> HandVector {
+        HandVector::from_row_slice(&self.command.position_rad[side.joint_range()])
+    }
+}
+
+/// The gate and what it last let through.
+#[derive(Clone, Debug)]
+pub struct Gate {
+    joints: [Joint; ROBOT_JOINTS],
+    position_rad: [f64; ROBOT_JOINTS],
+    velocity_rad_s: [f64; ROBOT_JOINTS],
+    acceleration_rad_s2: [f64; ROBOT_JOINTS],
+    anchored: bool,
+    sequence: u64,
+    writer_epoch: u64,
+    off_course_ticks: u32,
+    finding: Reason,
+}
+
+impl Gate {
+    /// A gate for this robot; it lets nothing through before [`Gate::anchor`].
+    #[must_use]
+    pub fn new(robot: &RobotModel, writer_epoch: u64) -> Self {
+        let joint = |i: usize| {
+            *robot
+                .hand(if i < HAND_JOINTS {
+                    Side::Left
+                } else {
+                    Side::Right
+                })
+                .joints()
+                .get(i % HAND_JOINTS)
+                .unwrap_or(&robot.hand(Side::Left).joints()[0])
+        };
+        Self {
+            joints: core::array::from_fn(joint),
+            position_rad: [0.0; ROBOT_JOINTS],
+            velocity_rad_s: [0.0; ROBOT_JOINTS],
+            acceleration_rad_s2: [0.0; ROBOT_JOINTS],
+            anchored: false,
+            sequence: 0,
+            writer_epoch,
+            off_course_ticks: 0,
+            finding: Reason::default(),
+        }
+    }
+
+    /// Takes measured positions as the commanded ones, at rest: at the start, and when the robot was moved while it was
+    /// not under command.
+    pub fn anchor(&mut self, measured_rad: &[f64; ROBOT_JOINTS]) {
+        self.position_rad = *measured_rad;
+        self.velocity_rad_s = [0.0; ROBOT_JOINTS];
+        self.acceleration_rad_s2 = [0.0; ROBOT_JOINTS];
+        self.anchored = true;
+        self.off_course_ticks = 0;
+    }
+
+    /// Whether the gate has a position to command.
+    #[must_use]
+    pub fn is_anchored(&self) -> bool {
+        self.anchored
+    }
+
+    /// Commanded positions, rad.
+    #[must_use]
+    pub fn position_rad(&self) -> &[f64; ROBOT_JOINTS] {
+        &self.position_rad
+    }
+
+    /// What the gate had to refuse in the last pass, if anything. The mode machine answers with HOLD or SAFE_STOP.
+    #[must_use]
+    pub fn finding(&self) -> Reason {
+        self.finding
+    }
+
+    /// Lets a command through, limited; or holds the last one.
+    pub fn pass(
+        &mut self,
+        raw: &RawCommand,
+        grips: &[Grip; HANDS],
+        ctx: &GateContext<'_>,
+    ) -> SafeCommand {
+        self.finding = Reason::default();
+        let mut wanted_rad = flatten(raw);
+        if let Some(joint) = wanted_rad.iter().position(|q| !q.is_finite()) {
+            self.refuse(
+                Reason::of(Cause::COMMAND_NOT_FINITE).about(joint),
+                &mut wanted_rad,
+            );
+        }
+        if ctx.mode != Mode::RUN {
+            wanted_rad = self.position_rad;
+        }
+        self.cap_grip(raw, grips, ctx.settings, &mut wanted_rad);
+        self.refuse_jump(ctx.step_s, &mut wanted_rad);
+        self.limit(&wanted_rad, ctx.step_s);
+        self.check_following(ctx);
+        SafeCommand {
+            command: self.seal(ctx),
+        }
+    }
+
+    /// Takes back the whole vector: no joint moves on a command that is partly wrong.
+    fn refuse(&mut self, reason: Reason, wanted_rad: &mut [f64; ROBOT_JOINTS]) {
+        if !self.finding.is_some() {
+            self.finding = reason;
+        }
+        *wanted_rad = self.position_rad;
+    }
+
+    /// A finger that presses harder than its ceiling may only open.
+    fn cap_grip(
+        &mut self,
+        raw: &RawCommand,
+        grips: &[Grip; HANDS],
+        settings: &Settings,
+        wanted_rad: &mut [f64; ROBOT_JOINTS],
+    ) {
+        for (hand, grip) in grips.iter().enumerate() {
+            let ceiling_n = grip.f2_n.map_or(settings.grip_ceiling_n, |f2_n| {
+                settings.grip_ceiling_n.min(f2_n * settings.grip_ceiling_f2)
+            });
+            for finger in 0..FINGERS {
+                let normal_n = grip.normal_n[finger];
+                // A force that is not a number counts as above the ceiling.
+                let below = normal_n <= ceiling_n;
+                if !below && raw[hand].closing_m_s[finger] > 0.0 {
+                    let first = hand * HAND_JOINTS + ARM_JOINTS + finger * FINGER_JOINTS;
+                    let range = first..first + FINGER_JOINTS;
+                    wanted_rad[range.clone()].copy_from_slice(&self.position_rad[range]);
+                    self.finding =
+                        Reason::limit(Cause::GRIP_CEILING, normal_n, ceiling_n).about(finger);
+                }
+            }
+        }
+    }
+
+    /// A step far beyond what the joint can do is a fault of the sender, not something to be smoothed over.
+    fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut [f64; ROBOT_JOINTS]) {
+        for joint in 0..ROBOT_JOINTS {
+            let step_rad = (wanted_rad[joint] - self.position_rad[joint]).abs();
+            let allowed_rad = STEP_FACTOR * self.joints[joint].velocity_max_rad_s * step_s;
+            if step_rad > allowed_rad {
+                let reason = Reason::limit(Cause::COMMAND_STEP, step_rad, allowed_rad).about(joint);
+                return self.refuse(reason, wanted_rad);
+            }
+        }
+    }
+
+    fn limit(&mut self, wanted_rad: &[f64; ROBOT_JOINTS], step_s: f64) {
+        for joint in 0..ROBOT_JOINTS {
+            let state = Motion {
+                position_rad: self.position_rad[joint],
+                velocity_rad_s: self.velocity_rad_s[joint],
+                acceleration_rad_s2: self.acceleration_rad_s2[joint],
+            };
+            let next = state.towards(wanted_rad[joint], &self.joints[joint], step_s);
+            self.position_rad[joint] = next.position_rad;
+            self.velocity_rad_s[joint] = next.velocity_rad_s;
+            self.acceleration_rad_s2[joint] = next.acceleration_rad_s2;
+        }
+    }
+
+    /// A joint that stays behind its command is blocked or dead: pushing on would only wind up force.
+    fn check_following(&mut self, ctx: &GateContext<'_>) {
+        let Some(measured_rad) = ctx.measured_rad else {
+            return;
+        };
+        let settings = ctx.settings;
+        let off_course = (0..ROBOT_JOINTS).find_map(|joint| {
+            let error_rad = (self.position_rad[joint] - measured_rad[joint]).abs();
+            let allowed_rad = settings.following_floor_rad
+                + settings.following_per_speed_s * self.velocity_rad_s[joint].abs();
+            (error_rad > allowed_rad)
+                .then(|| Reason::limit(Cause::FOLLOWING_ERROR, error_rad, allowed_rad).about(joint))
+        });
+        self.off_course_ticks = off_course.map_or(0, |_| self.off_course_ticks.saturating_add(1));
+        if let Some(reason) =
+            off_course.filter(|_| f64::from(self.off_course_ticks) >= settings.following_ticks)
+        {
+            self.finding = reason;
+        }
+    }
+
+    fn seal(&mut self, ctx: &GateContext<'_>) -> JointCommand {
+        let stamp = Stamp {
+            sequence: self.sequence,
+            captured_ns: ctx.tick.now_ns,
+            writer_epoch: self.writer_epoch,
+        };
+        self.sequence += 1;
+        let mut command = JointCommand {
+            stamp,
+            valid_until_ns: ctx.tick.now_ns + nanoseconds(ctx.settings.valid_s),
+            tick: ctx.tick.index,
+            answers_sequence: ctx.joint_sequence,
+            mode: ctx.mode,
+            joint_count: if self.anchored {
+                ROBOT_JOINTS as u32
+            } else {
+                0
+            },
+            ..JointCommand::default()
+        };
+        const { assert!(ROBOT_JOINTS <= JOINTS) };
+        if self.anchored {
+            command.position_rad[..ROBOT_JOINTS].copy_from_slice(&self.position_rad);
+            command.velocity_rad_s[..ROBOT_JOINTS].copy_from_slice(&self.velocity_rad_s);
+        }
+        command.seal();
+        command
+    }
+}
+
+/// What the gate needs to know of the tick.
+#[derive(Clone, Copy, Debug)]
+pub struct GateContext<'a> {
+    /// The tick.
+    pub tick: Tick,
+    /// Time since the tick before, s.
+    pub step_s: f64,
+    /// Mode of this tick: only RUN moves.
+    pub mode: Mode,
+    /// Measured positions, if believed, rad.
+    pub measured_rad: Option<&'a [f64; ROBOT_JOINTS]>,
+    /// Sequence of the joint state that the tick used.
+    pub joint_sequence: u64,
+    /// Limits.
+    pub settings: &'a Settings,
+}
+
+fn flatten(raw: &RawCommand) -> [f64; ROBOT_JOINTS] {
+    core::array::from_fn(|joint| raw[joint / HAND_JOINTS].q_rad[joint % HAND_JOINTS])
+}
+
+/// One joint's commanded motion.
+#[derive(Clone, Copy)]
+struct Motion {
+    position_rad: f64,
+    velocity_rad_s: f64,
+    acceleration_rad_s2: f64,
+}
+
+impl Motion {
+    /// The next motion towards a position within every limit of the joint. `wanted_rad` is finite.
+    fn towards(self, wanted_rad: f64, joint: &Joint, step_s: f64) -> Self {
+        let wanted_rad = wanted_rad.clamp(joint.lower_rad, joint.upper_rad);
+        let speed_rad_s = joint.velocity_max_rad_s;
+        let wanted_rad_s =
+            ((wanted_rad - self.position_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
+        let braked_rad_s = wanted_rad_s.clamp(
+            -brake_rad_s(self.position_rad - joint.lower_rad),
+            brake_rad_s(joint.upper_rad - self.position_rad),
+        );
+        let wanted_rad_s2 = (braked_rad_s - self.velocity_rad_s) / step_s;
+        let jerk_step = JOINT_JERK_RAD_S3 * step_s;
+        let acceleration_rad_s2 = wanted_rad_s2
+            .clamp(
+                self.acceleration_rad_s2 - jerk_step,
+                self.acceleration_rad_s2 + jerk_step,
+            )
+            .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2);
+        let velocity_rad_s =
+            (self.velocity_rad_s + acceleration_rad_s2 * step_s).clamp(-speed_rad_s, speed_rad_s);
+        let position_rad =
+            (self.position_rad + velocity_rad_s * step_s).clamp(joint.lower_rad, joint.upper_rad);
+        Self {
+            position_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+        }
+    }
+}
+
+/// Highest speed from which the joint still stops within a distance, rad/s. Half the acceleration is kept in reserve
+/// for the time that the jerk limit needs to build it up.
+fn brake_rad_s(distance_rad: f64) -> f64 {
+    if distance_rad > 0.0 {
+        libm::sqrt(JOINT_ACCELERATION_RAD_S2 * distance_rad)
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,277 @@
+//! Every number that a user may tune, in one table: name, default, allowed range, meaning.
+//!
+//! The same table makes the structs, their defaults, the range checks and the list that `atas param list` shows.
+//! SI units, stated last in each name. Numbers that a user must not tune are in [`crate::limits`].
+
+/// One tunable number.
+#[derive(Clone, Copy)]
+pub struct Parameter {
+    /// Name, `section.key`.
+    pub name: &'static str,
+    /// Meaning.
+    pub doc: &'static str,
+    /// Value if nothing is configured.
+    pub default: f64,
+    /// Lowest value allowed.
+    pub lower: f64,
+    /// Highest value allowed.
+    pub upper: f64,
+    /// Reads the value.
+    pub get: fn(&Settings) -> f64,
+    /// Writes the value without checking it; use [`Settings::set`].
+    set: fn(&mut Settings, f64),
+}
+
+/// Why a value was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SettingError {
+    /// No parameter has this name.
+    Unknown,
+    /// The value is not a finite number within the range.
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// Lowest value allowed.
+        lower: f64,
+        /// Highest value allowed.
+        upper: f64,
+    },
+}
+
+impl core::fmt::Display for SettingError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Unknown => {
+                f.write_str("no parameter has this name; `atas param list` shows them all")
+            }
+            Self::OutOfRange {
+                name,
+                value,
+                lower,
+                upper,
+            } => {
+                write!(
+                    f,
+                    "{name} is {value}, needs a number from {lower} to {upper}"
+                )
+            }
+        }
+    }
+}
+
+macro_rules! settings {
+    ($($(#[doc = $sdoc:literal])* $section:ident: $Section:ident {
+        $($(#[doc = $doc:literal])* $key:ident = $default:literal in $lower:literal..$upper:literal;)*
+    })*) => {
+        $(
+            $(#[doc = $sdoc])*
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+            #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+            pub struct $Section {
+                $($(#[doc = $doc])* pub $key: f64,)*
+            }
+
+            impl Default for $Section {
+                fn default() -> Self {
+                    Self { $($key: $default,)* }
+                }
+            }
+        )*
+
+        /// Every tunable number of the controller.
+        #[derive(Clone, Copy, Debug, PartialEq, Default)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+        pub struct Settings {
+            $($(#[doc = $sdoc])* pub $section: $Section,)*
+        }
+
+        /// Every tunable number, in the order of the configuration file.
+        pub const PARAMETERS: &[Parameter] = &[
+            $($(Parameter {
+                name: concat!(stringify!($section), ".", stringify!($key)),
+                doc: concat!($($doc),*),
+                default: $default,
+                lower: $lower,
+                upper: $upper,
+                get: |s| s.$section.$key,
+                set: |s, value| s.$section.$key = value,
+            },)*)*
+        ];
+    };
+}
+
+settings! {
+    /// Which frames and joint states are believed (ours, bounds from the fault catalogue).
+    intake: Intake {
+        /// Age of the newest frame or joint state above which the robot holds, s. Too small: holds on every scheduling hiccup. Too large: grips blindly.
+        hold_age_s = 0.005 in 0.001..0.5;
+        /// Age above which a frame is refused outright, s.
+        reject_age_s = 0.1 in 0.005..10.0;
+        /// How far ahead of the tick a stamp may lie, s.
+        future_s = 0.001 in 0.0..0.1;
+        /// Lost frames in a row that are tolerated.
+        gap_frames = 5.0 in 0.0..1000.0;
+        /// Identical frames in a row after which the sensor counts as frozen; 0 switches the check off.
+        frozen_frames = 40.0 in 0.0..100000.0;
+        /// Share of invalid elements above which the robot holds.
+        invalid_share = 0.1 in 0.0..1.0;
+        /// Largest believable force of one element along one axis, N.
+        element_force_n = 50.0 in 0.01..100000.0;
+        /// Good frames in a row after which a restarted sensor is believed again.
+        resync_frames = 20.0 in 1.0..1000.0;
+    }
+    /// From element forces to what a fingertip feels (tactile design: ours, from prototypes).
+    perception: Perception {
+        /// Time constant of the low-pass on every element, s.
+        filter_s = 0.005 in 0.0..1.0;
+        /// Normal force that counts as a touch, N.
+        touch_on_n = 0.06 in 0.001..10000.0;
+        /// Normal force below which a touch has ended, N.
+        touch_off_n = 0.03 in 0.0..10000.0;
+        /// Window W of the tangential force increment dF_t, s.
+        increment_window_s = 0.1 in 0.005..1.0;
+        /// Weakest element that takes part in the friction estimate, N.
+        element_floor_n = 0.012 in 0.001..1.0;
+        /// Time constant of the friction reading, s.
+        friction_filter_s = 0.02 in 0.001..1.0;
+        /// Slope of mean F_n over total closing on a rigid block, N/m: a calibration of this pipeline.
+        hardness_reference_n_m = 870.0 in 10.0..1000000.0;
+        /// Scale from series slope to object stiffness, dimensionless: a calibration of this pipeline.
+        hardness_scale = 3.6 in 0.1..100.0;
+    }
+    /// Modules 1, 2 and 3: the grasp (paper II.b (1); values ours unless stated).
+    grasp: Grasp {
+        /// Closing speed of each finger on approach, m/s (paper: 2 mm/s).
+        approach_m_s = 0.002 in 0.0001..0.02;
+        /// Duration of the hardness probe, s (paper: 100 ms).
+        probe_s = 0.1 in 0.02..1.0;
+        /// Closing speed of each finger while Module 2 is active, m/s.
+        enhance_m_s = 0.002 in 0.0001..0.02;
+        /// Compression of the object that F_2 allows, m.
+        compression_m = 0.0005 in 0.00001..0.01;
+        /// Lower bound of F_2, N.
+        f2_min_n = 0.7 in 0.05..100.0;
+        /// Upper bound of F_2, N: what the fingers may ever press.
+        f2_max_n = 8.0 in 0.1..100.0;
+        /// Share of F_2 in F_1.
+        f1_share = 0.1 in 0.0..1.0;
+        /// Constant part of F_1, N.
+        f1_base_n = 0.2 in 0.0..10.0;
+        /// Lower bound of F_1, N.
+        f1_min_n = 0.35 in 0.01..10.0;
+        /// Upper bound of F_1, N.
+        f1_max_n = 1.0 in 0.05..50.0;
+        /// Threshold dr of the tangential force increment, N (the paper names it and gives no value).
+        dr_n = 0.06 in 0.005..10.0;
+        /// Friction utilisation S at which Module 2 becomes active.
+        slip_on = 0.75 in 0.2..1.0;
+        /// Friction utilisation S at which it becomes inactive.
+        slip_off = 0.65 in 0.1..1.0;
+        /// Momentary utilisation that means gross slip.
+        slip_gross = 0.955 in 0.5..1.2;
+        /// How long gross slip must last, s.
+        slip_gross_s = 0.01 in 0.0..1.0;
+        /// Growth of F_t/F_n since Module 2 last ended that re-activates it.
+        slip_growth = 1.12 in 1.01..2.0;
+        /// Growth of F_t that must come with it, N.
+        slip_growth_n = 0.04 in 0.0..10.0;
+        /// How long Module 2 stays active after its last cause, s.
+        slip_latch_s = 0.02 in 0.0..1.0;
+        /// Factor on the hand's speed while Module 2 is active and Module 3 is not.
+        slip_carry_scale = 0.1 in 0.0..1.0;
+        /// Opening speed of Module 3 above its release force, m/s.
+        relieve_m_s = 0.001 in 0.0..0.02;
+        /// Multiple of F_2 above which Module 3 opens.
+        relieve_at = 1.15 in 1.0..2.0;
+        /// How long an object must slip at F_2 on all fingers to count as too heavy, s.
+        too_heavy_s = 0.4 in 0.05..5.0;
+        /// Utilisation that counts as slipping at F_2.
+        too_heavy_utilisation = 0.78 in 0.3..1.2;
+        /// Hand travel at F_2 after which an object counts as too heavy, m.
+        too_heavy_travel_m = 0.005 in 0.0005..0.1;
+    }
+    /// How the hand moves (ours).
+    motion: Motion {
+        /// Mean speed of free moves, m/s.
+        reach_m_s = 0.12 in 0.01..0.5;
+        /// Mean turning speed of free moves, rad/s.
+        turn_rad_s = 0.8 in 0.05..3.0;
+        /// Mean speed of lifting, m/s.
+        lift_m_s = 0.01 in 0.001..0.1;
+        /// Gap between fingertip and expected surface when the approach begins, m, per finger.
+        clearance_m = 0.005 in 0.001..0.03;
+        /// Opening speed when letting go, m/s, per finger.
+        open_m_s = 0.01 in 0.001..0.1;
+        /// Height above the grasp from which the hand comes down, m.
+        descend_m = 0.06 in 0.0..0.2;
+        /// Deepest closing beyond the expected surface before the approach gives up, m, per finger.
+        search_m = 0.012 in 0.001..0.03;
+    }
+    /// The last gate (ours, bounds from the fault catalogue).
+    safety: Safety {
+        /// Normal force of one finger that is never exceeded on purpose, N.
+        grip_ceiling_n = 15.0 in 0.1..500.0;
+        /// Multiple of F_2 above which a finger may only open.
+        grip_ceiling_f2 = 1.5 in 1.0..5.0;
+        /// Following error that is always allowed, rad.
+        following_floor_rad = 0.08 in 0.001..1.0;
+        /// Following error allowed per joint speed, s.
+        following_per_speed_s = 0.03 in 0.0..1.0;
+        /// Ticks in a row with too large a following error until SAFE_STOP.
+        following_ticks = 10.0 in 1.0..1000.0;
+        /// How long a command stays valid, s.
+        valid_s = 0.005 in 0.001..0.1;
+        /// How long a goal may pause in HOLD before it fails, s.
+        pause_s = 0.5 in 0.0..60.0;
+    }
+}
+
+impl Settings {
+    /// Sets one parameter by name.
+    ///
+    /// # Errors
+    /// [`SettingError`] when the name is unknown or the value is not a number within the range; nothing changes then.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), SettingError> {
+        let parameter = find(name).ok_or(SettingError::Unknown)?;
+        parameter.check(value)?;
+        (parameter.set)(self, value);
+        Ok(())
+    }
+
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// The first [`SettingError`] found.
+    pub fn check(&self) -> Result<(), SettingError> {
+        PARAMETERS.iter().try_for_each(|p| p.check((p.get)(self)))
+    }
+}
+
+/// The parameter with this name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Parameter> {
+    PARAMETERS.iter().find(|p| p.name == name)
+}
+
+impl Parameter {
+    /// Checks a value for this parameter.
+    ///
+    /// # Errors
+    /// [`SettingError::OutOfRange`].
+    pub fn check(&self, value: f64) -> Result<(), SettingError> {
+        // NaN compares false with everything, so it is refused here as well.
+        if value >= self.lower && value <= self.upper {
+            return Ok(());
+        }
+        Err(SettingError::OutOfRange {
+            name: self.name,
+            value,
+            lower: self.lower,
+            upper: self.upper,
+        })
+    }
+}

@@ -1,0 +1,337 @@
+//! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
+
+use super::{BACK_OUT, Motion, Sites, Step, Thresholds, Until};
+use crate::modules::{Context, Modules, Verdict, force_range_n};
+use crate::path::{Path, Speeds};
+use crate::perception::{HardnessFit, Percept};
+use crate::settings::Settings;
+use nalgebra::Vector3;
+use robot_model::{FINGERS, GraspFrame};
+use shm_schemas::{Cause, ModuleId, Reason};
+
+/// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
+const LOST_AFTER_S: f64 = 0.05;
+/// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
+const OPEN_BY_M: f64 = 0.012;
+
+/// What became of the task in this tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// It goes on.
+    Running,
+    /// The next step has begun.
+    NextStep,
+    /// It is done; the last step stays in force.
+    Succeeded,
+    /// It has backed out of an object that it cannot handle.
+    Refused(Reason),
+    /// It has ended without success; the hand stays as it is.
+    Failed(Reason),
+}
+
+/// One hand's task.
+#[derive(Clone, Debug)]
+pub struct Runner {
+    steps: &'static [Step],
+    index: usize,
+    step_s: f64,
+    path: Path,
+    sites: Sites,
+    hold_s: f64,
+    width_m: f64,
+    thresholds: Thresholds,
+    hardness: Option<HardnessFit>,
+    all_touched: bool,
+    touched_at_m: f64,
+    closing_m: f64,
+    lifted_from_m: Option<Vector3<f64>>,
+    carried_m: f64,
+    out_of_touch_s: f64,
+    refusal: Option<Reason>,
+}
+
+impl Runner {
+    /// Starts a task from where the hand is.
+    #[must_use]
+    pub fn start(
+        steps: &'static [Step],
+        sites: Sites,
+        now: &GraspFrame,
+        (width_m, hold_s): (f64, f64),
+        settings: &Settings,
+    ) -> Self {
+        let mut runner = Self {
+            steps,
+            index: 0,
+            step_s: 0.0,
+            path: Path::stay(*now),
+            sites,
+            hold_s,
+            width_m,
+            thresholds: Thresholds::unknown(&settings.grasp),
+            hardness: None,
+            all_touched: false,
+            touched_at_m: 0.0,
+            closing_m: 0.0,
+            lifted_from_m: None,
+            carried_m: 0.0,
+            out_of_touch_s: 0.0,
+            refusal: None,
+        };
+        runner.path = runner.plan(now, settings);
+        runner
+    }
+
+    /// The present step.
+    #[must_use]
+    pub fn step(&self) -> &'static Step {
+        &self.steps[self.index]
+    }
+
+    /// Index of the present step.
+    #[must_use]
+    pub fn index(&self) -> usize {
+        self.index
+    }
+
+    /// Share of the steps that are done.
+    #[must_use]
+    pub fn progress(&self) -> f64 {
+        self.index as f64 / self.steps.len() as f64
+    }
+
+    /// F_1 and F_2.
+    #[must_use]
+    pub fn thresholds(&self) -> Thresholds {
+        self.thresholds
+    }
+
+    /// The hardness, once known.
+    #[must_use]
+    pub fn hardness(&self) -> Option<HardnessFit> {
+        self.hardness
+    }
+
+    /// How far the object has been carried, m.
+    #[must_use]
+    pub fn carried_m(&self) -> f64 {
+        self.carried_m
+    }
+
+    /// Whether the hand has an object in its grip.
+    #[must_use]
+    pub fn grips(&self) -> bool {
+        self.hardness.is_some() && self.refusal.is_none()
+    }
+
+    /// What the modules may know.
+    #[must_use]
+    pub fn context<'a>(
+        &'a self,
+        settings: &'a Settings,
+        step_s: f64,
+        carry_scale: f64,
+    ) -> Context<'a> {
+        Context {
+            settings,
+            step_s,
+            thresholds: self.thresholds,
+            all_touched: self.all_touched,
+            closing_m: self.closing_m,
+            carried_m: self.carried_m,
+            path: &self.path,
+            carry_scale,
+        }
+    }
+
+    /// Measures before the modules are asked: touches, closing, carrying. `gap_m` is the measured distance between the
+    /// fingertips, `now` the commanded pose.
+    pub fn observe(&mut self, percept: &Percept, gap_m: f64, now: &GraspFrame, step_s: f64) {
+        self.step_s += step_s;
+        let touching = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
+        if touching && !self.all_touched && self.step().until == Until::AllTouched {
+            self.all_touched = true;
+            self.touched_at_m = gap_m;
+        }
+        self.closing_m = self.touched_at_m - gap_m;
+        if let Some(from_m) = self.lifted_from_m {
+            self.carried_m = (now.centre_m - from_m).norm();
+        }
+        self.out_of_touch_s = if touching {
+            0.0
+        } else {
+            self.out_of_touch_s + step_s
+        };
+    }
+
+    /// Draws the conclusions of this tick: verdicts, the end of the step, the end of the task.
+    pub fn conclude(
+        &mut self,
+        verdict: Verdict,
+        arrived: bool,
+        percept: &Percept,
+        now: &GraspFrame,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) -> Outcome {
+        match verdict {
+            Verdict::Refuse(reason) => {
+                return self.back_out(self.in_hold(reason), now, settings, modules);
+            }
+            Verdict::Hardness(fit) => {
+                self.hardness = Some(fit);
+                self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp);
+            }
+            Verdict::None => {}
+        }
+        if let Some(reason) = self.failure(percept, now, settings) {
+            return Outcome::Failed(reason);
+        }
+        if self.is_done(arrived, percept) {
+            self.advance(now, settings, modules)
+        } else {
+            Outcome::Running
+        }
+    }
+
+    fn is_done(&self, arrived: bool, percept: &Percept) -> bool {
+        match self.step().until {
+            Until::Arrived => arrived,
+            Until::AllTouched => self.all_touched,
+            Until::HardnessKnown => self.hardness.is_some(),
+            Until::Gripped => {
+                let (weakest_n, strongest_n) = force_range_n(percept);
+                weakest_n > self.thresholds.f1_n || strongest_n > self.thresholds.f2_n
+            }
+            Until::Held => self.step_s >= self.hold_s,
+        }
+    }
+
+    fn advance(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) -> Outcome {
+        if self.index + 1 == self.steps.len() {
+            return match self.refusal {
+                Some(reason) => Outcome::Refused(reason),
+                None => Outcome::Succeeded,
+            };
+        }
+        self.enter(self.index + 1, now, settings, modules);
+        Outcome::NextStep
+    }
+
+    fn enter(
+        &mut self,
+        index: usize,
+        now: &GraspFrame,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) {
+        self.index = index;
+        self.step_s = 0.0;
+        self.path = self.plan(now, settings);
+        modules.restart_path();
+        if matches!(self.step().motion, Motion::Carry(_)) && self.refusal.is_none() {
+            self.lifted_from_m = Some(now.centre_m);
+        }
+    }
+
+    fn plan(&self, now: &GraspFrame, settings: &Settings) -> Path {
+        let motion = &settings.motion;
+        let free = Speeds {
+            move_m_s: motion.reach_m_s,
+            turn_rad_s: motion.turn_rad_s,
+            open_m_s: motion.reach_m_s,
+        };
+        match self.step().motion {
+            Motion::Stay => Path::stay(*now),
+            Motion::Reach(site) => Path::free(*now, self.sites.pose(site, now), &free),
+            Motion::Carry(site) => {
+                let speeds = Speeds {
+                    move_m_s: motion.lift_m_s,
+                    ..free
+                };
+                Path::gripping(*now, self.sites.pose(site, now), &speeds)
+            }
+            Motion::Open => {
+                let speeds = Speeds {
+                    open_m_s: motion.open_m_s,
+                    ..free
+                };
+                let to = GraspFrame {
+                    half_opening_m: now.half_opening_m.map(|h| h + OPEN_BY_M),
+                    ..*now
+                };
+                Path::free(*now, to, &speeds)
+            }
+        }
+    }
+
+    /// The same refusal means something else once the object was already held: its load has grown.
+    fn in_hold(&self, reason: Reason) -> Reason {
+        let held = self.step().until == Until::Held;
+        if held && reason.cause == Cause::TOO_HEAVY {
+            Reason {
+                cause: Cause::OUT_OF_FORCE,
+                ..reason
+            }
+        } else {
+            reason
+        }
+    }
+
+    fn back_out(
+        &mut self,
+        reason: Reason,
+        now: &GraspFrame,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) -> Outcome {
+        self.refusal = Some(reason);
+        self.steps = BACK_OUT;
+        self.enter(0, now, settings, modules);
+        Outcome::NextStep
+    }
+
+    /// What ends the task without success in this tick, if anything.
+    fn failure(&self, percept: &Percept, now: &GraspFrame, settings: &Settings) -> Option<Reason> {
+        let step = self.step();
+        if self.refusal.is_none()
+            && self.lifted_from_m.is_some()
+            && self.out_of_touch_s > LOST_AFTER_S
+        {
+            let (weakest_n, _) = force_range_n(percept);
+            return Some(Reason::limit(
+                Cause::LOST_OBJECT,
+                weakest_n,
+                settings.perception.touch_off_n,
+            ));
+        }
+        if step.until == Until::AllTouched {
+            let deepest_m = self.width_m / 2.0 - settings.motion.search_m;
+            let closed_m = now
+                .half_opening_m
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min);
+            if closed_m < deepest_m {
+                let reason = Reason::limit(Cause::NOTHING_TOUCHED, 2.0 * closed_m, 2.0 * deepest_m);
+                return Some(reason.by(ModuleId::FIRST_TOUCH));
+            }
+        }
+        (self.step_s > step.timeout_s)
+            .then(|| Reason::limit(Cause::TIMED_OUT, self.step_s, step.timeout_s))
+    }
+}
+
+impl Runner {
+    /// Goes on with nothing but holding: for a goal that ends while the hand has an object. `false` if the task has no
+    /// step for that.
+    pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) -> bool {
+        let Some(hold) = self.steps.iter().position(|s| s.until == Until::Held) else {
+            return false;
+        };
+        if self.index != hold {
+            self.enter(hold, now, settings, modules);
+        }
+        true
+    }
+}

@@ -1,0 +1,42 @@
+//! F_1 and F_2 from the hardness (paper II.b (1): "Threshold of maximum grasping force F_2 should be changed based on
+//! the object's hardness"; the laws are ours, from a prototype).
+
+use crate::settings::Grasp;
+
+/// Share of F_2 that F_1 never exceeds, so that Module 1 and Module 3 never contradict each other.
+const F1_BELOW_F2: f64 = 0.8;
+
+/// The two thresholds of the grasping force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// F_1: minimum grasping force, N.
+    pub f1_n: f64,
+    /// F_2: maximum grasping force, N.
+    pub f2_n: f64,
+}
+
+impl Thresholds {
+    /// For an object of known stiffness, N/m: F_2 compresses it by `compression_m`.
+    #[must_use]
+    pub fn for_stiffness(object_n_m: f64, settings: &Grasp) -> Self {
+        Self::with_f2(
+            (settings.compression_m * object_n_m).clamp(settings.f2_min_n, settings.f2_max_n),
+            settings,
+        )
+    }
+
+    /// For an object that is not yet known: as careful as for the softest.
+    #[must_use]
+    pub fn unknown(settings: &Grasp) -> Self {
+        Self::with_f2(settings.f2_min_n, settings)
+    }
+
+    fn with_f2(f2_n: f64, settings: &Grasp) -> Self {
+        let f1_n = (settings.f1_share * f2_n + settings.f1_base_n)
+            .clamp(settings.f1_min_n, settings.f1_max_n);
+        Self {
+            f1_n: f1_n.min(F1_BELOW_F2 * f2_n),
+            f2_n,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What the controller is wired to: which sensors exist, how they are laid out, how stiff the joints are.
+
+use robot_model::{HAND_JOINTS, HandVector};
+use shm_schemas::Layout;
+use shm_schemas::capacity::HANDS;
+
+/// One hand's sensor.
+#[derive(Clone, Debug)]
+pub struct HandWiring {
+    /// Where the elements sit; frames with another layout are refused.
+    pub layout: Layout,
+    /// Fingers that carry sensors, 1 to 4; frames with fewer are refused.
+    pub fingers: usize,
+    /// Whether the robot must hold when this hand's sensor is silent. A hand without a sensor takes no goals.
+    pub required: bool,
+    /// Nominal frame rate, Hz: the longest silence that is normal is a few periods.
+    pub rate_hz: f64,
+}
+
+/// Everything that does not change while the controller lives.
+#[derive(Clone, Debug)]
+pub struct Wiring {
+    /// Per hand, left first.
+    pub hands: [HandWiring; HANDS],
+    /// Whether joint feedback exists. Without it the controller only senses and never leaves INIT.
+    pub joints_required: bool,
+    /// Servo stiffness of each joint of one hand, N·m/rad, for the compliance correction.
+    pub stiffness_n_m_rad: HandVector,
+    /// Nominal tick period, s.
+    pub tick_s: f64,
+    /// Epoch that the commands carry; drawn anew at each start, fixed in lock-step.
+    pub writer_epoch: u64,
+}
+
+/// Servo stiffness of the built-in robot, N·m/rad (robot design: inertia × ω_n², checked by simulation).
+pub const STIFFNESS_N_M_RAD: [f64; HAND_JOINTS] = [
+    6480.0, 6480.0, 2880.0, 1280.0, 512.0, 80.0, 40.0, 40.0, 80.0, 40.0, 40.0,
+];
+
+impl Default for HandWiring {
+    fn default() -> Self {
+        Self {
+            layout: Layout::dome_41(),
+            fingers: 2,
+            required: true,
+            rate_hz: 1000.0,
+        }
+    }
+}
+
+impl Default for Wiring {
+    fn default() -> Self {
+        Self {
+            hands: [HandWiring::default(), HandWiring::default()],
+            joints_required: true,
+            stiffness_n_m_rad: HandVector::from_row_slice(&STIFFNESS_N_M_RAD),
+            tick_s: 0.001,
+            writer_epoch: 1,
+        }
+    }
+}
