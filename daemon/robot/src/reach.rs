@@ -26,7 +26,7 @@ impl Workspace {
         x_m: [0.22, 0.40],
         right_y_m: [-0.30, 0.06],
         z_m: [0.025, 0.21],
-        opening_m: [0.03, 0.11],
+        opening_m: [0.02, 0.11],
     };
 
     /// Whether a grasp from above lies inside.

@@ -1,6 +1,7 @@
 //! Collision shapes of a URDF as capsules, and the dome's radius.
 
 use std::format;
+use std::string::String;
 use std::vec::Vec;
 
 use nalgebra::Vector3;
@@ -72,10 +73,7 @@ pub(super) fn load_capsules(
 }
 
 /// Radius and half length of the capsule around a shape, metres.
-fn capsule_size(
-    geometry: &Geometry,
-    what: impl Fn() -> std::string::String,
-) -> Result<(f64, f64), ModelError> {
+fn capsule_size(geometry: &Geometry, what: impl Fn() -> String) -> Result<(f64, f64), ModelError> {
     let (radius, length) = match *geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
             (radius, length)

@@ -1,0 +1,11 @@
+//! Tests of the robot model through its public interface only.
+
+mod capsules;
+mod forward;
+mod ik;
+mod jacobian;
+mod path;
+mod support;
+mod unreachable;
+mod urdf;
+mod workspace;

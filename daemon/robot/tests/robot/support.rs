@@ -1,0 +1,44 @@
+//! What several tests need: the built-in robot, joint angles inside its limits, comparisons.
+
+use std::sync::LazyLock;
+
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use robot_model::{HAND_JOINTS, HandModel, HandVector, RobotModel, Side};
+
+/// The built-in robot, loaded once.
+pub(crate) static ROBOT: LazyLock<RobotModel> =
+    LazyLock::new(|| RobotModel::two_hand_arm().expect("the built-in URDF loads"));
+
+/// Either side.
+pub(crate) fn side() -> impl Strategy<Value = Side> {
+    prop_oneof![Just(Side::Left), Just(Side::Right)]
+}
+
+/// How far each joint is between its limits, 0 to 1.
+pub(crate) fn fractions() -> impl Strategy<Value = [f64; HAND_JOINTS]> {
+    prop::array::uniform11(0.0..=1.0)
+}
+
+/// Joint angles from fractions of the way between the limits.
+pub(crate) fn between_limits(hand: &HandModel, fractions: &[f64; HAND_JOINTS]) -> HandVector {
+    HandVector::from_fn(|index, _| {
+        let joint = &hand.joints()[index];
+        joint.lower_rad + (joint.upper_rad - joint.lower_rad) * fractions[index]
+    })
+}
+
+/// Joint angles written in degrees.
+pub(crate) fn degrees(q_deg: [f64; HAND_JOINTS]) -> HandVector {
+    HandVector::from(q_deg).map(f64::to_radians)
+}
+
+/// Fails if two vectors differ by more than `tolerance` in length.
+#[track_caller]
+pub(crate) fn assert_near(what: &str, is: Vector3<f64>, wanted: Vector3<f64>, tolerance: f64) {
+    let off = (is - wanted).norm();
+    assert!(
+        off <= tolerance,
+        "{what}: is {is:?}, wanted {wanted:?}, off by {off:e}"
+    );
+}

@@ -1,0 +1,231 @@
+//! The URDF loader: what it takes, and what it says about what it refuses.
+
+use robot_model::{RobotModel, Side, TWO_HAND_ARM_URDF};
+
+use crate::support::ROBOT;
+
+/// Loads the built-in URDF with the first `from` replaced by `to` and compares the error.
+#[track_caller]
+fn check(from: &str, to: &str, wanted: &str) {
+    assert!(TWO_HAND_ARM_URDF.contains(from), "the URDF has no {from}");
+    let error = RobotModel::from_urdf(&TWO_HAND_ARM_URDF.replacen(from, to, 1))
+        .expect_err("refused")
+        .to_string();
+    assert!(error.contains(wanted), "said: {error}\nlacks: {wanted}");
+}
+
+const ELBOW: &str =
+    r#"<axis xyz="0 1 0"/><limit lower="0.0873" upper="2.618" effort="30" velocity="2"/>"#;
+
+#[test]
+fn a_number_that_does_not_fit_is_named() {
+    let elbow = |axis: &str, lower: &str, upper: &str, effort: &str, velocity: &str| {
+        format!(
+            r#"<axis xyz="{axis}"/><limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{velocity}"/>"#
+        )
+    };
+    for (replaced, wanted) in [
+        (
+            elbow("0 1 0", "2.7", "2.618", "30", "2"),
+            "the limit of joint `left_elbow_pitch` was 2.7 to 2.618, needs a finite lower",
+        ),
+        (elbow("0 1 0", "1", "1", "30", "2"), "was 1 to 1, needs"),
+        (
+            elbow("0 1 0", "NaN", "2.618", "30", "2"),
+            "was NaN to 2.618, needs",
+        ),
+        (elbow("0 1 0", "0", "inf", "30", "2"), "was 0 to inf, needs"),
+        (
+            elbow("0 1 0", "0", "1", "30", "0"),
+            "the velocity of joint `left_elbow_pitch` was 0, needs finite and above 0",
+        ),
+        (
+            elbow("0 1 0", "0", "1", "30", "-2"),
+            "was -2, needs finite and above 0",
+        ),
+        (
+            elbow("0 1 0", "0", "1", "30", "NaN"),
+            "was NaN, needs finite and above 0",
+        ),
+        (
+            elbow("0 1 0", "0", "1", "-1", "2"),
+            "the effort of joint `left_elbow_pitch` was -1",
+        ),
+        (
+            elbow("0 2 0", "0", "1", "30", "2"),
+            "the axis of joint `left_elbow_pitch` was (0, 2, 0) of length 2, needs a unit vector",
+        ),
+        (elbow("0 0 0", "0", "1", "30", "2"), "of length 0"),
+        (elbow("0 NaN 0", "0", "1", "30", "2"), "of length NaN"),
+    ] {
+        check(ELBOW, &replaced, wanted);
+    }
+    check(
+        r#"xyz="0 0.22 0.34""#,
+        r#"xyz="0 inf 0.34""#,
+        "the origin of joint `left_shoulder_yaw` was xyz [0.0, inf, 0.34]",
+    );
+}
+
+#[test]
+fn a_structure_that_does_not_fit_is_named() {
+    for (from, to, wanted) in [
+        (
+            "left_elbow_pitch",
+            "left_elbow",
+            "moving joint 2 of the file was `left_elbow`, needs `left_elbow_pitch`",
+        ),
+        (
+            r#"<joint name="left_elbow_pitch" type="revolute">"#,
+            r#"<joint name="left_elbow_pitch" type="fixed">"#,
+            "moving joint 2 of the file was `left_wrist_pitch`",
+        ),
+        (
+            r#"<joint name="left_elbow_pitch" type="revolute">"#,
+            r#"<joint name="left_elbow_pitch" type="prismatic">"#,
+            "was Prismatic, needs an independent revolute joint",
+        ),
+        (
+            r#"<joint name="left_elbow_pitch" type="revolute">"#,
+            r#"<joint name="left_elbow_pitch" type="continuous">"#,
+            "was Continuous, needs",
+        ),
+        (
+            ELBOW,
+            &format!(r#"{ELBOW}<mimic joint="left_wrist_pitch"/>"#),
+            "was a mimic joint, needs",
+        ),
+        (
+            r#"<joint name="right_finger2_distal" type="revolute">"#,
+            r#"<joint name="right_finger2_distal" type="fixed">"#,
+            "the number of moving joints was 21, needs 22",
+        ),
+        (
+            r#"<link name="left_finger1_tip">"#,
+            r#"<link name="left_thumb_tip">"#,
+            "link `left_finger1_tip` was missing",
+        ),
+        (
+            r#"<child link="left_finger1_tip"/>"#,
+            r#"<child link="left_finger2_tip"/>"#,
+            "link `left_finger2_tip` was the child of joints",
+        ),
+        (
+            r#"<parent link="left_forearm"/>"#,
+            r#"<parent link="left_upper_arm"/>"#,
+            "link `left_upper_arm` was moved by joint `left_shoulder_pitch`, needs fixed to `left_forearm`",
+        ),
+        (
+            r#"<parent link="left_forearm"/>"#,
+            r#"<parent link="base"/>"#,
+            "link `base` was fixed to `base`, needs fixed to `left_forearm`",
+        ),
+        (
+            r#"<parent link="left_hand"/>"#,
+            r#"<parent link="left_palm"/>"#,
+            "link `left_palm` was missing",
+        ),
+        (
+            r#"<parent link="base"/>"#,
+            r#"<parent link="torso"/>"#,
+            "was fixed to itself in a loop",
+        ),
+        (
+            r#"<sphere radius="0.015"/></geometry></collision>"#,
+            r#"<box size="1 1 1"/></geometry></collision>"#,
+            "the collision of link `left_finger1_tip` was spheres of radius []",
+        ),
+        (
+            r#"<sphere radius="0.015"/></geometry></collision>"#,
+            r#"<sphere radius="-1"/></geometry></collision>"#,
+            "spheres of radius [-1.0], needs exactly one",
+        ),
+        (
+            r#"<cylinder radius="0.033" length="0.25"/></geometry></collision>"#,
+            r#"<mesh filename="arm.stl"/></geometry></collision>"#,
+            "the collision of link `left_forearm` was a mesh",
+        ),
+        (
+            r#"<cylinder radius="0.033" length="0.25"/></geometry></collision>"#,
+            r#"<box size="1 1 1"/></geometry></collision>"#,
+            "the collision of link `left_forearm` was a box",
+        ),
+        (
+            r#"<cylinder radius="0.033" length="0.25"/></geometry></collision>"#,
+            r#"<cylinder radius="0" length="NaN"/></geometry></collision>"#,
+            "was radius 0, length NaN",
+        ),
+    ] {
+        check(from, to, wanted);
+    }
+}
+
+#[test]
+fn text_that_is_no_urdf_is_refused() {
+    for text in [
+        "",
+        "not xml",
+        "<robot",
+        "<robot name=\"empty\"/>",
+        "<html></html>",
+    ] {
+        let error = RobotModel::from_urdf(text)
+            .expect_err("refused")
+            .to_string();
+        assert!(
+            error.starts_with("could not load the robot because"),
+            "{text:?}: {error}"
+        );
+    }
+}
+
+#[test]
+fn too_many_collision_shapes_are_refused() {
+    let one = r#"<collision><geometry><sphere radius="0.01"/></geometry></collision>"#;
+    let hand = r#"<link name="left_hand">"#;
+    check(
+        hand,
+        &format!("{hand}{one}{one}"),
+        "was shape 17 of its hand, needs at most 16 shapes per hand",
+    );
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = RobotModel::from_urdf_file("/nowhere/robot.urdf")
+        .expect_err("no such file")
+        .to_string();
+    assert!(
+        error.contains("/nowhere/robot.urdf was unreadable"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_file_gives_the_same_robot_as_its_text() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/two_hand_arm.urdf");
+    assert_eq!(
+        RobotModel::from_urdf_file(path).expect("the file loads"),
+        *ROBOT
+    );
+}
+
+#[test]
+fn limits_come_from_the_file() {
+    let text = TWO_HAND_ARM_URDF.replacen(
+        ELBOW,
+        &ELBOW.replace("2.618", "1.2").replace("0.0873", "0.2"),
+        1,
+    );
+    let robot = RobotModel::from_urdf(&text).expect("other limits fit");
+    let hand = robot.hand(Side::Left);
+    assert_eq!(
+        (hand.joints()[2].lower_rad, hand.joints()[2].upper_rad),
+        (0.2, 1.2)
+    );
+    assert_eq!(
+        hand.reference_rad()[2],
+        1.2,
+        "the reference posture moves inside the limits"
+    );
+}
