@@ -11,6 +11,29 @@
 //!                               GraspFrame ─▶ HandTarget ────────────┴──────── ik_step ◀──────┘ ─▶ next q
 //! ```
 //!
+//! ```
+//! # #[cfg(feature = "std")] {
+//! use nalgebra::Vector3;
+//! use robot_model::{GraspFrame, IkStatus, IkWeights, RobotModel, Side};
+//!
+//! let robot = RobotModel::two_hand_arm()?;
+//! let hand = robot.hand(Side::Right);
+//! let centre_m = Vector3::new(0.30, -0.10, 0.05);
+//! let closing_yaw_rad = hand.closing_yaw_rad(&centre_m, 0.0);
+//! let mut grasp = GraspFrame::from_above(centre_m, closing_yaw_rad, 0.06);
+//! let mut q_rad = hand.posture_for(&grasp)?.q_rad;
+//!
+//! // One tick: both fingers close by 2 µm.
+//! grasp.half_opening_m = [0.03 - 2e-6; 2];
+//! let pose = hand.forward(&q_rad);
+//! let step = hand.ik_step(&pose, &hand.jacobian(&pose), &grasp.target(hand), 1e-3, &IkWeights::TICK);
+//! assert_eq!(step.status, IkStatus::Free);
+//! q_rad = step.q_rad;
+//! # assert!(hand.within_limits(&q_rad));
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Conventions: metres, radians, newtons. Base frame: origin on the table top under the torso, x forward, y left, z up.
 //! Joint order everywhere: left 11, then right 11, as in the URDF ([`JOINT_NAMES`]); within a hand arm 5, finger 1,
 //! finger 2. Finger 0 of an array is finger 1. Tip frame: see [`HandPose::base_from_tip`].

@@ -132,11 +132,8 @@ fn check_against_climb(urdf: &Robot, robot: &RobotModel, side: Side, q: &HandVec
             );
         }
     };
-    for finger in 0..FINGERS {
-        compare(
-            TIP_LINKS[side.index()][finger],
-            &pose.base_from_tip()[finger],
-        );
+    for (link, frame) in TIP_LINKS[side.index()].iter().zip(pose.base_from_tip()) {
+        compare(link, frame);
     }
     let wrist_roll = urdf
         .joints
