@@ -1,1 +1,50 @@
-//! (under construction)
+//! The bus: typed, isolated shared-memory services between the processes of one robot.
+//!
+//! ```text
+//!  BusName ─▶ Place (own folder, own /dev/shm prefix) ─▶ Bus (one node per thread)
+//!                                                          ├─ publisher / subscriber    streams, newest wins
+//!                                                          ├─ goal_server / goal_client one request, many updates
+//!                                                          └─ control_server / _client  one request, one reply
+//! ```
+//!
+//! * **In:** a bus name (`--bus`, `ATAS_BUS`), a role, and whether the thread is real-time.
+//!   **Out:** ports over the payloads of [`shm_schemas`], and errors that say what to do.
+//! * **Invariants**
+//!   * No other crate names iceoryx2. Every service is opened with the one line that [`STREAMS`] has for it.
+//!   * Two buses share nothing: neither files nor shared-memory names (`tests/isolation.rs`).
+//!   * Everything belongs to one user; other users can neither attach nor prepare a trap (`root.rs`).
+//!   * Whoever sets something up holds the bus's start-up lock, so what looks half-made under that lock was left by
+//!     a killed process, and is removed (`recover.rs`, `tests/crash.rs`).
+//!   * Sending and receiving never wait for a peer. A full buffer loses its oldest content.
+//! * **Threads:** ports are not `Send`. Each thread opens its own [`Bus`]; the compiler holds it to that.
+//! * **Cost:** [`Publisher::send`] allocates once (48 bytes, inside iceoryx2 0.10), receiving never; neither makes a
+//!   system call while the set of peers stays the same (`tests/allocation.rs`).
+//! * **Absent on purpose:** wake-ups (readers poll on their own clock), iceoryx2's blackboard (a restarted writer
+//!   cannot take it over) and its `dev_permissions` (they would open the bus to every user).
+#![forbid(unsafe_code)]
+
+mod bus;
+mod clock;
+mod control;
+mod error;
+mod fresh;
+mod goal;
+mod lock;
+mod name;
+mod owner;
+mod port;
+mod qos;
+mod recover;
+mod root;
+mod rpc;
+
+pub use bus::{Bus, Peer, Realtime};
+pub use clock::{now_ns, writer_epoch};
+pub use control::{ControlCall, ControlClient, ControlServer};
+pub use error::BusError;
+pub use fresh::FreshBus;
+pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
+pub use name::BusName;
+pub use owner::OwnerLock;
+pub use port::{Publisher, Subscriber};
+pub use qos::{STREAMS, Stream};

@@ -1,0 +1,109 @@
+//! Control: one request, one reply.
+
+use std::time::{Duration, Instant};
+
+use shm_schemas::service::CONTROL;
+use shm_schemas::{ControlReply, ControlRequest};
+
+use crate::rpc::{Client, Exchange, Request, Server};
+use crate::{Bus, BusError};
+
+const EXCHANGE: Exchange = Exchange {
+    service: CONTROL,
+    clients: 16,
+    open_requests: 2,
+    responses: 1,
+};
+/// How often a waiting client looks. Ours: imperceptible to a person, negligible load.
+const POLL: Duration = Duration::from_millis(1);
+
+impl Bus {
+    /// Begins to answer control requests.
+    ///
+    /// # Errors
+    /// [`BusError::Taken`], naming the process, if another one does.
+    pub fn control_server(&self) -> Result<ControlServer, BusError> {
+        Ok(ControlServer {
+            port: self.server(EXCHANGE)?,
+        })
+    }
+
+    /// Prepares to send control requests.
+    ///
+    /// # Errors
+    /// [`BusError::Full`] if there are too many clients.
+    pub fn control_client(&self) -> Result<ControlClient, BusError> {
+        Ok(ControlClient {
+            port: self.client(EXCHANGE)?,
+        })
+    }
+}
+
+/// Answers control requests (the daemon, off its real-time thread).
+#[derive(Debug)]
+pub struct ControlServer {
+    port: Server<ControlRequest, ControlReply>,
+}
+
+impl ControlServer {
+    /// The next request that waits.
+    ///
+    /// # Errors
+    /// [`BusError::Receive`] if a client's shared memory cannot be read.
+    pub fn poll(&self) -> Result<Option<ControlCall>, BusError> {
+        Ok(self.port.poll()?.map(|request| ControlCall { request }))
+    }
+}
+
+/// A request that waits for its reply.
+#[derive(Debug)]
+pub struct ControlCall {
+    request: Request<ControlRequest, ControlReply>,
+}
+
+impl ControlCall {
+    /// What was asked. It lies in memory that the client can write: copy it once, then check the copy.
+    #[must_use]
+    pub fn request(&self) -> &ControlRequest {
+        self.request.payload()
+    }
+
+    /// Answers.
+    ///
+    /// # Errors
+    /// [`BusError::ClientGone`] if nobody waits any more.
+    pub fn reply(self, reply: &ControlReply) -> Result<(), BusError> {
+        self.request.respond(reply)
+    }
+}
+
+/// Sends control requests.
+#[derive(Debug)]
+pub struct ControlClient {
+    port: Client<ControlRequest, ControlReply>,
+}
+
+impl ControlClient {
+    /// Sends a request and waits for the reply.
+    ///
+    /// # Errors
+    /// [`BusError::NoServer`] if no daemon answers requests, [`BusError::ServerGone`] if it went away meanwhile,
+    /// [`BusError::NoAnswer`] after `within`.
+    pub fn call(
+        &self,
+        request: &ControlRequest,
+        within: Duration,
+    ) -> Result<ControlReply, BusError> {
+        let begin = Instant::now();
+        let pending = self.port.send(request)?;
+        loop {
+            if let Some(reply) = pending.next()? {
+                return Ok(reply);
+            }
+            if begin.elapsed() >= within {
+                return Err(self.port.unanswered(within));
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+}

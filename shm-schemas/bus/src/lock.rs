@@ -1,0 +1,191 @@
+//! Advisory locks in the bus's folder. They end with the process that holds them, however it ends.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{Read, Seek, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
+
+use crate::recover;
+use crate::root::Place;
+use crate::{BusError, now_ns};
+
+/// How long to wait for another process's start-up. A start-up takes some milliseconds; ours.
+const STARTUP_WAIT: Duration = Duration::from_secs(2);
+/// Pause between two attempts.
+const STARTUP_POLL: Duration = Duration::from_millis(1);
+/// Files in the bus's folder that are locks; recovery leaves them alone.
+pub(crate) const LOCK_FILES: [&str; 2] = ["owner.lock", "startup.lock"];
+
+/// Who holds a lock, as written into its file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Holder {
+    pub(crate) pid: u32,
+    /// When the lock was taken, `CLOCK_MONOTONIC` nanoseconds.
+    pub(crate) since_ns: u64,
+    pub(crate) role: String,
+}
+
+impl Holder {
+    pub(crate) fn this(role: &str) -> Self {
+        Self {
+            pid: std::process::id(),
+            since_ns: now_ns(),
+            role: role.to_owned(),
+        }
+    }
+
+    /// From `pid since_ns role`; what cannot be read stays empty, because the holder may be writing just now.
+    fn parse(text: &str) -> Self {
+        let mut words = text.trim_end().splitn(3, ' ');
+        let pid = words
+            .next()
+            .and_then(|word| word.parse().ok())
+            .unwrap_or_default();
+        let since_ns = words
+            .next()
+            .and_then(|word| word.parse().ok())
+            .unwrap_or_default();
+        Self {
+            pid,
+            since_ns,
+            role: words.next().unwrap_or("another process").to_owned(),
+        }
+    }
+}
+
+/// A held lock.
+#[derive(Debug)]
+pub(crate) struct FileLock {
+    _file: File,
+}
+
+impl FileLock {
+    /// Takes the lock if nobody has it; otherwise says who has.
+    pub(crate) fn try_take(path: &Path, holder: &Holder) -> Result<Result<Self, Holder>, BusError> {
+        loop {
+            let mut file = open(path)?;
+            match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+                Ok(()) => {}
+                Err(Errno::WOULDBLOCK) => return Ok(Err(read(&mut file))),
+                Err(e) => return Err(BusError::io("lock", path)(e.into())),
+            }
+            // Between open and lock a wipe may have removed the file: then the lock guards nothing.
+            if is_at(&file, path) {
+                write(&mut file, holder).map_err(BusError::io("write", path))?;
+                return Ok(Ok(Self { _file: file }));
+            }
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<File, BusError> {
+    let mut options = OpenOptions::new();
+    options
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .mode(0o600)
+        .custom_flags(O_NOFOLLOW);
+    options.open(path).map_err(BusError::io("open", path))
+}
+
+/// The last component must not be a link, although the folder is private anyway.
+const O_NOFOLLOW: i32 = rustix::fs::OFlags::NOFOLLOW.bits() as i32;
+
+fn is_at(file: &File, path: &Path) -> bool {
+    let identity = |meta: fs::Metadata| (meta.dev(), meta.ino());
+    match (file.metadata(), fs::symlink_metadata(path)) {
+        (Ok(held), Ok(named)) => identity(held) == identity(named),
+        _ => false,
+    }
+}
+
+fn read(file: &mut File) -> Holder {
+    let mut text = String::new();
+    // Unreadable content only makes a message less precise.
+    let _ = file.read_to_string(&mut text);
+    Holder::parse(&text)
+}
+
+fn write(file: &mut File, holder: &Holder) -> std::io::Result<()> {
+    file.set_len(0)?;
+    file.rewind()?;
+    writeln!(file, "{} {} {}", holder.pid, holder.since_ns, holder.role)
+}
+
+/// The lock under which nodes, services and ports of a bus are set up, one process at a time.
+///
+/// It makes start-up free of races, and it proves that what is half-made was left by a killed process.
+#[derive(Debug)]
+pub(crate) struct StartupLock {
+    _lock: FileLock,
+}
+
+impl StartupLock {
+    /// Waits for the lock, then removes what a killed predecessor left half-made.
+    pub(crate) fn take(place: &Place, role: &str) -> Result<Self, BusError> {
+        let begin = Instant::now();
+        loop {
+            match Self::attempt(place, role)? {
+                Ok(lock) => return Ok(lock),
+                Err(holder) if begin.elapsed() >= STARTUP_WAIT => {
+                    let bus = place.bus.to_string();
+                    return Err(BusError::StartUp {
+                        bus,
+                        pid: holder.pid,
+                        waited: STARTUP_WAIT,
+                    });
+                }
+                Err(_) => std::thread::sleep(STARTUP_POLL),
+            }
+        }
+    }
+
+    /// The lock, if nobody has it.
+    pub(crate) fn try_take(place: &Place, role: &str) -> Result<Option<Self>, BusError> {
+        Ok(Self::attempt(place, role)?.ok())
+    }
+
+    fn attempt(place: &Place, role: &str) -> Result<Result<Self, Holder>, BusError> {
+        place.make()?;
+        let taken = FileLock::try_take(&path_of(place, LOCK_FILES[1]), &Holder::this(role))?;
+        Ok(taken.map(|lock| {
+            recover::sweep(place);
+            Self { _lock: lock }
+        }))
+    }
+}
+
+pub(crate) fn path_of(place: &Place, name: &str) -> PathBuf {
+    place.root.join(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Holder;
+
+    #[test]
+    fn holders_are_read_back() {
+        let check = |text: &str, pid: u32, since_ns: u64, role: &str| {
+            assert_eq!(
+                Holder::parse(text),
+                Holder {
+                    pid,
+                    since_ns,
+                    role: role.to_owned()
+                },
+                "{text:?}"
+            );
+        };
+        check("12 34 atasd\n", 12, 34, "atasd");
+        check("12 34 a b\n", 12, 34, "a b");
+        check("", 0, 0, "another process");
+        check("12", 12, 0, "another process");
+        check("x y z", 0, 0, "z");
+    }
+}

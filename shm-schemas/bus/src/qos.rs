@@ -1,0 +1,141 @@
+//! How each stream is carried: one line per service, the same in every process.
+//!
+//! All streams overflow safely: a slow reader loses the oldest payloads, a writer never waits. The streams of the
+//! 1 kHz loop have a small, closed set of peers, because a peer that joins or leaves costs the others a memory map
+//! inside their next call (up to 481 µs measured); observers read what the daemon's non-real-time side publishes.
+
+use std::mem::size_of;
+
+use shm_schemas::service as at;
+use shm_schemas::{
+    AgentSensors, HandFrame, JointCommand, JointState, ModuleEvent, Payload, SensorStatus, Status,
+    TickReport, WheelCommands, WorldTruth,
+};
+
+/// How one publish-subscribe service is carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stream {
+    /// Name of the service.
+    pub service: &'static str,
+    /// Type name of its payload.
+    pub payload: &'static str,
+    /// Payloads that wait for a reader; more, and the oldest are lost.
+    pub buffer: usize,
+    /// Newest payloads that a reader who joins later still gets.
+    pub history: usize,
+    /// Most writers at a time.
+    pub publishers: usize,
+    /// Most readers at a time.
+    pub subscribers: usize,
+    /// Size of one payload, bytes.
+    payload_bytes: usize,
+}
+
+/// Samples a reader holds at a time while it looks for the newest.
+pub(crate) const BORROWED: usize = 2;
+/// Nodes beyond the peers: dead ones keep their place until someone cleans up. Ours.
+const SPARE_NODES: usize = 4;
+/// iceoryx2's header before each payload, bytes, rounded up.
+const HEADER_BYTES: usize = 128;
+
+const fn stream<T: Payload>(
+    service: &'static str,
+    [buffer, history]: [usize; 2],
+    [publishers, subscribers]: [usize; 2],
+) -> Stream {
+    let payload = T::TYPE_NAME;
+    Stream {
+        service,
+        payload,
+        buffer,
+        history,
+        publishers,
+        subscribers,
+        payload_bytes: size_of::<T>(),
+    }
+}
+
+/// Every stream: service, `[buffer, history]`, `[publishers, subscribers]`.
+///
+/// Frames wait 64 deep, so that a reader that was not scheduled for 64 ms sees every frame; commands 4 deep, because
+/// an old command is worth nothing; reports and events 256 deep, for readers that wake a few times a second.
+pub const STREAMS: [Stream; 11] = [
+    stream::<HandFrame>(at::HAND_FRAME[0], [64, 1], [1, 4]),
+    stream::<HandFrame>(at::HAND_FRAME[1], [64, 1], [1, 4]),
+    stream::<JointState>(at::JOINT_STATE, [16, 1], [1, 4]),
+    stream::<JointCommand>(at::JOINT_COMMAND, [4, 1], [1, 4]),
+    stream::<Status>(at::STATUS, [2, 1], [1, 16]),
+    stream::<TickReport>(at::TICK_REPORT, [256, 1], [1, 8]),
+    stream::<ModuleEvent>(at::MODULE_EVENT, [256, 64], [1, 16]),
+    stream::<SensorStatus>(at::SENSOR_STATUS, [4, 1], [8, 16]),
+    stream::<WorldTruth>(at::WORLD_TRUTH, [4, 1], [1, 8]),
+    stream::<AgentSensors>(at::AGENT_SENSORS, [4, 1], [1, 4]),
+    stream::<WheelCommands>(at::WHEEL_COMMANDS, [4, 1], [1, 4]),
+];
+
+impl Stream {
+    /// The line for a service and its payload.
+    pub(crate) fn of<T: Payload>(service: &str) -> Option<&'static Self> {
+        STREAMS
+            .iter()
+            .find(|line| line.service == service && line.payload == T::TYPE_NAME)
+    }
+
+    /// Most processes that may have the service open.
+    pub(crate) fn nodes(&self) -> usize {
+        self.publishers + self.subscribers + SPARE_NODES
+    }
+
+    /// Shared memory of one publisher: every sample that can be waiting, borrowed, remembered or in the making.
+    pub(crate) fn publisher_bytes(&self) -> usize {
+        let samples = self.subscribers * (self.buffer + BORROWED) + self.history + 1;
+        samples * (self.payload_bytes + HEADER_BYTES)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_is_consistent() {
+        for (i, line) in STREAMS.iter().enumerate() {
+            assert!(line.history <= line.buffer, "{line:?}");
+            assert!(line.publishers >= 1 && line.subscribers >= 1, "{line:?}");
+            assert!(
+                STREAMS[..i]
+                    .iter()
+                    .all(|other| other.service != line.service),
+                "{line:?} is there twice"
+            );
+            assert!(
+                line.publisher_bytes() < 8 << 20,
+                "{line:?} takes {} bytes",
+                line.publisher_bytes()
+            );
+        }
+    }
+
+    #[test]
+    fn lines_are_found_by_service_and_payload() {
+        assert!(Stream::of::<HandFrame>(at::HAND_FRAME[0]).is_some());
+        assert!(Stream::of::<Status>(at::HAND_FRAME[0]).is_none());
+        assert!(Stream::of::<HandFrame>("atas/v1/other").is_none());
+    }
+
+    #[test]
+    fn what_moves_the_robot_has_one_writer() {
+        for service in [
+            at::HAND_FRAME[0],
+            at::HAND_FRAME[1],
+            at::JOINT_STATE,
+            at::JOINT_COMMAND,
+        ] {
+            let line = STREAMS
+                .iter()
+                .find(|line| line.service == service)
+                .expect("in the table");
+            assert_eq!((line.publishers, line.subscribers), (1, 4), "{service}");
+        }
+    }
+}

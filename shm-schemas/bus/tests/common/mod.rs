@@ -1,0 +1,89 @@
+//! Peers as real processes: a test starts its own executable again, and there only the test `peer` does something.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use shm_bus::BusName;
+
+const ROLE: &str = "SHM_BUS_TEST_ROLE";
+
+/// A peer process. It is killed (SIGKILL) when dropped.
+pub(crate) struct Peer {
+    child: Child,
+}
+
+impl Peer {
+    /// Starts a peer and waits until it says that it is ready.
+    pub(crate) fn start(bus: &BusName, role: &str) -> Self {
+        let peer = Self::spawn(bus, role);
+        let mut peer = peer;
+        let stderr = peer.child.stderr.take().expect("piped");
+        let ready = BufReader::new(stderr)
+            .lines()
+            .map_while(Result::ok)
+            .any(|line| line.contains("ready"));
+        assert!(ready, "peer {role} ended before it was ready");
+        peer
+    }
+
+    /// Starts a peer and does not wait.
+    pub(crate) fn spawn(bus: &BusName, role: &str) -> Self {
+        let mut command = Command::new(std::env::current_exe().expect("own path"));
+        command
+            .args(["--exact", "peer", "--nocapture"])
+            .env(ROLE, role)
+            .env(BusName::ENV, bus.as_str());
+        let child = command
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("peer starts");
+        Self { child }
+    }
+
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// SIGKILL, and waits until the process is gone.
+    pub(crate) fn kill(mut self) {
+        self.end();
+    }
+
+    fn end(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// In a peer process: the role to play and the bus to play it on. In the test itself: nothing.
+pub(crate) fn peer_role() -> Option<(String, BusName)> {
+    let role = std::env::var(ROLE).ok()?;
+    Some((role, BusName::from_env().expect("a valid name")))
+}
+
+/// In a peer process: tells the test that it may go on.
+#[allow(clippy::print_stderr, reason = "how a peer talks to its test")]
+pub(crate) fn ready() {
+    eprintln!("ready");
+}
+
+/// Waits until a condition holds; a test that waits longer than 10 s hangs for another reason.
+pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !holds() {
+        assert!(
+            begin.elapsed() < Duration::from_secs(10),
+            "waited in vain until {what}"
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
