@@ -172,6 +172,7 @@ impl Controller {
                     let _unchanged = self.settings.set(parameter.name, *value);
                 }
             }
+            Some(Order::Configure(settings)) => self.settings = *settings,
             Some(Order::Bias { hand }) => {
                 if let Some(hand) = self.hands.get_mut(*hand) {
                     hand.bias();

@@ -1,6 +1,6 @@
 //! What one tick takes in and gives out.
 
-use crate::Tick;
+use crate::{Settings, Tick};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
     GoalRequest, GoalUpdate, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,
@@ -45,6 +45,8 @@ pub enum Order {
         /// Value.
         value: f64,
     },
+    /// Replace all settings at once; checked before by the supervisor.
+    Configure(Settings),
     /// Take the present reading of this hand as zero force.
     Bias {
         /// 0 left, 1 right.

@@ -13,6 +13,8 @@ pub struct JointIntake {
     joints: [Joint; ROBOT_JOINTS],
     required: bool,
     newest: Option<Newest>,
+    /// Sequence of the newest state, believed or not: what lock-step waits for.
+    seen_sequence: u64,
     fault: Reason,
     status: JointStatus,
 }
@@ -38,6 +40,7 @@ impl JointIntake {
             joints: core::array::from_fn(hand),
             required,
             newest: None,
+            seen_sequence: 0,
             fault: Reason::default(),
             status: JointStatus::default(),
         }
@@ -47,6 +50,7 @@ impl JointIntake {
     pub fn take(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
         self.fault = Reason::default();
         let Some(state) = state else { return };
+        self.seen_sequence = state.stamp.sequence;
         match self.admit(state, tick, limits) {
             Ok(lost) => {
                 self.status.states += 1;
@@ -80,10 +84,10 @@ impl JointIntake {
             .map(|q| HandVector::from_row_slice(&q[side.joint_range()]))
     }
 
-    /// Sequence of the newest believed state.
+    /// Sequence of the newest state, believed or not.
     #[must_use]
     pub fn sequence(&self) -> u64 {
-        self.newest.map_or(0, |n| n.sequence)
+        self.seen_sequence
     }
 
     /// What needs SAFE_STOP: feedback that is present and wrong.

@@ -41,7 +41,7 @@ impl ModeMachine {
         self.mode
     }
 
-    /// Why the mode is HOLD, SAFE_STOP or FAULT.
+    /// Why the mode is INIT, HOLD, SAFE_STOP or FAULT.
     #[must_use]
     pub fn reason(&self) -> Reason {
         self.reason
@@ -55,6 +55,7 @@ impl ModeMachine {
             self.calm_ticks.saturating_add(1)
         };
         match self.mode {
+            Mode::INIT if doubt.is_some() => self.reason = doubt,
             Mode::READY | Mode::RUN if doubt.is_some() => self.enter(Mode::HOLD, doubt),
             Mode::READY if has_goal => self.enter(Mode::RUN, Reason::default()),
             Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::default()),
