@@ -12,15 +12,14 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::pad::{DOME_ELEMENTS, LANES, Pad};
 use crate::shape::Shape;
+use bristle::{Bristle, Rub};
+
+mod bristle;
 
 /// Damping time of a bristle along the normal: its damping is this times its stiffness, s (prototype).
 const NORMAL_DAMPING_S: f64 = 0.002;
-/// Damping time of a sticking bristle along the surface, s (prototype).
-const SHEAR_DAMPING_S: f64 = 0.002;
 /// Shear stiffness over normal stiffness of a bristle (prototype; Mindlin gives 0.7 to 1 for rubber on a hard flat).
 const SHEAR_STIFFNESS_RATIO: f64 = 0.7;
-/// Kinetic over static friction (prototype).
-const KINETIC_FRICTION_RATIO: f64 = 0.9;
 /// Damping time of the object's compression: its damping is this times its stiffness, s (prototype).
 const COMPRESSION_DAMPING_S: f64 = 0.005;
 /// Time constant with which an untouched object regains its form, s (prototype).
@@ -73,20 +72,11 @@ struct Touch {
     force_n: Vector3<f64>,
 }
 
-/// What a bristle remembers from step to step.
-#[derive(Clone, Copy, Debug, Default)]
-struct Bristle {
-    /// Shear against the object, object frame, m.
-    shear_m: Vector3<f64>,
-    slipping: bool,
-    /// The step in which it last touched.
-    touched_in: u64,
-}
-
 /// The contact of one fingertip: its bristles' memory and what it last felt.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
-    bristles: Vec<Bristle>,
+    /// Each bristle's memory, and the step in which it last touched.
+    bristles: Vec<(Bristle, u64)>,
     touches: Vec<Touch>,
     step: u64,
     compression_m: f64,
@@ -94,8 +84,6 @@ pub(crate) struct Contact {
     free_s: f64,
     /// Sum of the bristles' normal forces, N.
     pub(crate) normal_n: f64,
-    /// Bristles that slip in this step.
-    pub(crate) slipping: usize,
     /// Distance slid since the present grasp's first touch, weighted by normal force, m.
     pub(crate) slip_m: f64,
 }
@@ -103,14 +91,13 @@ pub(crate) struct Contact {
 impl Contact {
     pub(crate) fn new() -> Self {
         Self {
-            bristles: vec![Bristle::default(); LANES],
+            bristles: vec![(Bristle::default(), 0); LANES],
             touches: Vec::with_capacity(LANES),
             step: 1,
             compression_m: 0.0,
             object_from_tip: Matrix3::identity(),
             free_s: 0.0,
             normal_n: 0.0,
-            slipping: 0,
             slip_m: 0.0,
         }
     }
@@ -127,7 +114,6 @@ impl Contact {
         self.free_s += dt_s;
         self.compression_m -= self.compression_m * (dt_s / RECOVERY_S);
         self.normal_n = 0.0;
-        self.slipping = 0;
     }
 
     /// One step of `dt_s` against a surface; returns the wrench on the object.
@@ -214,46 +200,39 @@ impl Contact {
 
     /// Normal and friction force of every touching bristle, and their sum.
     fn drag(&mut self, bristle_n_m: f64, friction: f64, approach: &Approach, dt_s: f64) -> Wrench {
-        let shear_n_m = bristle_n_m * SHEAR_STIFFNESS_RATIO;
         let mut sum = Wrench::default();
-        let (mut normal_n, mut slipping, mut slip_n_m) = (0.0, 0, 0.0);
+        let (mut normal_n, mut slid_n_m) = (0.0, 0.0);
         for touch in &mut self.touches {
             if touch.depth_m <= 0.0 {
                 touch.force_n = Vector3::zeros();
                 continue;
             }
-            let bristle = &mut self.bristles[touch.bristle];
-            let velocity = approach.velocity_m_s + approach.angular_rad_s.cross(&touch.point_m);
-            let leaving_m_s = velocity.dot(&touch.normal);
-            let sliding = velocity - touch.normal * leaving_m_s;
-            let pressing_n =
-                (bristle_n_m * (touch.depth_m - NORMAL_DAMPING_S * leaving_m_s)).max(0.0);
-            let fresh = bristle.touched_in + 1 != self.step;
-            let rod = if fresh { Bristle::default() } else { *bristle };
-            let (next, shear_force_n) = rod.sheared(
-                &touch.normal,
-                &sliding,
-                shear_n_m,
-                friction * pressing_n,
-                dt_s,
-            );
-            *bristle = Bristle {
-                touched_in: self.step,
-                ..next
+            let (velocity, leaving_m_s) = approach.velocity_at(touch);
+            let damped_m = touch.depth_m - NORMAL_DAMPING_S * leaving_m_s;
+            let pressing_n = (bristle_n_m * damped_m).max(0.0);
+            let (bristle, touched_in) = &mut self.bristles[touch.bristle];
+            let before = if *touched_in + 1 == self.step {
+                *bristle
+            } else {
+                Bristle::default()
             };
-            if next.slipping {
-                slipping += 1;
-                slip_n_m += pressing_n * norm(&sliding) * dt_s;
-            }
-            touch.force_n = shear_force_n - touch.normal * pressing_n;
+            let rubbed = before.rubbed(&Rub {
+                normal: touch.normal,
+                sliding_m_s: velocity - touch.normal * leaving_m_s,
+                shear_n_m: bristle_n_m * SHEAR_STIFFNESS_RATIO,
+                limit_n: friction * pressing_n,
+                dt_s,
+            });
+            (*bristle, *touched_in) = (rubbed.bristle, self.step);
+            touch.force_n = rubbed.force_n - touch.normal * pressing_n;
             normal_n += pressing_n;
+            slid_n_m += pressing_n * rubbed.slid_m;
             sum.force_n += touch.force_n;
             sum.moment_n_m += touch.point_m.cross(&touch.force_n);
         }
         self.normal_n = normal_n;
-        self.slipping = slipping;
         if normal_n > 0.0 {
-            self.slip_m += slip_n_m / normal_n;
+            self.slip_m += slid_n_m / normal_n;
         }
         sum
     }
@@ -277,51 +256,12 @@ impl Contact {
     }
 }
 
-impl Bristle {
-    /// The bristle after its foot was dragged for `dt_s`, and the friction force on the object.
-    ///
-    /// Return map: the elastic trial force is cut to the friction limit, and what was cut becomes sliding.
+impl Approach {
+    /// Velocity of the skin against the object where a bristle touches, and its share along the outward normal, m/s.
     #[inline]
-    fn sheared(
-        self,
-        normal: &Vector3<f64>,
-        sliding: &Vector3<f64>,
-        shear_n_m: f64,
-        limit_n: f64,
-        dt_s: f64,
-    ) -> (Self, Vector3<f64>) {
-        // The object may have turned under the bristle: only the shear along the surface stays.
-        let along = self.shear_m - normal * self.shear_m.dot(normal);
-        let shear_m = along + sliding * dt_s;
-        let trial_n = (shear_m + sliding * SHEAR_DAMPING_S) * shear_n_m;
-        let limit_n = if self.slipping {
-            KINETIC_FRICTION_RATIO * limit_n
-        } else {
-            limit_n
-        };
-        let magnitude_n = norm(&trial_n);
-        if magnitude_n <= limit_n {
-            return (
-                Self {
-                    shear_m,
-                    slipping: false,
-                    ..self
-                },
-                trial_n,
-            );
-        }
-        let force_n = trial_n * (limit_n / magnitude_n);
-        // The shear that carries this force once the sliding stops, without turning it round.
-        let carried_m = force_n / shear_n_m;
-        let damping_s = SHEAR_DAMPING_S.min(norm(&carried_m) / (norm(sliding) + f64::MIN_POSITIVE));
-        (
-            Self {
-                shear_m: carried_m - sliding * damping_s,
-                slipping: true,
-                ..self
-            },
-            force_n,
-        )
+    fn velocity_at(&self, touch: &Touch) -> (Vector3<f64>, f64) {
+        let velocity = self.velocity_m_s + self.angular_rad_s.cross(&touch.point_m);
+        (velocity, velocity.dot(&touch.normal))
     }
 }
 
@@ -332,7 +272,5 @@ fn plane_depths(pad: &Pad, normal_in_tip: &Vector3<f64>, gap_m: f64) -> [f64; LA
     core::array::from_fn(|i| x[i] * scale.x + y[i] * scale.y + z[i] * scale.z - gap_m)
 }
 
-#[inline]
-fn norm(vector: &Vector3<f64>) -> f64 {
-    (vector.x * vector.x + vector.y * vector.y + vector.z * vector.z).sqrt()
-}
+#[cfg(test)]
+mod tests;

@@ -104,3 +104,93 @@ impl Drive {
         self.lapsed
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const MS_NS: u64 = 1_000_000;
+
+    fn command(position_rad: f64, valid_until_ns: u64) -> JointCommand {
+        let mut command = JointCommand {
+            joint_count: ROBOT_JOINTS as u32,
+            valid_until_ns,
+            ..Default::default()
+        };
+        command.position_rad[..ROBOT_JOINTS].fill(position_rad);
+        command.velocity_rad_s[..ROBOT_JOINTS].fill(0.5);
+        command.seal();
+        command
+    }
+
+    fn drive() -> Drive {
+        Drive::holding([0.0; ROBOT_JOINTS])
+    }
+
+    #[test]
+    fn a_command_is_obeyed_after_the_latency_for_one_millisecond() {
+        let mut drive = drive();
+        let arrivals = [Some(command(1.0, 10 * MS_NS)), None, None, None];
+        let followed: Vec<(f64, f64)> = (0..)
+            .zip(&arrivals)
+            .map(|(tick, arrived)| drive.orders(arrived.as_ref(), tick * MS_NS))
+            .map(|orders| (orders.position_rad[3], orders.velocity_rad_s[3]))
+            .collect();
+        assert_eq!(followed, [(0.0, 0.0), (0.0, 0.0), (1.0, 0.5), (1.0, 0.0)]);
+        assert_eq!(drive.lapsed(), 0);
+    }
+
+    #[test]
+    fn expiry_holds_the_last_positions_and_is_counted_once() {
+        let mut drive = drive();
+        drive.orders(Some(&command(1.0, 5 * MS_NS)), 0);
+        let last = (1..20).map(|tick| drive.orders(None, tick * MS_NS)).last();
+        assert_eq!(
+            last.map(|orders| (orders.position_rad[0], orders.velocity_rad_s[0])),
+            Some((1.0, 0.0))
+        );
+        assert_eq!(drive.lapsed(), 1);
+    }
+
+    #[test]
+    fn a_command_that_expired_on_its_way_is_not_obeyed() {
+        let mut drive = drive();
+        drive.orders(Some(&command(1.0, MS_NS)), 0);
+        let orders = (1..5).map(|tick| drive.orders(None, tick * MS_NS)).last();
+        assert_eq!(orders.map(|orders| orders.position_rad[0]), Some(0.0));
+        assert_eq!(drive.lapsed(), 1);
+    }
+
+    proptest! {
+        /// Whatever is wrong with a command, the joints keep what they had.
+        #[test]
+        fn a_damaged_command_changes_nothing(
+            joint in 0..ROBOT_JOINTS,
+            bad in prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
+            damage in 0..4_u8,
+            bit in 0..8 * core::mem::offset_of!(JointCommand, pad),
+        ) {
+            let mut damaged = command(1.0, u64::MAX);
+            match damage {
+                0 => damaged.position_rad[joint] = bad,
+                1 => damaged.velocity_rad_s[joint] = bad,
+                2 => damaged.joint_count = joint as u32,
+                _ => {
+                    use zerocopy::IntoBytes;
+                    damaged.as_mut_bytes()[bit / 8] ^= 1 << (bit % 8);
+                }
+            }
+            if damage < 3 {
+                damaged.seal();
+            }
+            let mut drive = drive();
+            let before = drive.orders(None, 0);
+            for arrived in [Some(&damaged), None, None, None] {
+                prop_assert_eq!(drive.orders(arrived, MS_NS), before);
+            }
+            prop_assert_eq!(drive.lapsed(), 1);
+        }
+    }
+}

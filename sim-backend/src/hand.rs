@@ -118,13 +118,13 @@ impl Hand {
         left: usize,
         dt_s: f64,
     ) {
-        self.reference_rad += (target_rad - self.reference_rad) / left as f64;
         self.plant.step(
             &self.reference_rad,
             feed_forward_rad_s,
             &self.contact_n_m,
             dt_s,
         );
+        self.reference_rad += (target_rad - self.reference_rad) / left as f64;
     }
 
     fn tip(&self, pose: &HandPose, finger: usize) -> Tip {

@@ -108,7 +108,7 @@ built_in!(
 
 /// Allowed values: wide enough for anything two fingertips can hold, narrow enough for a stable simulation. Ours.
 mod range {
-    pub(super) const MASS_KG: [f64; 2] = [0.01, 5.0];
+    pub(super) const MASS_KG: [f64; 2] = [0.0125, 5.0];
     pub(super) const FRICTION: [f64; 2] = [0.05, 2.0];
     pub(super) const STIFFNESS_N_M: [f64; 2] = [100.0, 1e6];
     pub(super) const CRUSH_N: [f64; 2] = [0.1, 1e3];

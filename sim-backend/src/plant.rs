@@ -69,7 +69,7 @@ impl Plant {
         }
     }
 
-    /// One step of `dt_s` towards the reference, under the torques of contact.
+    /// One step of `dt_s` towards where the reference is at its beginning, under the torques of contact.
     pub(crate) fn step(
         &mut self,
         reference_rad: &HandVector,
@@ -104,5 +104,82 @@ impl Plant {
     /// Whether every number is finite.
     pub(crate) fn is_finite(&self) -> bool {
         (self.position_rad.sum() + self.velocity_rad_s.sum()).is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robot_model::{RobotModel, Side};
+
+    const DT_S: f64 = 250e-6;
+
+    fn plant() -> Plant {
+        let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let hand = robot.hand(Side::Right);
+        Plant::at(hand, *hand.reference_rad())
+    }
+
+    #[test]
+    fn servo_table_of_the_robot_design() {
+        let k = servo_stiffness_n_m_rad();
+        let expected = [
+            6480.0, 6480.0, 2880.0, 1280.0, 512.0, 80.0, 40.0, 40.0, 80.0, 40.0, 40.0,
+        ];
+        assert!(
+            k.iter().zip(expected).all(|(k, e)| (k - e).abs() < 1e-9),
+            "{k}"
+        );
+        let d: Vec<f64> = (0..HAND_JOINTS).map(damping).collect();
+        let expected = [108.0, 108.0, 48.0, 16.0, 6.4, 0.8, 0.4, 0.4, 0.8, 0.4, 0.4];
+        assert!(
+            d.iter().zip(expected).all(|(d, e)| (d - e).abs() < 1e-9),
+            "{d:?}"
+        );
+    }
+
+    /// Without the velocity feed-forward the lag would be 2/ω_n: 10 ms at the fingers.
+    #[test]
+    fn a_ramp_is_tracked_without_lag() {
+        let mut plant = plant();
+        let (mut reference, speed) = (plant.position_rad, HandVector::repeat(0.1));
+        for _ in 0..4000 {
+            plant.step(&reference, &speed, &HandVector::zeros(), DT_S);
+            reference += speed * DT_S;
+        }
+        let lag_rad = (reference - plant.position_rad).amax();
+        assert!(lag_rad < 1e-6, "lag {lag_rad} rad");
+    }
+
+    #[test]
+    fn a_load_moves_a_joint_by_its_compliance() {
+        let mut plant = plant();
+        let (reference, load) = (plant.position_rad, HandVector::repeat(0.1));
+        (0..8000).for_each(|_| plant.step(&reference, &HandVector::zeros(), &load, DT_S));
+        let sag = (plant.position_rad - reference).component_mul(&servo_stiffness_n_m_rad());
+        assert!(
+            sag.iter().all(|torque| (torque - 0.1).abs() < 1e-6),
+            "{sag}"
+        );
+    }
+
+    #[test]
+    fn absurd_references_end_at_the_stops_with_bounded_torque() {
+        let mut plant = plant();
+        let (reference, speed) = (HandVector::repeat(1e300), HandVector::repeat(-1e300));
+        for _ in 0..8000 {
+            plant.step(&reference, &speed, &HandVector::zeros(), DT_S);
+        }
+        assert!(plant.is_finite());
+        assert!(
+            plant
+                .effort_n_m
+                .iter()
+                .zip(&plant.effort_max_n_m)
+                .all(|(e, max)| e.abs() <= *max)
+        );
+        let inside =
+            |j: usize| (plant.lower_rad[j]..=plant.upper_rad[j]).contains(&plant.position_rad[j]);
+        assert!((0..HAND_JOINTS).all(inside));
     }
 }

@@ -1,1 +1,42 @@
-//! (under construction)
+//! The field of methodology 2: circular mobile robots push an object of light towards a goal of light (paper III.b).
+//!
+//! **In**: a [`Preset`] (every number of the field, as data), checked into a [`Model`]; a [`Trial`] (who starts where, the
+//! goal, one response table per agent). **Out**: an [`Outcome`] (distances at the two instants the fitness needs, the rows
+//! of the tables that were read), or, frame by frame, a [`World`].
+//!
+//! Two simulators of the same model live here and give the same bits:
+//!
+//! * [`World`]: scalar, one trial, one call to [`World::sense`] and one to [`World::advance`] per frame. It is the
+//!   reference, and it is what a bus, an animation or an analysis steps from outside.
+//! * [`Engine`]: many trials at once, one per SIMD lane; AVX-512, AVX2 or portable, chosen at run time.
+//!
+//! Invariants:
+//!
+//! * The bits of an outcome do not depend on the engine, on the number of trials in a call or on their order
+//!   (test `tests/identical_bits.rs`). This rests on: only IEEE `+ − × ÷ √`, comparison and selection; no fused
+//!   multiply-add; `max` and `min` as `a > b ? a : b`; headings from a literal table; every skipped computation skipped only
+//!   where it provably changes nothing.
+//! * A [`Model`] holds only finite numbers inside their ranges: what is not, is refused by [`Model::new`].
+//!
+//! Deliberately absent: time, randomness, files, threads, fitness and learning. Lengths are in pixels (px), times in frames,
+//! headings in steps of 1/64 turn, counter-clockwise from +x; the field is the square `[−400, 400]²` (paper III.b.3).
+
+mod engine;
+mod heading;
+mod lanes;
+mod model;
+mod preset;
+mod responses;
+mod trial;
+mod world;
+
+pub use engine::{Engine, EngineError};
+pub use heading::{HEADINGS, cos_sin};
+pub use model::{Model, PresetError, TeamSize, TeamSizeError};
+pub use preset::{Contact, Corner, Goals, Photo, Preset, Start, Starts};
+pub use responses::{ROWS, Responses, SENSORS, Wheels};
+pub use trial::{
+    EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
+    TRIAL_FRAMES, Trial, run_trial,
+};
+pub use world::World;

@@ -1,0 +1,137 @@
+//! Many trials at once, on the widest instructions that this machine has. Every engine gives the same bits.
+
+use thiserror::Error;
+
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::{avx2, avx512};
+use crate::lanes::{portable, stream};
+use crate::model::{Constants, Model, TeamSize};
+use crate::trial::{Outcome, Trial, run_trial};
+
+/// A simulator of many trials. It exists only where its instructions do.
+#[derive(Clone, Copy, Debug)]
+pub struct Engine(Kind);
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Scalar,
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Cpu),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(avx512::Cpu),
+}
+
+/// An engine that this machine does not have.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "could not use engine {0:?} because this machine does not have it, needs one of {1}; leave it out to take the fastest"
+)]
+pub struct EngineError(pub String, pub String);
+
+impl Engine {
+    /// Every engine of this machine, slowest first; the first is the scalar reference.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let mut kinds = vec![Kind::Scalar, Kind::Portable];
+        #[cfg(target_arch = "x86_64")]
+        {
+            kinds.extend(avx2::Cpu::detect().map(Kind::Avx2));
+            kinds.extend(avx512::Cpu::detect().map(Kind::Avx512));
+        }
+        kinds.into_iter().map(Self).collect()
+    }
+
+    /// The fastest engine of this machine.
+    #[must_use]
+    pub fn fastest() -> Self {
+        Self::all().pop().unwrap_or(Self(Kind::Portable))
+    }
+
+    /// The engine of this name.
+    ///
+    /// # Errors
+    /// This machine has no such engine.
+    pub fn named(name: &str) -> Result<Self, EngineError> {
+        let all = Self::all();
+        let names = || all.iter().map(|e| e.name()).collect::<Vec<_>>().join(", ");
+        all.iter()
+            .find(|e| e.name() == name)
+            .copied()
+            .ok_or_else(|| EngineError(name.to_owned(), names()))
+    }
+
+    /// `scalar`, `portable`, `avx2` or `avx512`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Scalar => "scalar",
+            Kind::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(_) => "avx512",
+        }
+    }
+
+    /// Simulates every trial; `outcomes` is replaced by one outcome per trial, in order.
+    pub fn run(self, model: &Model, team: TeamSize, trials: &[Trial], outcomes: &mut Vec<Outcome>) {
+        outcomes.clear();
+        outcomes.resize(trials.len(), Outcome::default());
+        let c = &model.constants;
+        match self.0 {
+            Kind::Scalar => {
+                for (trial, outcome) in trials.iter().zip(outcomes) {
+                    *outcome = run_trial(model, team, trial);
+                }
+            }
+            Kind::Portable => run_portable(c, team, trials, outcomes),
+            // SAFETY: `cpu` proves that the processor has AVX2.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(cpu) => unsafe { run_avx2(cpu, c, team, trials, outcomes) },
+            // SAFETY: `cpu` proves that the processor has AVX-512 F.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(cpu) => unsafe { run_avx512(cpu, c, team, trials, outcomes) },
+        }
+    }
+}
+
+/// The kernel for a team size known only at run time.
+macro_rules! for_team {
+    ($lanes:ty, $cpu:expr, $c:expr, $team:expr, $trials:expr, $outcomes:expr) => {
+        match $team.get() {
+            1 => stream::run::<$lanes, 1>($cpu, $c, $trials, $outcomes),
+            2 => stream::run::<$lanes, 2>($cpu, $c, $trials, $outcomes),
+            3 => stream::run::<$lanes, 3>($cpu, $c, $trials, $outcomes),
+            _ => stream::run::<$lanes, 4>($cpu, $c, $trials, $outcomes),
+        }
+    };
+}
+
+fn run_portable(c: &Constants, team: TeamSize, trials: &[Trial], outcomes: &mut [Outcome]) {
+    for_team!(portable::Floats, (), c, team, trials, outcomes);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn run_avx2(
+    cpu: avx2::Cpu,
+    c: &Constants,
+    team: TeamSize,
+    trials: &[Trial],
+    outcomes: &mut [Outcome],
+) {
+    for_team!(avx2::F32x8, cpu, c, team, trials, outcomes);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn run_avx512(
+    cpu: avx512::Cpu,
+    c: &Constants,
+    team: TeamSize,
+    trials: &[Trial],
+    outcomes: &mut [Outcome],
+) {
+    for_team!(avx512::F32x16, cpu, c, team, trials, outcomes);
+}

@@ -1,0 +1,203 @@
+//! Sixteen lanes in AVX-512 registers.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+
+use super::{Ints, Lanes, Mask, TURN};
+use crate::heading::COSINE;
+
+/// Proof of AVX-512 F.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cpu(());
+
+impl Cpu {
+    pub(crate) fn detect() -> Option<Self> {
+        is_x86_feature_detected!("avx512f").then_some(Self(()))
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct F32x16(__m512);
+#[derive(Clone, Copy)]
+pub(crate) struct I32x16(__m512i);
+#[derive(Clone, Copy)]
+pub(crate) struct Mask16(__mmask16);
+
+/// Calls an intrinsic of AVX-512 F on values whose existence proves that the processor has it.
+macro_rules! avx512 {
+    ($call:expr) => {
+        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX-512 F was detected; loads and stores
+        // go through arrays of sixteen elements, whose length the slice conversion checked.
+        unsafe { $call }
+    };
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $type:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(avx512!($intrinsic(self.0, other.0)))
+            }
+        }
+    };
+}
+
+operator!(Add, add, F32x16, _mm512_add_ps);
+operator!(Sub, sub, F32x16, _mm512_sub_ps);
+operator!(Mul, mul, F32x16, _mm512_mul_ps);
+operator!(Div, div, F32x16, _mm512_div_ps);
+operator!(Add, add, I32x16, _mm512_add_epi32);
+operator!(BitAnd, bitand, I32x16, _mm512_and_si512);
+operator!(BitOr, bitor, I32x16, _mm512_or_si512);
+
+impl BitAnd for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Mask for Mask16 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0 != 0
+    }
+}
+
+impl Ints for I32x16 {
+    #[inline(always)]
+    fn shl(self, count: Self) -> Self {
+        Self(avx512!(_mm512_sllv_epi32(self.0, count.0)))
+    }
+    #[inline(always)]
+    fn shr(self, count: Self) -> Self {
+        Self(avx512!(_mm512_srlv_epi32(self.0, count.0)))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [i32]) {
+        let to: &mut [i32; 16] = to.first_chunk_mut().expect("sixteen lanes");
+        avx512!(_mm512_storeu_epi32(to.as_mut_ptr(), self.0));
+    }
+}
+
+impl Lanes for F32x16 {
+    type Cpu = Cpu;
+    type Mask = Mask16;
+    type Ints = I32x16;
+    const WIDTH: usize = 16;
+
+    #[inline(always)]
+    fn splat(_: Cpu, value: f32) -> Self {
+        Self(avx512!(_mm512_set1_ps(value)))
+    }
+    #[inline(always)]
+    fn load(_: Cpu, from: &[f32]) -> Self {
+        let from: &[f32; 16] = from.first_chunk().expect("sixteen lanes");
+        Self(avx512!(_mm512_loadu_ps(from.as_ptr())))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        let to: &mut [f32; 16] = to.first_chunk_mut().expect("sixteen lanes");
+        avx512!(_mm512_storeu_ps(to.as_mut_ptr(), self.0));
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(avx512!(_mm512_sqrt_ps(self.0)))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(avx512!(_mm512_abs_ps(self.0)))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(avx512!(_mm512_max_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(avx512!(_mm512_min_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask16 {
+        Mask16(avx512!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask16 {
+        Mask16(avx512!(_mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn select(mask: Mask16, yes: Self, no: Self) -> Self {
+        Self(avx512!(_mm512_mask_blend_ps(mask.0, no.0, yes.0)))
+    }
+    #[inline(always)]
+    fn mask(_: Cpu, bits: u32) -> Mask16 {
+        Mask16(bits as u16)
+    }
+    #[inline(always)]
+    fn int_splat(_: Cpu, value: i32) -> I32x16 {
+        I32x16(avx512!(_mm512_set1_epi32(value)))
+    }
+    #[inline(always)]
+    fn int_load(_: Cpu, from: &[i32]) -> I32x16 {
+        let from: &[i32; 16] = from.first_chunk().expect("sixteen lanes");
+        I32x16(avx512!(_mm512_loadu_epi32(from.as_ptr())))
+    }
+    #[inline(always)]
+    fn int_select(mask: Mask16, yes: I32x16, no: I32x16) -> I32x16 {
+        I32x16(avx512!(_mm512_mask_blend_epi32(mask.0, no.0, yes.0)))
+    }
+    #[inline(always)]
+    fn is_zero(value: I32x16) -> Mask16 {
+        Mask16(avx512!(_mm512_testn_epi32_mask(value.0, value.0)))
+    }
+    #[inline(always)]
+    fn cos_sin(heading: I32x16) -> (Self, Self) {
+        let quarter_back = avx512!(_mm512_add_epi32(heading.0, _mm512_set1_epi32(48)));
+        (cosine(heading.0), cosine(quarter_back))
+    }
+    #[inline(always)]
+    fn drive(code: I32x16, travel: &[f32; 16]) -> (I32x16, Self) {
+        let turn = avx512!(_mm512_permutexvar_epi32(
+            code.0,
+            _mm512_loadu_epi32(TURN.as_ptr())
+        ));
+        let travel = avx512!(_mm512_permutexvar_ps(
+            code.0,
+            _mm512_loadu_ps(travel.as_ptr())
+        ));
+        (I32x16(turn), Self(travel))
+    }
+}
+
+/// The permutation reads the low five bits of the heading; bit 5, half a turn, is the sign.
+#[inline(always)]
+fn cosine(heading: __m512i) -> F32x16 {
+    let first_half: &[f32; 32] = COSINE.first_chunk().expect("half of 64");
+    let (low, high) = (
+        avx512!(_mm512_loadu_ps(first_half.as_ptr())),
+        avx512!(_mm512_loadu_ps(first_half[16..].as_ptr())),
+    );
+    let value = avx512!(_mm512_permutex2var_ps(low, heading, high));
+    let sign = avx512!(_mm512_and_si512(
+        _mm512_slli_epi32::<26>(heading),
+        _mm512_set1_epi32(i32::MIN)
+    ));
+    F32x16(avx512!(_mm512_castsi512_ps(_mm512_xor_si512(
+        _mm512_castps_si512(value),
+        sign
+    ))))
+}

@@ -1,0 +1,113 @@
+//! Trials flow through the lanes: a lane whose trial is over takes the next one.
+//!
+//! A trial is over after its last frame, or as soon as nothing in it moves any more: then its distances are already those of
+//! its last frame. Lanes are looked at every [`STRIDE`] frames, and filled again when enough of them are free.
+
+use super::Lanes;
+use super::kernel::Fields;
+use super::seats::{Seats, WIDEST};
+use crate::model::Constants;
+use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
+
+/// Frames between two looks at the lanes; divides both instants of measurement.
+const STRIDE: u32 = 10;
+const _: () = assert!(EXECUTION_FRAMES % STRIDE == 0 && TRIAL_FRAMES % STRIDE == 0);
+/// Lanes that must be free before they are filled again: fewer fill too often, more idle too long (measured).
+const FREE_LANES: u32 = 4;
+
+/// Simulates every trial with `N` agents; one outcome per trial.
+#[inline(always)]
+pub(crate) fn run<T: Lanes, const N: usize>(
+    cpu: T::Cpu,
+    c: &Constants,
+    trials: &[Trial],
+    outcomes: &mut [Outcome],
+) {
+    let mut fields = Fields::<T, N>::new(cpu, c);
+    let mut desk = Desk {
+        seats: Seats::empty(),
+        queue: trials,
+        outcomes,
+        taken: 0,
+        trial: [0; WIDEST],
+        live: 0,
+        unmeasured: 0,
+    };
+    while desk.fill(T::WIDTH, |lanes, seats| {
+        fields.admit(T::mask(cpu, lanes), seats)
+    }) {
+        for _ in 1..STRIDE {
+            fields.advance(&desk.seats);
+        }
+        let before = fields.stance();
+        fields.advance(&desk.seats);
+
+        let over = (fields.at_frame(TRIAL_FRAMES) | fields.unmoved_since(&before)) & desk.live;
+        let executed = (fields.at_frame(EXECUTION_FRAMES) | over) & desk.unmeasured;
+        if executed | over != 0 {
+            desk.settle(executed, over, &fields.measure());
+        }
+    }
+}
+
+/// Who sits where. A set of lanes is a word with one bit per lane.
+struct Desk<'a, const N: usize> {
+    seats: Seats<N>,
+    queue: &'a [Trial],
+    outcomes: &'a mut [Outcome],
+    /// Trials of the queue that have been given a lane.
+    taken: usize,
+    /// The trial in each lane.
+    trial: [usize; WIDEST],
+    /// Lanes whose trial goes on.
+    live: u32,
+    /// Live lanes whose trial has not been measured at the end of its execution time.
+    unmeasured: u32,
+}
+
+impl<const N: usize> Desk<'_, N> {
+    /// Gives free lanes their next trials, if enough are free; says whether any trial goes on.
+    #[inline(always)]
+    fn fill(&mut self, width: usize, admit: impl FnOnce(u32, &Seats<N>)) -> bool {
+        let free = width as u32 - self.live.count_ones();
+        if self.taken < self.queue.len() && (free >= FREE_LANES || self.live == 0) {
+            let lanes = self.seat(width);
+            admit(lanes, &self.seats);
+        }
+        self.live != 0
+    }
+
+    fn seat(&mut self, width: usize) -> u32 {
+        let before = self.live;
+        for lane in 0..width {
+            if self.live >> lane & 1 == 0 && self.taken < self.queue.len() {
+                self.seats.take(lane, &self.queue[self.taken]);
+                self.trial[lane] = self.taken;
+                self.taken += 1;
+                self.live |= 1 << lane;
+            }
+        }
+        let lanes = self.live & !before;
+        self.unmeasured |= lanes;
+        lanes
+    }
+
+    /// Writes down what was measured in the lanes that ended their execution time and in those that are over. A trial that
+    /// stood still before the end of its execution time is in both sets.
+    fn settle(&mut self, executed: u32, over: u32, measured: &[Outcome; WIDEST]) {
+        for (lane, now) in measured.iter().enumerate() {
+            let outcome = &mut self.outcomes[self.trial[lane]];
+            if executed >> lane & 1 == 1 {
+                outcome.executed = now.evaluated;
+            }
+            if over >> lane & 1 == 1 {
+                *outcome = Outcome {
+                    executed: outcome.executed,
+                    ..*now
+                };
+            }
+        }
+        self.unmeasured &= !executed;
+        self.live &= !over;
+    }
+}

@@ -1,0 +1,129 @@
+//! What an agent does for every combination of its five sensors, packed as the simulators look it up.
+
+/// Sensors of one agent: IR left, front, right, photo left, right (paper Fig. 10).
+pub const SENSORS: usize = 5;
+/// Combinations of the sensors: the rows of a table (paper III.a).
+pub const ROWS: usize = 1 << SENSORS;
+
+/// The levels of the two wheels in one frame: 0 stop, 1 medium, 2 high (paper Table 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Wheels {
+    /// Left wheel.
+    pub left: u8,
+    /// Right wheel.
+    pub right: u8,
+}
+
+/// One [`Wheels`] per row. A row is the sum over the sensors that fire of: IR left 1, IR front 2, IR right 4, photo left 8,
+/// photo right 16.
+///
+/// Four bits per row: the left level in bits 0–1, the right level in bits 2–3. Level 3 does not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct Responses(u128);
+
+impl Responses {
+    /// Packs one response per row. Levels above 2 are taken as 2.
+    #[must_use]
+    pub fn from_fn(mut response: impl FnMut(usize) -> Wheels) -> Self {
+        Self((0..ROWS).fold(0, |bits, row| {
+            let Wheels { left, right } = response(row);
+            let code = u128::from(left.min(2)) | u128::from(right.min(2)) << 2;
+            bits | code << (4 * row)
+        }))
+    }
+
+    /// Packs two motor bits per wheel, of which a wheel's level is the number that is set (paper Table 1): bit 4r is L1 of row
+    /// r, then L2, R1, R2.
+    #[must_use]
+    pub fn from_motor_bits(bits: u128) -> Self {
+        const FIRST: u128 = u128::MAX / 3;
+        let (first, second) = (bits & FIRST, bits >> 1 & FIRST);
+        Self(first ^ second | (first & second) << 1)
+    }
+
+    /// What the agent does in this row; only `row mod 32` matters.
+    #[must_use]
+    #[inline]
+    pub fn get(self, row: u8) -> Wheels {
+        let code = (self.0 >> (4 * (u32::from(row) % 32))) as u8;
+        Wheels {
+            left: code & 3,
+            right: code >> 2 & 3,
+        }
+    }
+
+    /// The packed bits, row 0 lowest.
+    #[must_use]
+    #[inline]
+    pub fn bits(self) -> u128 {
+        self.0
+    }
+
+    /// The bits of the rows whose bit is set in `rows`: two tables that agree here behave the same wherever only these rows
+    /// are read.
+    #[must_use]
+    #[inline]
+    pub fn row_mask(rows: u32) -> u128 {
+        // Spread the 32 bits so that bit r lands on bit 4r, then fill each nibble.
+        let mut spread = u128::from(rows);
+        for (shift, mask) in [
+            (48, 0x0000_0000_0000_ffff_0000_0000_0000_ffff_u128),
+            (24, 0x0000_00ff_0000_00ff_0000_00ff_0000_00ff),
+            (12, 0x000f_000f_000f_000f_000f_000f_000f_000f),
+            (6, 0x0303_0303_0303_0303_0303_0303_0303_0303),
+            (3, 0x1111_1111_1111_1111_1111_1111_1111_1111),
+        ] {
+            spread = (spread | spread << shift) & mask;
+        }
+        spread * 15
+    }
+
+    /// Word `w` holds the eight rows whose photo sensors read `w` (bit 0 left, bit 1 right); within it, IR bits select.
+    #[inline]
+    pub(crate) fn words(self) -> [i32; 4] {
+        [0, 32, 64, 96].map(|shift| (self.0 >> shift) as u32 as i32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_reads_back_what_was_packed() {
+        let wheels = |row: usize| Wheels {
+            left: (row % 3) as u8,
+            right: (row / 3 % 3) as u8,
+        };
+        let table = Responses::from_fn(wheels);
+        for row in 0..ROWS {
+            assert_eq!(table.get(row as u8), wheels(row), "row {row}");
+        }
+    }
+
+    #[test]
+    fn a_level_is_the_number_of_set_motor_bits() {
+        let table = Responses::from_motor_bits(0x0123_4567_89ab_cdef << 64 | 0xfedc_ba98_7654_3210);
+        for row in 0..16_u8 {
+            let ones = |bits: u8| bits.count_ones() as u8;
+            assert_eq!(
+                table.get(row),
+                Wheels {
+                    left: ones(row & 3),
+                    right: ones(row >> 2)
+                },
+                "row {row}"
+            );
+        }
+    }
+
+    #[test]
+    fn row_mask_covers_exactly_the_nibbles_of_its_rows() {
+        for rows in [0, 1, 0x8000_0000, 0x0001_0280, 0xdead_beef, u32::MAX] {
+            let expected = (0..32)
+                .filter(|r| rows >> r & 1 == 1)
+                .fold(0u128, |m, r| m | 15 << (4 * r));
+            assert_eq!(Responses::row_mask(rows), expected, "rows {rows:#x}");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! One trial: agents, an object and a goal for 270 frames, and what is left of it for the fitness.
+
+use crate::model::{Model, TeamSize};
+use crate::responses::Responses;
+use crate::world::World;
+
+/// Agents that one field holds (paper Fig. 13).
+pub const MAX_AGENTS: usize = 4;
+/// Frames of the task execution time (paper III.b.3).
+pub const EXECUTION_FRAMES: u32 = 180;
+/// Frames of the task evaluation time that follows (paper III.b.3).
+pub const EVALUATION_FRAMES: u32 = 90;
+/// Frames of one trial: one goal.
+pub const TRIAL_FRAMES: u32 = EXECUTION_FRAMES + EVALUATION_FRAMES;
+
+/// A position on the field.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Point {
+    /// To the right of the field's centre.
+    pub x_px: f32,
+    /// Above the field's centre.
+    pub y_px: f32,
+}
+
+/// Where an agent is and where it looks.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Pose {
+    /// To the right of the field's centre.
+    pub x_px: f32,
+    /// Above the field's centre.
+    pub y_px: f32,
+    /// Steps of 1/64 turn, counter-clockwise from +x; only the value mod 64 matters.
+    pub heading: u8,
+}
+
+/// Starts and goal of one trial, checked by [`Model::layout`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    pub(crate) starts: [Pose; MAX_AGENTS],
+    pub(crate) goal: Point,
+}
+
+impl Layout {
+    /// Where the agents stand at frame 0; agents beyond the team's size do not take part.
+    #[must_use]
+    pub fn starts(&self) -> &[Pose; MAX_AGENTS] {
+        &self.starts
+    }
+
+    /// Where the object should go.
+    #[must_use]
+    pub fn goal(&self) -> Point {
+        self.goal
+    }
+}
+
+/// One trial to simulate.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial {
+    /// Starts and goal.
+    pub layout: Layout,
+    /// The table of each agent. A team with one shared table has it four times.
+    pub tables: [Responses; MAX_AGENTS],
+}
+
+/// Distances at one instant, px between centres.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Snapshot {
+    /// Object to goal.
+    pub goal_px: f32,
+    /// Object to each agent; 0 for agents that do not take part.
+    pub agents_px: [f32; MAX_AGENTS],
+}
+
+/// What a trial came to.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Outcome {
+    /// Bit r is set if any agent read row r.
+    pub rows_read: u32,
+    /// The first frame, from 1, after which the object was within the goal's radius; 0 if it never was.
+    pub reached_frame: u32,
+    /// After frame 180.
+    pub executed: Snapshot,
+    /// After frame 270.
+    pub evaluated: Snapshot,
+}
+
+/// Simulates one trial with the scalar reference.
+#[must_use]
+pub fn run_trial(model: &Model, team: TeamSize, trial: &Trial) -> Outcome {
+    let mut world = World::new(model, team, &trial.layout);
+    let mut outcome = Outcome::default();
+    for frame in 1..=TRIAL_FRAMES {
+        let rows = world.sense();
+        let mut wheels = [crate::Wheels { left: 0, right: 0 }; MAX_AGENTS];
+        for (i, &row) in rows.iter().enumerate().take(team.get()) {
+            outcome.rows_read |= 1 << row;
+            wheels[i] = trial.tables[i].get(row);
+        }
+        world.advance(&wheels);
+        if outcome.reached_frame == 0 && world.object_at_goal() {
+            outcome.reached_frame = frame;
+        }
+        if frame == EXECUTION_FRAMES {
+            outcome.executed = world.snapshot();
+        }
+    }
+    outcome.evaluated = world.snapshot();
+    outcome
+}

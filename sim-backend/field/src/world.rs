@@ -1,0 +1,405 @@
+//! The scalar reference: one field, frame by frame.
+//!
+//! One frame (swarm model, in this order): every agent senses the state at the start of the frame; every agent turns and
+//! drives; bodies that overlap are separated and the object is pushed. [`Contact`] says how bodies meet.
+
+use crate::heading::cos_sin;
+use crate::model::{COINCIDENT_SQ, Constants, FIELD_PX, Model, TeamSize};
+use crate::preset::Contact;
+use crate::responses::Wheels;
+use crate::trial::{Layout, MAX_AGENTS, Point, Pose, Snapshot};
+
+/// One field with its agents, its object and its goal.
+#[derive(Clone, Debug)]
+pub struct World {
+    constants: Constants,
+    team: TeamSize,
+    agents: [Pose; MAX_AGENTS],
+    object: Point,
+    goal: Point,
+    touching: [bool; MAX_AGENTS],
+}
+
+/// `max` and `min` as the SIMD instructions define them, so that the bits agree.
+#[inline]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline]
+fn clamp(value: f32, limit: f32) -> f32 {
+    lesser(greater(value, -limit), limit)
+}
+
+#[inline]
+fn distance_sq(a: Point, b: Point) -> f32 {
+    let (dx, dy) = (b.x_px - a.x_px, b.y_px - a.y_px);
+    dx * dx + dy * dy
+}
+
+impl World {
+    /// The field at frame 0, the object at the origin.
+    #[must_use]
+    pub fn new(model: &Model, team: TeamSize, layout: &Layout) -> Self {
+        Self {
+            constants: model.constants,
+            team,
+            agents: layout.starts,
+            object: Point::default(),
+            goal: layout.goal,
+            touching: [false; MAX_AGENTS],
+        }
+    }
+
+    /// The agents that take part.
+    #[must_use]
+    pub fn agents(&self) -> &[Pose] {
+        &self.agents[..self.team.get()]
+    }
+
+    /// The centre of the object.
+    #[must_use]
+    pub fn object(&self) -> Point {
+        self.object
+    }
+
+    /// The centre of the goal.
+    #[must_use]
+    pub fn goal(&self) -> Point {
+        self.goal
+    }
+
+    /// Which agents pressed against the object in the last frame.
+    #[must_use]
+    pub fn touching(&self) -> [bool; MAX_AGENTS] {
+        self.touching
+    }
+
+    /// Whether the object is within the goal's radius.
+    #[must_use]
+    pub fn object_at_goal(&self) -> bool {
+        distance_sq(self.goal, self.object) <= self.constants.goal_radius_sq
+    }
+
+    /// Distances now.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let mut agents_px = [0.0; MAX_AGENTS];
+        for (distance, agent) in agents_px.iter_mut().zip(self.agents()) {
+            *distance = distance_sq(position(*agent), self.object).sqrt();
+        }
+        Snapshot {
+            goal_px: distance_sq(self.goal, self.object).sqrt(),
+            agents_px,
+        }
+    }
+
+    /// The row that every agent's sensors select (see [`crate::Responses`]); 0 for agents that do not take part.
+    #[must_use]
+    pub fn sense(&self) -> [u8; MAX_AGENTS] {
+        let mut rows = [0; MAX_AGENTS];
+        for (i, row) in rows.iter_mut().enumerate().take(self.team.get()) {
+            *row = self.sense_agent(i);
+        }
+        rows
+    }
+
+    /// One frame: every agent turns and drives at its wheel levels, then bodies meet.
+    pub fn advance(&mut self, wheels: &[Wheels; MAX_AGENTS]) {
+        self.touching = [false; MAX_AGENTS];
+        match self.constants.contact {
+            Contact::Sliding => {
+                for (i, wheels) in wheels.iter().enumerate().take(self.team.get()) {
+                    let Point { x_px, y_px } = self.turn_and_step(i, *wheels);
+                    (self.agents[i].x_px, self.agents[i].y_px) = (x_px, y_px);
+                }
+                self.separate_agents();
+                self.push_object();
+            }
+            Contact::Blocking => {
+                let push = self.blocking_push();
+                for (i, wheels) in wheels.iter().enumerate().take(self.team.get()) {
+                    self.drive_blocking(i, *wheels, push);
+                }
+            }
+        }
+    }
+
+    fn sense_agent(&self, i: usize) -> u8 {
+        let c = &self.constants;
+        let sight = Sight::of(self.agents[i]);
+        let object = sight.to(self.object);
+        let mut ir = sight.ir(object, c.object_radius_sq, c);
+        for (j, other) in self.agents().iter().enumerate() {
+            if j != i {
+                let seen = sight.ir(sight.to(position(*other)), c.agent_radius_sq, c);
+                ir = std::array::from_fn(|k| ir[k] | seen[k]);
+            }
+        }
+        let walls = sight.walls(c);
+        let lit = |light: Ray, range_sq: f32| sight.photo(light, range_sq, c);
+        let (by_object, by_goal) = (
+            lit(object, c.object_light_sq),
+            lit(sight.to(self.goal), c.goal_light_sq),
+        );
+        let bits = [
+            ir[0] | walls[0],
+            ir[1] | walls[1],
+            ir[2] | walls[2],
+            by_object[0] | by_goal[0],
+            by_object[1] | by_goal[1],
+        ];
+        bits.iter()
+            .rev()
+            .fold(0, |row, &bit| row << 1 | u8::from(bit))
+    }
+
+    /// Turns agent `i` and says where it would go; equal wheel levels drive straight.
+    fn turn_and_step(&mut self, i: usize, wheels: Wheels) -> Point {
+        let (left, right) = (wheels.left.min(2), wheels.right.min(2));
+        let limit = self.constants.agent_limit;
+        let travel = self.constants.travel[usize::from(left | right << 2)];
+        let agent = &mut self.agents[i];
+        agent.heading = agent.heading.wrapping_add(right).wrapping_sub(left) % 64;
+        let (cos, sin) = cos_sin(agent.heading);
+        Point {
+            x_px: clamp(agent.x_px + travel * cos, limit),
+            y_px: clamp(agent.y_px + travel * sin, limit),
+        }
+    }
+
+    /// Sliding: agents that overlap move apart by half the overlap each, pair by pair; then all are put back into the field.
+    fn separate_agents(&mut self) {
+        let n = self.team.get();
+        for i in 0..n {
+            for j in i + 1..n {
+                let (dx, dy) = (
+                    self.agents[j].x_px - self.agents[i].x_px,
+                    self.agents[j].y_px - self.agents[i].y_px,
+                );
+                let sq = dx * dx + dy * dy;
+                if sq < self.constants.pair_sq {
+                    let distance = greater(sq, COINCIDENT_SQ).sqrt();
+                    let share = 0.5 * (self.constants.pair - distance) / distance;
+                    let (sx, sy) = (share * dx, share * dy);
+                    self.agents[i].x_px -= sx;
+                    self.agents[i].y_px -= sy;
+                    self.agents[j].x_px += sx;
+                    self.agents[j].y_px += sy;
+                }
+            }
+        }
+        let limit = self.constants.agent_limit;
+        for agent in &mut self.agents[..n] {
+            (agent.x_px, agent.y_px) = (clamp(agent.x_px, limit), clamp(agent.y_px, limit));
+        }
+    }
+
+    /// Sliding: the object moves by the sum of the overlaps, no further than the largest one; then agents that still overlap
+    /// are put back.
+    fn push_object(&mut self) {
+        let c = self.constants;
+        let (mut sum_x, mut sum_y, mut deepest, mut pushers) = (0.0, 0.0, 0.0, 0);
+        for i in 0..self.team.get() {
+            if let Some((overlap, dx, dy, distance)) = self.overlap(i) {
+                let per_px = overlap / distance;
+                sum_x += per_px * dx;
+                sum_y += per_px * dy;
+                deepest = greater(deepest, overlap);
+                pushers += 1;
+                self.touching[i] = true;
+            }
+        }
+        if pushers == 0 {
+            return;
+        }
+        let sum_sq = sum_x * sum_x + sum_y * sum_y;
+        let capped = if deepest * deepest < sum_sq {
+            deepest / greater(sum_sq, COINCIDENT_SQ).sqrt()
+        } else {
+            1.0
+        };
+        let part = capped
+            * if pushers >= 2 {
+                c.team_push
+            } else {
+                c.solo_push
+            };
+        self.object.x_px = clamp(self.object.x_px + part * sum_x, c.object_limit);
+        self.object.y_px = clamp(self.object.y_px + part * sum_y, c.object_limit);
+        for i in 0..self.team.get() {
+            if let Some((overlap, dx, dy, distance)) = self.overlap(i) {
+                let per_px = overlap / distance;
+                let agent = &mut self.agents[i];
+                agent.x_px = clamp(agent.x_px - per_px * dx, c.agent_limit);
+                agent.y_px = clamp(agent.y_px - per_px * dy, c.agent_limit);
+            }
+        }
+    }
+
+    /// How far agent `i` overlaps the object, the vector from agent to object, and its length.
+    fn overlap(&self, i: usize) -> Option<(f32, f32, f32, f32)> {
+        let agent = self.agents[i];
+        let (dx, dy) = (self.object.x_px - agent.x_px, self.object.y_px - agent.y_px);
+        let sq = dx * dx + dy * dy;
+        (sq < self.constants.touch_sq).then(|| {
+            let distance = greater(sq, COINCIDENT_SQ).sqrt();
+            (self.constants.touch - distance, dx, dy, distance)
+        })
+    }
+
+    /// Blocking: the part of an overlap that the object yields, by how many agents touch and face it.
+    fn blocking_push(&self) -> f32 {
+        let c = &self.constants;
+        let facing = |agent: &Pose| {
+            let ray = Sight::of(*agent).to(self.object);
+            ray.distance_sq < c.facing_sq && ray.ahead > 0.0
+        };
+        if self.agents().iter().filter(|agent| facing(agent)).count() >= 2 {
+            c.team_push
+        } else {
+            c.solo_push
+        }
+    }
+
+    /// Blocking: agent `i` drives, unless that would press into another agent or press the object into one or into a wall.
+    fn drive_blocking(&mut self, i: usize, wheels: Wheels, push: f32) {
+        let c = self.constants;
+        let mut target = self.turn_and_step(i, wheels);
+        let mut blocked = self.others_press(i, position(self.agents[i]), target, c.pair_sq);
+        let (dx, dy) = (
+            self.object.x_px - target.x_px,
+            self.object.y_px - target.y_px,
+        );
+        let sq = dx * dx + dy * dy;
+        if sq < c.touch_sq {
+            self.touching[i] = true;
+            let sq = greater(sq, COINCIDENT_SQ);
+            // (contact distance − distance) / distance, with the root and the quotient independent of each other
+            let overlap = sq.sqrt() * (c.touch / sq) - 1.0;
+            let yielded = overlap * push;
+            let refused = overlap - yielded;
+            let pushed = Point {
+                x_px: self.object.x_px + yielded * dx,
+                y_px: self.object.y_px + yielded * dy,
+            };
+            blocked |= c.object_limit < greater(pushed.x_px.abs(), pushed.y_px.abs())
+                || self.others_press(i, self.object, pushed, c.touch_sq);
+            target.x_px = clamp(target.x_px - refused * dx, c.agent_limit);
+            target.y_px = clamp(target.y_px - refused * dy, c.agent_limit);
+            if !blocked {
+                self.object = pushed;
+            }
+        }
+        if !blocked {
+            (self.agents[i].x_px, self.agents[i].y_px) = (target.x_px, target.y_px);
+        }
+    }
+
+    /// Whether a body going `from` → `to` would come closer than contact to an agent other than `i`, and closer than it was.
+    fn others_press(&self, i: usize, from: Point, to: Point, contact_sq: f32) -> bool {
+        self.agents().iter().enumerate().any(|(j, other)| {
+            let sq = distance_sq(to, position(*other));
+            j != i && sq < contact_sq && sq < distance_sq(from, position(*other))
+        })
+    }
+}
+
+fn position(pose: Pose) -> Point {
+    Point {
+        x_px: pose.x_px,
+        y_px: pose.y_px,
+    }
+}
+
+/// An agent's place and direction, from which it looks.
+struct Sight {
+    at: Point,
+    cos: f32,
+    sin: f32,
+}
+
+/// A target in the frame of the agent that looks: px ahead and px to the left.
+#[derive(Clone, Copy)]
+struct Ray {
+    ahead: f32,
+    left: f32,
+    distance_sq: f32,
+}
+
+impl Sight {
+    fn of(agent: Pose) -> Self {
+        let (cos, sin) = cos_sin(agent.heading);
+        Self {
+            at: position(agent),
+            cos,
+            sin,
+        }
+    }
+
+    fn to(&self, target: Point) -> Ray {
+        let (dx, dy) = (target.x_px - self.at.x_px, target.y_px - self.at.y_px);
+        Ray {
+            ahead: dx * self.cos + dy * self.sin,
+            left: dy * self.cos - dx * self.sin,
+            distance_sq: dx * dx + dy * dy,
+        }
+    }
+
+    /// Whether the left, front and right IR sensors' segments cut a circle.
+    fn ir(&self, Ray { ahead, left, .. }: Ray, radius_sq: f32, c: &Constants) -> [bool; 3] {
+        let cuts = |ahead: f32, left: f32| {
+            let beyond = greater(ahead - c.ir_range, 0.0);
+            ahead > 0.0 && beyond * beyond + left * left < radius_sq
+        };
+        let (ahead_cos, left_sin) = (ahead * c.ir_cos, left * c.ir_sin);
+        let (left_cos, ahead_sin) = (left * c.ir_cos, ahead * c.ir_sin);
+        [
+            cuts(ahead_cos + left_sin, left_cos - ahead_sin),
+            cuts(ahead, left),
+            cuts(ahead_cos - left_sin, left_cos + ahead_sin),
+        ]
+    }
+
+    /// Whether the tips of the left, front and right IR sensors lie beyond a wall.
+    fn walls(&self, c: &Constants) -> [bool; 3] {
+        let beyond = |cos: f32, sin: f32| {
+            let (x, y) = (
+                (self.at.x_px + c.ir_range * cos).abs(),
+                (self.at.y_px + c.ir_range * sin).abs(),
+            );
+            FIELD_PX < greater(x, y)
+        };
+        let (cos_cos, sin_sin) = (self.cos * c.ir_cos, self.sin * c.ir_sin);
+        let (cos_sin, sin_cos) = (self.cos * c.ir_sin, self.sin * c.ir_cos);
+        [
+            beyond(cos_cos - sin_sin, sin_cos + cos_sin),
+            beyond(self.cos, self.sin),
+            beyond(cos_cos + sin_sin, sin_cos - cos_sin),
+        ]
+    }
+
+    /// Whether the left and right photo sensors see a light.
+    fn photo(
+        &self,
+        Ray {
+            ahead,
+            left,
+            distance_sq,
+        }: Ray,
+        range_sq: f32,
+        c: &Constants,
+    ) -> [bool; 2] {
+        let inside = |along: f32| {
+            along > 0.0 && (c.cone_sq == 0.0 || c.cone_sq * distance_sq < along * along)
+        };
+        let (ahead, left) = (ahead * c.photo_cos, left * c.photo_sin);
+        let near = distance_sq < range_sq;
+        [near && inside(ahead + left), near && inside(ahead - left)]
+    }
+}

@@ -1,0 +1,167 @@
+//! Every engine gives the bits of the scalar reference, for every preset and team size, whatever the number and the order of
+//! the trials; and those bits are the ones on record.
+
+use field::{
+    Contact, Engine, Model, Outcome, Photo, Pose, Preset, Responses, TeamSize, Trial, Wheels,
+};
+
+/// Numbers for tables and starts (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * (self.next() >> 40) as f32 / (1 << 24) as f32
+    }
+
+    fn table(&mut self) -> Responses {
+        let level = |bits: u64| (bits & 1) as u8 + (bits >> 1 & 1) as u8;
+        Responses::from_fn(|_| {
+            let bits = self.next();
+            Wheels {
+                left: level(bits),
+                right: level(bits >> 2),
+            }
+        })
+    }
+
+    /// A layout anywhere that the model allows.
+    fn layout(&mut self, model: &Model) -> field::Layout {
+        loop {
+            let starts = [(); 4].map(|()| Pose {
+                x_px: self.between(-375.0, 375.0),
+                y_px: self.between(-375.0, 375.0),
+                heading: self.next() as u8,
+            });
+            if let Ok(layout) = model.layout(starts, model.goal_towards(self.next() as u8)) {
+                return layout;
+            }
+        }
+    }
+}
+
+/// The shipped presets and two that leave their paths: narrow eyes and slow sliding in a crowd.
+fn presets() -> Vec<Preset> {
+    let mut presets = Preset::ALL.to_vec();
+    presets.push(Preset {
+        photo: Photo {
+            angle_steps: 5,
+            half_angle_cosine: 0.6,
+        },
+        ..Preset::LB
+    });
+    presets.push(Preset {
+        agent_radius_px: 60.0,
+        ir_range_px: 90.0,
+        contact: Contact::Sliding,
+        medium_speed_px_per_frame: 9.0,
+        team_push: 0.4,
+        ..Preset::R3
+    });
+    presets
+}
+
+fn trials(model: &Model, seed: u64) -> Vec<Trial> {
+    let mut random = Random(seed);
+    let mut trials = Vec::new();
+    for round in 0..6 {
+        let tables = [(); 4].map(|()| random.table());
+        for goal in model.training_goals() {
+            trials.push(Trial {
+                layout: model.training_layout(goal),
+                tables: [tables[0]; 4],
+            });
+        }
+        for _ in 0..round {
+            trials.push(Trial {
+                layout: random.layout(model),
+                tables,
+            });
+        }
+    }
+    trials
+}
+
+fn run(engine: Engine, model: &Model, team: TeamSize, trials: &[Trial]) -> Vec<Outcome> {
+    let mut outcomes = vec![Outcome {
+        reached_frame: 77,
+        ..Outcome::default()
+    }];
+    engine.run(model, team, trials, &mut outcomes);
+    outcomes
+}
+
+/// All bits of outcomes, mixed into one number.
+fn fingerprint(outcomes: &[Outcome]) -> u64 {
+    let mut hash = Random(0);
+    for outcome in outcomes {
+        let distances = [outcome.executed, outcome.evaluated]
+            .into_iter()
+            .flat_map(|s| [s.goal_px].into_iter().chain(s.agents_px));
+        for word in [outcome.rows_read, outcome.reached_frame]
+            .into_iter()
+            .chain(distances.map(f32::to_bits))
+        {
+            hash.0 ^= u64::from(word);
+            hash.0 = hash.next();
+        }
+    }
+    hash.0
+}
+
+#[test]
+fn every_engine_gives_the_bits_of_the_scalar_reference() {
+    for (seed, preset) in presets().into_iter().enumerate() {
+        let model = Model::new(preset).expect("a valid preset");
+        let trials = trials(&model, seed as u64);
+        for team in TeamSize::ALL {
+            let reference = run(Engine::all()[0], &model, team, &trials);
+            for engine in Engine::all() {
+                let context = format!(
+                    "{} on {} with {} agents",
+                    engine.name(),
+                    model.preset().name,
+                    team.get()
+                );
+                assert_eq!(run(engine, &model, team, &trials), reference, "{context}");
+                for count in [0, 1, 7, 17] {
+                    assert_eq!(
+                        run(engine, &model, team, &trials[..count]),
+                        reference[..count],
+                        "{context}, {count}"
+                    );
+                }
+                let backwards: Vec<Trial> = trials.iter().rev().copied().collect();
+                let mut outcomes = run(engine, &model, team, &backwards);
+                outcomes.reverse();
+                assert_eq!(outcomes, reference, "{context}, backwards");
+            }
+        }
+    }
+}
+
+/// A change of these numbers is a change of the model: every table ever evolved and every figure would be another.
+#[test]
+fn the_bits_are_the_ones_on_record() {
+    let record: [(&str, [u64; 4]); 5] = [
+        ("R3", [0; 4]),
+        ("N", [0; 4]),
+        ("LB", [0; 4]),
+        ("LB2", [0; 4]),
+        ("paper", [0; 4]),
+    ];
+    let now = Preset::ALL.map(|preset| {
+        let model = Model::new(preset).expect("a shipped preset");
+        let trials = trials(&model, 1);
+        TeamSize::ALL.map(|team| fingerprint(&run(Engine::fastest(), &model, team, &trials)))
+    });
+    for ((name, expected), found) in record.into_iter().zip(now) {
+        assert_eq!(found, expected, "{name}: found {found:#018x?}");
+    }
+}

@@ -1,0 +1,238 @@
+//! The fingertip against the figures of the tactile design.
+
+use shm_schemas::Layout;
+
+use super::*;
+use crate::pad::BRISTLES_PER_ELEMENT;
+
+const DT_S: f64 = 250e-6;
+const HALF_M: f64 = 0.025;
+
+/// A fingertip that presses along +x on the −x face of a cube.
+struct Bench {
+    pad: Pad,
+    contact: Contact,
+    surface: Surface,
+}
+
+impl Bench {
+    fn new(bristles_per_element: usize, stiffness_n_m: f64) -> Self {
+        let shape = Shape::Box {
+            half_m: Vector3::repeat(HALF_M),
+        };
+        Self {
+            pad: Pad::with_bristles(&Layout::dome_41(), bristles_per_element),
+            contact: Contact::new(),
+            surface: Surface {
+                shape,
+                friction: 0.5,
+                stiffness_n_m,
+            },
+        }
+    }
+
+    /// One step at this indentation and height, moving upwards at this speed; returns (normal, tangential) force.
+    fn press(&mut self, depth_m: f64, height_m: f64, up_m_s: f64) -> (f64, f64) {
+        let approach = Approach {
+            // Dome axis z along the cube's x, up −x of the tip along its z.
+            object_from_tip: Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0),
+            centre_m: Vector3::new(-HALF_M - self.pad.radius_m + depth_m, 0.0, height_m),
+            velocity_m_s: Vector3::new(0.0, 0.0, up_m_s),
+            angular_rad_s: Vector3::zeros(),
+        };
+        let wrench = self
+            .contact
+            .press(&self.pad, &self.surface, &approach, DT_S);
+        (wrench.force_n.x, wrench.force_n.z)
+    }
+
+    /// Force at rest.
+    fn normal_n(&mut self, depth_m: f64) -> f64 {
+        self.press(depth_m, 0.0, 0.0).0
+    }
+
+    /// Elements that touch, and those of which at least half of the bristles slip.
+    fn elements(&self) -> (usize, usize) {
+        let mut touching = [0; DOME_ELEMENTS];
+        let mut slipping = [0; DOME_ELEMENTS];
+        for touch in self
+            .contact
+            .touches
+            .iter()
+            .filter(|touch| touch.depth_m > 0.0)
+        {
+            let element = self.pad.element_of(touch.bristle);
+            touching[element] += 1;
+            slipping[element] += usize::from(self.contact.bristles[touch.bristle].0.slipping);
+        }
+        let slips = |e: &usize| touching[*e] > 0 && 2 * slipping[*e] >= touching[*e];
+        (
+            touching.iter().filter(|n| **n > 0).count(),
+            (0..DOME_ELEMENTS).filter(slips).count(),
+        )
+    }
+}
+
+#[test]
+fn force_over_indentation_on_a_rigid_flat() {
+    for (depth_m, expected_n) in [
+        (0.2e-3, 0.25),
+        (0.3e-3, 0.60),
+        (0.5e-3, 1.84),
+        (0.8e-3, 4.65),
+    ] {
+        let force_n = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY).normal_n(depth_m);
+        let error = force_n / expected_n - 1.0;
+        assert!(
+            error.abs() < 0.025,
+            "{depth_m} m: {force_n} N, design {expected_n} N"
+        );
+    }
+}
+
+/// Tactile design: at 0.5 mm and μ = 0.5 the outer ring slips from 0.15 mm of shear, gross slip is at 0.35 mm.
+#[test]
+fn outer_elements_slip_first() {
+    let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
+    let speed_m_s = 0.002;
+    for (shear_m, expected) in [
+        (0.10e-3, (8, 0)),
+        (0.15e-3, (8, 7)),
+        (0.30e-3, (8, 7)),
+        (0.35e-3, (8, 8)),
+    ] {
+        let steps = (shear_m / (speed_m_s * DT_S)).round() as u64 + 1 - bench.contact.step;
+        for _ in 0..steps {
+            let height_m = bench.contact.step as f64 * speed_m_s * DT_S;
+            bench.press(0.5e-3, height_m, speed_m_s);
+        }
+        assert_eq!(
+            bench.elements(),
+            expected,
+            "touching and slipping elements at {shear_m} m of shear"
+        );
+    }
+}
+
+#[test]
+fn gross_slip_is_carried_by_kinetic_friction() {
+    let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
+    let speed_m_s = 0.01;
+    let forces =
+        (1..1000).map(|step| bench.press(0.5e-3, f64::from(step) * speed_m_s * DT_S, speed_m_s));
+    let (normal_n, tangential_n) = forces.last().unwrap_or_default();
+    assert!(
+        (tangential_n / normal_n - 0.9 * 0.5).abs() < 1e-3,
+        "{tangential_n} over {normal_n}"
+    );
+    // 2.5 mm were travelled; what is not slip is shear of the skin.
+    assert!(
+        (bench.contact.slip_m - 2.2e-3).abs() < 0.1e-3,
+        "slipped {} m",
+        bench.contact.slip_m
+    );
+}
+
+#[test]
+fn slip_counts_from_zero_in_a_new_grasp() {
+    let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
+    for step in 0..1000 {
+        bench.press(0.5e-3, f64::from(step) * 2.5e-6, 0.01);
+    }
+    bench.press(-1e-3, 0.0, 0.0);
+    bench.press(0.5e-3, 0.0, 0.0);
+    assert!(bench.contact.slip_m > 1e-3, "a bounce is the same grasp");
+    (0..201).for_each(|_| _ = bench.press(-1e-3, 0.0, 0.0));
+    bench.press(0.5e-3, 0.0, 0.0);
+    assert_eq!(bench.contact.slip_m, 0.0);
+}
+
+/// Slope of force over total closing in the 100 ms after the first touch, both fingers closing at 2 mm/s through a finger
+/// of 5 kN/m. With one bristle per element the slope is wrong (tactile design: 524 instead of 844 N/m).
+#[test]
+fn one_bristle_per_element_would_feel_too_soft() {
+    let (coarse, fine) = (probe_slope_n_m(1), probe_slope_n_m(BRISTLES_PER_ELEMENT));
+    assert!(
+        (0.55..0.70).contains(&(coarse / fine)),
+        "{coarse} and {fine} N/m"
+    );
+}
+
+fn probe_slope_n_m(bristles_per_element: usize) -> f64 {
+    const FINGER_N_M: f64 = 5000.0;
+    let mut bench = Bench::new(bristles_per_element, f64::INFINITY);
+    let mut force_n = |closed_m: f64| {
+        let (mut low_m, mut high_m) = (0.0, closed_m);
+        for _ in 0..40 {
+            let depth_m = 0.5 * (low_m + high_m);
+            let too_deep = bench.normal_n(depth_m) > FINGER_N_M * (closed_m - depth_m);
+            if too_deep {
+                high_m = depth_m
+            } else {
+                low_m = depth_m
+            }
+        }
+        FINGER_N_M * (closed_m - low_m)
+    };
+    let path = (1..2000).map(|tick| f64::from(tick) * 2e-6);
+    let points: Vec<(f64, f64)> = path
+        .map(|closed_m| (2.0 * closed_m, force_n(closed_m)))
+        .skip_while(|(_, n)| *n < 0.06)
+        .take(100)
+        .collect();
+    let mean =
+        |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x) * (p.0 - x))
+}
+
+/// At rest the skin and the object are springs in series.
+#[test]
+fn a_soft_object_takes_its_share_of_the_indentation() {
+    for stiffness_n_m in [400.0, 1500.0, 3e4] {
+        let mut bench = Bench::new(BRISTLES_PER_ELEMENT, stiffness_n_m);
+        let force_n = (0..2000)
+            .map(|_| bench.normal_n(1e-3))
+            .last()
+            .unwrap_or_default();
+        let compression_m = bench.contact.compression_m;
+        assert!(
+            (force_n / (stiffness_n_m * compression_m) - 1.0).abs() < 1e-6,
+            "{force_n} N, {compression_m} m"
+        );
+        let skin_n = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY).normal_n(1e-3 - compression_m);
+        assert!(
+            (force_n / skin_n - 1.0).abs() < 1e-6,
+            "{force_n} N, skin {skin_n} N"
+        );
+    }
+}
+
+#[test]
+fn elements_add_up_to_the_whole() {
+    let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
+    let mut total = (0.0, 0.0);
+    for step in 1..200 {
+        total = bench.press(0.5e-3, f64::from(step) * 5e-7, 0.002);
+    }
+    let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
+    bench.contact.element_forces(&bench.pad, &mut force_n);
+    let sum: Vector3<f64> = force_n.iter().sum();
+    // On the tip: against the dome axis z; what drags the object up drags the tip down, along +x of the tip.
+    assert!(
+        (sum.z + total.0).abs() < 1e-12 && (sum.x - total.1).abs() < 1e-12,
+        "{sum} and {total:?}"
+    );
+}
+
+#[test]
+fn nothing_touches_beyond_an_edge() {
+    let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
+    let whole_n = bench.press(0.5e-3, 0.0, 0.0).0;
+    let half_n = bench.press(0.5e-3, HALF_M, 0.0).0;
+    assert!(
+        (half_n / whole_n - 0.5).abs() < 0.1,
+        "on the edge {half_n} N of {whole_n} N"
+    );
+    assert_eq!(bench.press(0.5e-3, HALF_M + 5e-3, 0.0).0, 0.0);
+}
