@@ -1,0 +1,186 @@
+//! A byte stream from a device: opened, locked, read with a time-out, written where the device can be told something.
+//!
+//! A terminal (serial port, USB adapter, pseudo-terminal) is set to raw mode and locked, so that no second process
+//! steals bytes. A FIFO is accepted as a stream that cannot be configured, a regular file as a recording to decode.
+//! What the kernel has buffered before the opening is kept: a decoder resynchronises anyway, and a discarded
+//! acknowledgement would be missed.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+use std::path::Path;
+use std::time::Duration;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::FlockOperation;
+use rustix::io::Errno;
+use serial2::{CharSize, FlowControl, Parity, SerialPort, Settings, StopBits};
+
+/// How long a write may take, ms: nine bytes take 0.1 ms at 1 MBd, so this is "the device does not listen". Ours.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(200);
+
+/// An open device.
+#[derive(Debug)]
+pub struct Device(Source);
+
+#[derive(Debug)]
+enum Source {
+    Terminal(SerialPort),
+    Fifo(File),
+    Recording(File),
+}
+
+/// What a read brought.
+#[derive(Debug)]
+pub enum Input {
+    /// So many bytes.
+    Bytes(usize),
+    /// Nothing within the time-out, or a signal came.
+    Quiet,
+    /// The end of a recording.
+    End,
+    /// The device is gone.
+    Gone(io::Error),
+}
+
+impl Device {
+    /// Opens a terminal, a FIFO or a regular file.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong and what to do.
+    pub fn open(path: &Path, baud: u32) -> Result<Self, String> {
+        let kind = std::fs::metadata(path)
+            .map_err(|error| advise(&error))?
+            .file_type();
+        let source = if kind.is_char_device() {
+            open_terminal(path, baud).map(Source::Terminal)
+        } else if kind.is_fifo() {
+            open_stream(path).map(Source::Fifo)
+        } else if kind.is_file() {
+            open_stream(path).map(Source::Recording)
+        } else {
+            return Err(
+                "it is no terminal, FIFO or regular file; give the path of a serial port"
+                    .to_owned(),
+            );
+        };
+        let device = Self(source.map_err(|error| advise(&error))?);
+        device.lock()?;
+        Ok(device)
+    }
+
+    /// Whether the device can be told anything.
+    #[must_use]
+    pub fn is_terminal(&self) -> bool {
+        matches!(self.0, Source::Terminal(_))
+    }
+
+    /// Whether this is a regular file, which has an end and no pace of its own.
+    #[must_use]
+    pub fn is_recording(&self) -> bool {
+        matches!(self.0, Source::Recording(_))
+    }
+
+    /// Waits for bytes and reads them.
+    pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input {
+        let timeout = Timespec {
+            tv_sec: timeout.as_secs().cast_signed(),
+            tv_nsec: timeout.subsec_nanos().into(),
+        };
+        let outcome = match poll(
+            &mut [PollFd::new(&self.as_fd(), PollFlags::IN)],
+            Some(&timeout),
+        ) {
+            Ok(0) => return Input::Quiet,
+            Ok(_) => rustix::io::read(self.as_fd(), buffer),
+            Err(error) => Err(error),
+        };
+        match outcome {
+            Ok(0) if self.is_recording() => Input::End,
+            Ok(0) => Input::Gone(io::Error::new(
+                io::ErrorKind::UnexpectedEof,
+                "the stream ended",
+            )),
+            Ok(length) => Input::Bytes(length),
+            Err(Errno::INTR | Errno::AGAIN) => Input::Quiet,
+            Err(error) => Input::Gone(error.into()),
+        }
+    }
+
+    /// Sends bytes.
+    ///
+    /// # Errors
+    /// When the device is no terminal, is gone, or does not take them in time.
+    pub fn write(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+        let Source::Terminal(port) = &self.0 else {
+            return Err(io::Error::new(
+                io::ErrorKind::Unsupported,
+                "only a terminal can be written to",
+            ));
+        };
+        while !bytes.is_empty() {
+            match port.write(bytes) {
+                Ok(written) => bytes = &bytes[written..],
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Two readers of a live device would each get half the bytes.
+    fn lock(&self) -> Result<(), String> {
+        if self.is_recording() {
+            return Ok(());
+        }
+        rustix::fs::flock(self, FlockOperation::NonBlockingLockExclusive)
+            .map_err(|_| "another process holds it; stop that process (fuser names it)".to_owned())
+    }
+}
+
+impl AsFd for Device {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        match &self.0 {
+            Source::Terminal(port) => port.as_fd(),
+            Source::Fifo(file) | Source::Recording(file) => file.as_fd(),
+        }
+    }
+}
+
+fn open_terminal(path: &Path, baud: u32) -> io::Result<SerialPort> {
+    let mut port = SerialPort::open(path, |mut settings: Settings| {
+        settings.set_raw();
+        settings.set_baud_rate(baud)?;
+        settings.set_char_size(CharSize::Bits8);
+        settings.set_parity(Parity::None);
+        settings.set_stop_bits(StopBits::One);
+        settings.set_flow_control(FlowControl::None);
+        Ok(settings)
+    })?;
+    port.set_write_timeout(WRITE_TIMEOUT)?;
+    Ok(port)
+}
+
+fn open_stream(path: &Path) -> io::Result<File> {
+    // Non-blocking, because opening a FIFO would otherwise wait for its writer and not see a signal.
+    std::fs::OpenOptions::new()
+        .read(true)
+        .custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed())
+        .open(path)
+}
+
+/// What to do about an error on opening.
+fn advise(error: &io::Error) -> String {
+    let advice = match error.kind() {
+        io::ErrorKind::NotFound => {
+            "check the path and that the device is plugged in (ls /dev/serial/by-id)"
+        }
+        io::ErrorKind::PermissionDenied => "add the user to the group that owns it (often dialout)",
+        _ if error.raw_os_error() == Some(Errno::NOTTY.raw_os_error()) => {
+            "it is no terminal; give a serial port"
+        }
+        _ => "check the device and its cable",
+    };
+    format!("{error}; {advice}")
+}

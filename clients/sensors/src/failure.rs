@@ -1,0 +1,97 @@
+//! Everything that ends a sensor process early, and the exit code it ends with.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | stopped by SIGINT or SIGTERM, or a recording was decoded to its end |
+//! | 1 | the table of a dry run could not be written |
+//! | 2 | the command line makes no sense |
+//! | 3 | the device could not be opened |
+//! | 4 | the device does not answer as configured |
+//! | 5 | the device went away |
+//! | 6 | the bus could not be used |
+//!
+//! The codes are stable: service managers and scripts may act on them.
+
+use crate::wire::optoforce::Kind;
+
+/// Why a sensor process could not go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// Standard output failed.
+    #[error("could not write the table to standard output: {0}")]
+    Table(#[source] std::io::Error),
+    /// Arguments that contradict each other.
+    #[error("{0}")]
+    Usage(String),
+    /// The device is missing, taken, or not what it should be.
+    #[error("could not open {device}: {reason}")]
+    Open {
+        /// The path that was given.
+        device: String,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// The configuration could not be sent, or was not answered, or was refused.
+    #[error("could not configure {device}: {reason}")]
+    Configure {
+        /// The path that was given.
+        device: String,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// The device is of another kind.
+    #[error("could not use the data of {device}: it sends {found} frames, this process was told to expect {expected} ones; pass --channels {}", channels(*found))]
+    WrongKind {
+        /// The path that was given.
+        device: String,
+        /// What it sends.
+        found: Kind,
+        /// What was asked for.
+        expected: Kind,
+    },
+    /// The device was there and is gone.
+    #[error("lost {device}: {reason}; reconnect it and start again, or start with --reconnect")]
+    Gone {
+        /// The path that was given.
+        device: String,
+        /// What the operating system said.
+        reason: String,
+    },
+    /// The bus refused.
+    #[error("{0}")]
+    Bus(#[source] shm_bus::BusError),
+}
+
+impl Failure {
+    /// The exit code that stands for this failure.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Table(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Open { .. } => 3,
+            Self::Configure { .. } | Self::WrongKind { .. } => 4,
+            Self::Gone { .. } => 5,
+            Self::Bus(_) => 6,
+        }
+    }
+
+    /// Whether trying again later may help: what `--reconnect` waits for.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        matches!(
+            self,
+            Self::Open { .. } | Self::Configure { .. } | Self::Gone { .. }
+        )
+    }
+}
+
+/// The value of `--channels` that selects a kind.
+fn channels(kind: Kind) -> &'static str {
+    match kind {
+        Kind::OneChannel => "1",
+        Kind::FourChannel => "4",
+        Kind::SixAxis => "six-axis",
+    }
+}

@@ -1,0 +1,108 @@
+//! The decoder against a real recording, where it is at hand. It is not part of this repository.
+#![expect(clippy::print_stderr, reason = "says when the recording is absent")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use atas_sensors::wire::continuity::{Continuity, Totals};
+use atas_sensors::wire::optoforce::{ByteCounts, DataFrame, Decoder, Message};
+
+/// The folder of recordings beside the workspace, if it is there.
+fn recording() -> Option<(Vec<u8>, PathBuf)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/optoforce_wire");
+    let bytes = fs::read(folder.join("capture.bin")).ok();
+    if bytes.is_none() {
+        eprintln!(
+            "SKIPPED: no recording at {}; the generated streams are tested all the same",
+            folder.display()
+        );
+    }
+    Some((bytes?, folder))
+}
+
+fn frames_of(stream: &[u8], chunk: usize) -> (Vec<DataFrame>, ByteCounts) {
+    let (mut decoder, mut frames) = (Decoder::default(), Vec::new());
+    let mut keep = |message: Message| {
+        if let Message::Data(frame) = message {
+            frames.push(frame);
+        }
+    };
+    stream
+        .chunks(chunk)
+        .for_each(|bytes| decoder.push(bytes, &mut keep));
+    decoder.finish(&mut keep);
+    (frames, decoder.counts())
+}
+
+#[test]
+fn the_recording_decodes_exactly() {
+    let Some((stream, folder)) = recording() else {
+        return;
+    };
+    for chunk in [1, 7, 64, stream.len()] {
+        let (frames, counts) = frames_of(&stream, chunk);
+        let expected = ByteCounts {
+            received: 550_000,
+            data: 34_374 * 16,
+            acknowledgement: 7,
+            junk: 9,
+            pending: 0,
+            frames: 34_374,
+            acknowledgements: 1,
+            checksum_failures: 0,
+        };
+        assert_eq!(counts, expected, "chunks of {chunk}");
+        let mut continuity = Continuity::default();
+        for frame in &frames {
+            continuity.observe(frame.count);
+        }
+        assert_eq!(continuity.totals(), Totals::default());
+        assert_eq!((frames[0].count, frames[34_373].count), (11_626, 45_999));
+    }
+    let frames = frames_of(&stream, 4096).0;
+    let mut rows = csv::Reader::from_path(folder.join("frames_expected.csv"))
+        .expect("the recording comes with its table");
+    let mut compared = 0;
+    for (row, frame) in rows
+        .deserialize::<(u64, u16, u16, i16, i16, i16)>()
+        .zip(&frames)
+    {
+        let [fx, fy, fz] = frame.forces().next().expect("a frame has a channel");
+        assert_eq!(
+            row.expect("the table is sound"),
+            (frame.byte_offset, frame.count, frame.status.0, fx, fy, fz)
+        );
+        compared += 1;
+    }
+    assert_eq!(compared, 1_250);
+}
+
+/// One byte of every frame of the recording is deleted, or doubled, or the frame is cut off there: the frames before and
+/// after come through.
+#[test]
+fn damage_to_one_frame_of_the_recording_spares_its_neighbours() {
+    let Some((stream, _)) = recording() else {
+        return;
+    };
+    let frames: Vec<&[u8]> = stream[7..].chunks_exact(16).collect();
+    for (n, at) in (1..frames.len() - 1).map(|n| (n, n * 7 % 16)) {
+        let (before, hit, after) = (frames[n - 1], frames[n], frames[n + 1]);
+        let damaged = [
+            [&hit[..at], &hit[at + 1..]].concat(),
+            [&hit[..=at], &hit[at..]].concat(),
+            hit[..at].to_vec(),
+        ];
+        for middle in damaged {
+            let found: Vec<u16> = frames_of(&[before, &middle, after].concat(), 48)
+                .0
+                .iter()
+                .map(|frame| frame.count)
+                .collect();
+            let count = |frame: &[u8]| u16::from_be_bytes([frame[4], frame[5]]);
+            assert!(
+                found.contains(&count(before)) && found.contains(&count(after)),
+                "frame {n}, byte {at}: {found:?}"
+            );
+        }
+    }
+}
