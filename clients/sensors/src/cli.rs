@@ -25,6 +25,9 @@ const EXIT_CODES: &str = "Exit codes: 0 stopped by SIGINT or SIGTERM, or end of 
 2 wrong arguments; 3 device not opened; 4 device does not answer as configured; 5 device lost; 6 bus not usable.\n\
 Log: standard error, filtered by RUST_LOG (default info).";
 
+const BURSTS: &str = "If frames come in bursts of 16: a USB bridge collects them. Write 1 to \
+/sys/bus/usb-serial/devices/ttyUSB0/latency_timer.";
+
 /// The sensors that can be read.
 #[derive(Debug, Subcommand)]
 pub enum Sensor {
@@ -47,6 +50,7 @@ pub enum Channels {
 
 /// Arguments of `atas-sensor optoforce`.
 #[derive(Debug, Args)]
+#[command(after_help = BURSTS)]
 pub struct OptoforceArgs {
     /// Terminal of the device, for example /dev/ttyUSB0; a pseudo-terminal or a FIFO works too.
     #[arg(long)]

@@ -59,7 +59,8 @@ pub fn run(
 ) -> (Health, Result<(), Failure>) {
     let mut driver = Driver::new(settings, output, clock, stop);
     let outcome = driver.run();
-    (driver.health, outcome.and(driver.say_goodbye()))
+    let goodbye = driver.report(false);
+    (driver.health, outcome.and(goodbye))
 }
 
 struct Driver<'a> {
@@ -217,13 +218,14 @@ impl<'a> Driver<'a> {
         }
         self.next_report_ns = now_ns + nanos(REPORT_EVERY);
         let silent_ns = now_ns.saturating_sub(self.last_data_ns);
-        self.report(silent_ns < nanos(SILENCE))
-    }
-
-    fn report(&mut self, alive: bool) -> Result<(), Failure> {
+        let alive = silent_ns < nanos(SILENCE);
         if self.health.alive && !alive {
             tracing::warn!("{} is silent", self.name());
         }
+        self.report(alive)
+    }
+
+    fn report(&mut self, alive: bool) -> Result<(), Failure> {
         self.health = Health {
             alive,
             ..self.intake.health()
@@ -234,10 +236,6 @@ impl<'a> Driver<'a> {
             self.reported = self.health;
         }
         self.output.health(&self.health)
-    }
-
-    fn say_goodbye(&mut self) -> Result<(), Failure> {
-        self.report(false)
     }
 
     fn wait_for_retry(&mut self) -> Result<(), Failure> {

@@ -255,7 +255,12 @@ fn a_recording_becomes_a_table() {
     let (code, stdout, stderr) =
         Sensor::start(&path, &format!("--dry-run --no-configure {SCALE}")).finish();
     assert_eq!(code, Some(0), "{stderr}");
-    assert!(stderr.contains("2 frames, 1 lost"), "{stderr}");
+    assert!(
+        stderr.contains(
+            "2 frames, 1 lost, 0 duplicates, 0 late, 0 restarts, 0 stray counts; 40 bytes, 1 junk"
+        ),
+        "{stderr}"
+    );
     let mut table = csv::Reader::from_reader(stdout.as_bytes());
     let header = "byte_offset,count,status,fx_counts,fy_counts,fz_counts,arrival,captured_ns,normal_n,tangential1_n,tangential2_n";
     assert_eq!(
