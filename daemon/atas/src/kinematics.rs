@@ -2,14 +2,14 @@
 //! per tick, warm-started on what was last commanded.
 //!
 //! Squeezing bends the fingers and moves the tips up or down by more than the rim of a patch can bear without slipping;
-//! the known compliance C = J·K⁻¹·Jᵀ is corrected ahead: z −= (C·F_n)_z.
+//! the known compliance C = J·K⁻¹·Jᵀ is corrected ahead: z −= (C·F)_z.
 
 use crate::arbitration::Intent;
-use crate::limits::{COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M};
+use crate::limits::{COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M, SECONDARY_BUILD_UP_S};
 use crate::perception::Percept;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 use robot_model::{
-    ARM_JOINTS, FINGERS, GraspFrame, HandModel, HandPose, HandVector, IkStatus, IkWeights,
+    ARM_JOINTS, FINGERS, GraspFrame, HandModel, HandPose, HandVector, HandJacobian, IkStatus, IkWeights,
 };
 
 /// Joint positions that kinematics asks for, before the safety gate.
@@ -27,7 +27,8 @@ pub struct Carrier {
     frame: GraspFrame,
     q_rad: HandVector,
     normal_n: [f64; FINGERS],
-    weights: IkWeights,
+    /// Share of the secondary gain that has built up since the hand was anchored, 0 to 1.
+    secondary: f64,
     stiffness_n_m_rad: HandVector,
 }
 
@@ -39,7 +40,7 @@ impl Carrier {
             frame: frame_of(hand, &hand.forward(&q_rad)),
             q_rad,
             normal_n: [0.0; FINGERS],
-            weights: IkWeights::TICK,
+            secondary: 0.0,
             stiffness_n_m_rad,
         }
     }
@@ -82,32 +83,55 @@ impl Carrier {
         let pose = hand.forward(&self.q_rad);
         let jacobian = hand.jacobian(&pose);
         let mut corrected = self.frame;
-        if let Some(compliance) = jacobian.tip_compliance(&self.stiffness_n_m_rad) {
-            let share = step_s / (COMPLIANCE_FILTER_S + step_s);
-            for finger in 0..FINGERS {
-                self.normal_n[finger] +=
-                    (percept.fingers[finger].normal_n - self.normal_n[finger]) * share;
-                // Finger 1 is pressed along +n, finger 2 along −n.
-                let outward = if finger == 0 { 1.0 } else { -1.0 };
-                let bend_m = compliance[finger]
-                    * self.frame.closing_axis()
-                    * (outward * self.normal_n[finger]);
-                corrected.up_m[finger] -= bend_m.z.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
-            }
+        let bend_m = self.bend_m(hand, &pose, &jacobian, percept, step_s);
+        for (up_m, bend_m) in corrected.up_m.iter_mut().zip(bend_m) {
+            *up_m -= bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
         }
-        let step = hand.ik_step(
-            &pose,
-            &jacobian,
-            &corrected.target(hand),
-            step_s,
-            &self.weights,
-        );
+        let weights = self.weights(step_s);
+        let step = hand.ik_step(&pose, &jacobian, &corrected.target(hand), step_s, &weights);
         let q_rad = if step.status == IkStatus::Failed {
             self.q_rad
         } else {
             step.q_rad
         };
         HandCommand { q_rad, closing_m_s }
+    }
+
+    /// How far the present grip bends the surface of each dome upwards where it touches, m: J·K⁻¹·Jᵀ·F over both fingers
+    /// at once, because their forces cancel in the arm. Bending also turns the domes, and a turned dome drags its
+    /// surface along: most of the effect.
+    fn bend_m(
+        &mut self,
+        hand: &HandModel,
+        pose: &HandPose,
+        jacobian: &HandJacobian,
+        percept: &Percept,
+        step_s: f64,
+    ) -> [f64; FINGERS] {
+        let share = step_s / (COMPLIANCE_FILTER_S + step_s);
+        for (filtered_n, finger) in self.normal_n.iter_mut().zip(&percept.fingers) {
+            *filtered_n += (finger.normal_n - *filtered_n) * share;
+        }
+        // Finger 1 is pressed along +n, finger 2 along −n.
+        let n = self.frame.closing_axis();
+        let mut force_n = SVector::<f64, 6>::zeros();
+        force_n.fixed_rows_mut::<3>(0).copy_from(&(n * self.normal_n[0]));
+        force_n.fixed_rows_mut::<3>(3).copy_from(&(n * -self.normal_n[1]));
+        let bent_rad = jacobian.tip.tr_mul(&force_n).component_div(&self.stiffness_n_m_rad);
+        let moved_m = jacobian.tip * bent_rad;
+        core::array::from_fn(|finger| {
+            let arm_m = pose.dome_axis(finger) * hand.dome_radius_m()[finger];
+            let turned_rad = jacobian.tip_angular[finger] * bent_rad;
+            moved_m[3 * finger + 2] + turned_rad.cross(&arm_m).z
+        })
+    }
+
+    /// The posture in which a hand is found need not be the one that inverse kinematics prefers. The pull towards that
+    /// one builds up slowly, else the first tick would jump.
+    fn weights(&mut self, step_s: f64) -> IkWeights {
+        self.secondary = (self.secondary + step_s / SECONDARY_BUILD_UP_S).min(1.0);
+        let gain = IkWeights::TICK.secondary_gain * self.secondary;
+        IkWeights { secondary_gain: gain, ..IkWeights::TICK }
     }
 
     /// Moves the commanded pose; returns the closing speed it stands for.

@@ -46,3 +46,6 @@ pub const FRICTION_FLOOR: f64 = 0.05;
 pub const FRICTION_RELAX_S: f64 = 0.05;
 /// Longest slip window in samples; longer windows are thinned out.
 pub const INCREMENT_SAMPLES: usize = 100;
+/// Time in which the pull towards the preferred posture builds up after anchoring, s (ours: 2° off then start at about
+/// 3 rad/s², well below what the gate allows).
+pub const SECONDARY_BUILD_UP_S: f64 = 0.5;

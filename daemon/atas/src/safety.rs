@@ -55,6 +55,8 @@ pub struct Gate {
     position_rad: [f64; ROBOT_JOINTS],
     velocity_rad_s: [f64; ROBOT_JOINTS],
     acceleration_rad_s2: [f64; ROBOT_JOINTS],
+    /// What was wanted a tick ago, rad.
+    wanted_rad: [f64; ROBOT_JOINTS],
     anchored: bool,
     sequence: u64,
     writer_epoch: u64,
@@ -82,6 +84,7 @@ impl Gate {
             position_rad: [0.0; ROBOT_JOINTS],
             velocity_rad_s: [0.0; ROBOT_JOINTS],
             acceleration_rad_s2: [0.0; ROBOT_JOINTS],
+            wanted_rad: [0.0; ROBOT_JOINTS],
             anchored: false,
             sequence: 0,
             writer_epoch,
@@ -96,6 +99,7 @@ impl Gate {
         self.position_rad = *measured_rad;
         self.velocity_rad_s = [0.0; ROBOT_JOINTS];
         self.acceleration_rad_s2 = [0.0; ROBOT_JOINTS];
+        self.wanted_rad = *measured_rad;
         self.anchored = true;
         self.off_course_ticks = 0;
     }
@@ -135,10 +139,12 @@ impl Gate {
         }
         if ctx.mode != Mode::RUN {
             wanted_rad = self.position_rad;
+            self.wanted_rad = self.position_rad;
         }
         self.cap_grip(raw, grips, ctx.settings, &mut wanted_rad);
         self.refuse_jump(ctx.step_s, &mut wanted_rad);
         self.limit(&wanted_rad, ctx.step_s);
+        self.wanted_rad = wanted_rad;
         self.check_following(ctx);
         SafeCommand {
             command: self.seal(ctx),
@@ -151,6 +157,7 @@ impl Gate {
             self.finding = reason;
         }
         *wanted_rad = self.position_rad;
+        self.wanted_rad = self.position_rad;
     }
 
     /// A finger that presses harder than its ceiling may only open.
@@ -199,7 +206,8 @@ impl Gate {
                 velocity_rad_s: self.velocity_rad_s[joint],
                 acceleration_rad_s2: self.acceleration_rad_s2[joint],
             };
-            let next = state.towards(wanted_rad[joint], &self.joints[joint], step_s);
+            let before_rad = self.wanted_rad[joint];
+            let next = state.towards(wanted_rad[joint], before_rad, &self.joints[joint], step_s);
             self.position_rad[joint] = next.position_rad;
             self.velocity_rad_s[joint] = next.velocity_rad_s;
             self.acceleration_rad_s2[joint] = next.acceleration_rad_s2;
@@ -208,7 +216,7 @@ impl Gate {
 
     /// A joint that stays behind its command is blocked or dead: pushing on would only wind up force.
     fn check_following(&mut self, ctx: &GateContext<'_>) {
-        let Some(measured_rad) = ctx.measured_rad else {
+        let Some(measured_rad) = ctx.measured_rad.filter(|_| self.anchored) else {
             return;
         };
         let settings = ctx.settings;
@@ -287,42 +295,34 @@ struct Motion {
 }
 
 impl Motion {
-    /// The next motion towards a position within every limit of the joint. `wanted_rad` is finite.
-    fn towards(self, wanted_rad: f64, joint: &Joint, step_s: f64) -> Self {
+    /// The next motion towards `wanted_rad`, which was `wanted_before_rad` a tick ago, within every limit of the joint.
+    /// Both are finite.
+    ///
+    /// A wanted motion within the limits is followed without lag. Where the limits made the joint fall behind, it catches
+    /// up at a speed from which it can still brake, so that it does not swing about the wanted motion.
+    fn towards(self, wanted_rad: f64, wanted_before_rad: f64, joint: &Joint, step_s: f64) -> Self {
         let wanted_rad = wanted_rad.clamp(joint.lower_rad, joint.upper_rad);
         let speed_rad_s = joint.velocity_max_rad_s;
-        let wanted_rad_s =
-            ((wanted_rad - self.position_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
-        let braked_rad_s = wanted_rad_s.clamp(
+        let moving_rad_s = ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
+        let lag_rad = wanted_rad - moving_rad_s * step_s - self.position_rad;
+        let catch_up_rad_s = (lag_rad.abs() / step_s).min(brake_rad_s(lag_rad.abs())).copysign(lag_rad);
+        let wanted_rad_s = (moving_rad_s + catch_up_rad_s).clamp(-speed_rad_s, speed_rad_s).clamp(
             -brake_rad_s(self.position_rad - joint.lower_rad),
             brake_rad_s(joint.upper_rad - self.position_rad),
         );
-        let wanted_rad_s2 = (braked_rad_s - self.velocity_rad_s) / step_s;
+        let wanted_rad_s2 = (wanted_rad_s - self.velocity_rad_s) / step_s;
         let jerk_step = JOINT_JERK_RAD_S3 * step_s;
         let acceleration_rad_s2 = wanted_rad_s2
-            .clamp(
-                self.acceleration_rad_s2 - jerk_step,
-                self.acceleration_rad_s2 + jerk_step,
-            )
+            .clamp(self.acceleration_rad_s2 - jerk_step, self.acceleration_rad_s2 + jerk_step)
             .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2);
-        let velocity_rad_s =
-            (self.velocity_rad_s + acceleration_rad_s2 * step_s).clamp(-speed_rad_s, speed_rad_s);
-        let position_rad =
-            (self.position_rad + velocity_rad_s * step_s).clamp(joint.lower_rad, joint.upper_rad);
-        Self {
-            position_rad,
-            velocity_rad_s,
-            acceleration_rad_s2,
-        }
+        let velocity_rad_s = (self.velocity_rad_s + acceleration_rad_s2 * step_s).clamp(-speed_rad_s, speed_rad_s);
+        let position_rad = (self.position_rad + velocity_rad_s * step_s).clamp(joint.lower_rad, joint.upper_rad);
+        Self { position_rad, velocity_rad_s, acceleration_rad_s2 }
     }
 }
 
 /// Highest speed from which the joint still stops within a distance, rad/s. Half the acceleration is kept in reserve
 /// for the time that the jerk limit needs to build it up.
 fn brake_rad_s(distance_rad: f64) -> f64 {
-    if distance_rad > 0.0 {
-        libm::sqrt(JOINT_ACCELERATION_RAD_S2 * distance_rad)
-    } else {
-        0.0
-    }
+    if distance_rad > 0.0 { libm::sqrt(JOINT_ACCELERATION_RAD_S2 * distance_rad) } else { 0.0 }
 }

@@ -138,10 +138,10 @@ settings! {
         element_floor_n = 0.012 in 0.001..1.0;
         /// Time constant of the friction reading, s.
         friction_filter_s = 0.02 in 0.001..1.0;
-        /// Slope of mean F_n over total closing on a rigid block, N/m: a calibration of this pipeline.
-        hardness_reference_n_m = 870.0 in 10.0..1000000.0;
-        /// Scale from series slope to object stiffness, dimensionless: a calibration of this pipeline.
-        hardness_scale = 3.6 in 0.1..100.0;
+        /// Compression of one fingertip at 1 N, m: a calibration, pressed on a rigid block.
+        tip_compression_m = 0.000378 in 0.000001..0.01;
+        /// Exponent of the fingertip's compression over force: a calibration, 1 for a linear spring, 0.5 for a dome.
+        tip_exponent = 0.459 in 0.2..1.0;
     }
     /// Modules 1, 2 and 3: the grasp (paper II.b (1); values ours unless stated).
     grasp: Grasp {

@@ -10,9 +10,14 @@ use crate::settings::Grasp;
 use robot_model::FINGERS;
 use shm_schemas::{Cause, ModuleId, Reason};
 
-/// How long the object has slipped at F_2, s.
+/// Share of F_2 below which the module becomes inactive again (ours: wider than the force noise, so it does not flicker).
+const RELEASE_SHARE: f64 = 0.97;
+
+/// What the module remembers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ForceLimit {
+    active: bool,
+    /// How long the object has slipped at F_2, s.
     slipping_s: f64,
     /// How far the hand had carried when the force reached F_2, m.
     limited_since_m: Option<f64>,
@@ -23,7 +28,8 @@ impl Module for ForceLimit {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
         let (_, strongest_n) = force_range_n(percept);
-        let active = strongest_n > f2_n;
+        let active = strongest_n > if self.active { RELEASE_SHARE * f2_n } else { f2_n };
+        self.active = active;
         let ceiling_m_s = match active {
             true if strongest_n > settings.relieve_at * f2_n => -settings.relieve_m_s,
             true => 0.0,

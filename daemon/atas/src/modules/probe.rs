@@ -25,11 +25,11 @@ impl Module for Probe {
                 .map(|f| f.normal_n)
                 .sum::<f64>()
                 / FINGERS as f64;
-            self.hardness.add(context.closing_m, mean_n);
+            self.hardness.add(context.closing_m, mean_n, percept.step_s, &context.settings.perception);
         }
         let done = self.elapsed_s >= settings.probe_s;
         let fit = if done {
-            self.hardness.fit(&context.settings.perception)
+            self.hardness.fit()
         } else {
             None
         };

@@ -1,19 +1,23 @@
 //! Hardness: how stiff the object is, from 100 ms of pressing after the first touch (paper II.b (1)).
 //!
-//! Both fingers close at the approach speed; the least-squares slope of the mean normal force over the total closing is
-//! the stiffness of fingertips and object in series. Taking out the fingertips, known from pressing a rigid block with
-//! this same pipeline, leaves the object: k_obj = scale / (1/k_est − 1/K_ref).
+//! While both fingers close, the total closing is x = x₀ + 2·(δ(F) + F/k): two fingertips, whose compression
+//! δ(F) = a·F^p is known from pressing a rigid block, and two faces of the object. Taking the fingertips out leaves a
+//! straight line of x − 2·δ(F) over F, whose least-squares slope is 2/k. Unlike the slope of F over x it does not depend
+//! on the force at which the probe began.
 
 use crate::settings::Perception as Settings;
 
 /// Fewest samples that make a slope: what a 30 Hz sensor gives within the paper's 100 ms.
 const SAMPLES_MIN: f64 = 3.0;
-/// Smallest compliance that is told apart from rigid, m/N: 1e-6 reads as 3.6 MN/m, which is rigid.
+/// Faces, and fingertips, that the total closing compresses.
+const FACES: f64 = 2.0;
+/// Smallest compliance of one face that is told apart from rigid, m/N (1 MN/m).
 const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 
-/// Running sums of a least-squares line.
+/// Running sums of a least-squares line of closing over force.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hardness {
+    filtered_closing_m: Option<f64>,
     n: f64,
     x: f64,
     y: f64,
@@ -25,48 +29,55 @@ pub struct Hardness {
 /// What the probe found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HardnessFit {
-    /// k_est: slope of mean F_n over total closing, N/m.
-    pub slope_n_m: f64,
-    /// k_obj: stiffness of the object, N/m.
+    /// k: stiffness of one face of the object, N/m.
     pub object_n_m: f64,
-    /// How far the figure may be trusted, 0 to 1: the share of the force's variance that the line explains.
+    /// How far the figure may be trusted, 0 to 1: 1/(1 + ε²) with ε the relative standard error of the compliance.
     pub confidence: f64,
 }
 
 impl Hardness {
-    /// Takes in one frame's mean normal force, N, at a total closing since first touch, m.
-    pub fn add(&mut self, closing_m: f64, normal_n: f64) {
+    /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
+    /// the frame before, s.
+    pub fn add(&mut self, closing_m: f64, normal_n: f64, step_s: f64, settings: &Settings) {
+        let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
+        if normal_n <= settings.touch_off_n {
+            return;
+        }
+        let tips_m = FACES * settings.tip_compression_m * libm::pow(normal_n, settings.tip_exponent);
+        let (x, y) = (normal_n, closing_m - tips_m);
         self.n += 1.0;
-        self.x += closing_m;
-        self.y += normal_n;
-        self.xx += closing_m * closing_m;
-        self.xy += closing_m * normal_n;
-        self.yy += normal_n * normal_n;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
     }
 
-    /// The fit; `None` when there are too few samples or nothing moved.
+    /// The forces come through a low-pass; the closing must be as late as they are.
+    fn delayed(&mut self, closing_m: f64, step_s: f64, filter_s: f64) -> f64 {
+        let before_m = self.filtered_closing_m.unwrap_or(closing_m);
+        let share = if filter_s > 0.0 { step_s / (filter_s + step_s) } else { 1.0 };
+        let after_m = before_m + (closing_m - before_m) * share;
+        self.filtered_closing_m = Some(after_m);
+        after_m
+    }
+
+    /// The fit; `None` when there are too few samples or the force did not change.
     #[must_use]
-    pub fn fit(&self, settings: &Settings) -> Option<HardnessFit> {
+    pub fn fit(&self) -> Option<HardnessFit> {
         let spread_x = self.n * self.xx - self.x * self.x;
+        if self.n < SAMPLES_MIN || spread_x <= 0.0 {
+            return None;
+        }
+        let slope = (self.n * self.xy - self.x * self.y) / spread_x;
         let spread_y = self.n * self.yy - self.y * self.y;
-        if self.n < SAMPLES_MIN || spread_x <= 0.0 || spread_y <= 0.0 {
-            return None;
-        }
-        let common = self.n * self.xy - self.x * self.y;
-        let slope_n_m = common / spread_x;
-        if slope_n_m <= 0.0 {
-            return None;
-        }
-        let compliance = 1.0 / slope_n_m - 1.0 / settings.hardness_reference_n_m;
-        let compliance = if compliance > COMPLIANCE_FLOOR_M_N {
-            compliance
-        } else {
-            COMPLIANCE_FLOOR_M_N
-        };
+        let residual = spread_y - slope * slope * spread_x;
+        let variance = if residual > 0.0 { residual / spread_x / (self.n - 2.0) } else { 0.0 };
+        let floor = FACES * COMPLIANCE_FLOOR_M_N;
+        let slope = if slope > floor { slope } else { floor };
         Some(HardnessFit {
-            slope_n_m,
-            object_n_m: settings.hardness_scale / compliance,
-            confidence: common * common / (spread_x * spread_y),
+            object_n_m: FACES / slope,
+            confidence: 1.0 / (1.0 + variance / (slope * slope)),
         })
     }
 }
