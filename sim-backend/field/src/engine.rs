@@ -2,10 +2,11 @@
 
 use thiserror::Error;
 
+use crate::constants::Constants;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{avx2, avx512};
 use crate::lanes::{portable, stream};
-use crate::model::{Constants, Model, TeamSize};
+use crate::model::{Model, TeamSize};
 use crate::trial::{Outcome, Trial, run_trial};
 
 /// A simulator of many trials. It exists only where its instructions do.

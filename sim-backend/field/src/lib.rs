@@ -21,18 +21,22 @@
 //! Deliberately absent: time, randomness, files, threads, fitness and learning. Lengths are in pixels (px), times in frames,
 //! headings in steps of 1/64 turn, counter-clockwise from +x; the field is the square `[−400, 400]²` (paper III.b.3).
 
+mod check;
+mod constants;
 mod engine;
 mod heading;
 mod lanes;
 mod model;
 mod preset;
 mod responses;
+mod sight;
 mod trial;
 mod world;
 
+pub use check::PresetError;
 pub use engine::{Engine, EngineError};
 pub use heading::{HEADINGS, cos_sin};
-pub use model::{Model, PresetError, TeamSize, TeamSizeError};
+pub use model::{Model, TeamSize, TeamSizeError};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
 pub use trial::{

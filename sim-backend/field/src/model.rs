@@ -1,35 +1,12 @@
-//! A checked preset and the constants that both simulators derive from it, once, so that their bits agree.
+//! A checked preset, the layouts of its trials, and team sizes.
 
 use thiserror::Error;
 
+use crate::check::{PresetError, check};
+use crate::constants::{Constants, FIELD_PX};
 use crate::heading::cos_sin;
-use crate::preset::{Contact, Corner, Goals, Preset, Start};
+use crate::preset::{Corner, Goals, Preset, Start};
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose};
-
-/// Half the side of the field (paper III.b.3: 800 × 800 px).
-pub(crate) const FIELD_PX: f32 = 400.0;
-/// An agent this much further than contact still faces the object for the count of pushing agents (ours).
-const FACING_MARGIN_PX: f32 = 1.0;
-/// Below this squared distance two centres coincide; keeps `0 / 0` out of the contact direction (ours).
-pub(crate) const COINCIDENT_SQ: f32 = 1e-12;
-/// Culls leave out only what is at least this much too far to matter: their rounding can never change a result (ours).
-const CULL_MARGIN_PX: f32 = 1.0;
-
-/// A preset or a layout that cannot be simulated.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error(
-    "could not use preset {preset:?} because {key} was {value}, needs {needs}; correct that value"
-)]
-pub struct PresetError {
-    /// Name of the preset.
-    pub preset: String,
-    /// Which value.
-    pub key: &'static str,
-    /// What it was.
-    pub value: f32,
-    /// What it may be.
-    pub needs: &'static str,
-}
 
 /// How many agents share a field: 1 to [`MAX_AGENTS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -184,111 +161,6 @@ impl Model {
     }
 }
 
-/// Every comparison is written so that NaN fails it.
-fn check(preset: &Preset) -> Result<(), PresetError> {
-    let p = preset;
-    let touch = p.agent_radius_px + p.object_radius_px;
-    let (Goals::CirclePx(goal_distance) | Goals::SquarePx(goal_distance)) = p.goals;
-    let in_range = |value: f32, low: f32, high: f32| value >= low && value <= high;
-    let step = |steps: u8| in_range(f32::from(steps), 0.0, 16.0);
-    let positive = f32::MIN_POSITIVE;
-    let rows = [
-        (
-            "agent_radius_px",
-            p.agent_radius_px,
-            in_range(p.agent_radius_px, 1.0, 100.0),
-            "1 to 100",
-        ),
-        (
-            "object_radius_px",
-            p.object_radius_px,
-            in_range(p.object_radius_px, 1.0, 100.0),
-            "1 to 100",
-        ),
-        (
-            "medium_speed_px_per_frame",
-            p.medium_speed_px_per_frame,
-            in_range(p.medium_speed_px_per_frame, positive, 0.25 * touch),
-            "above 0, at most a quarter of the two radii's sum, or bodies pass through each other",
-        ),
-        (
-            "starts.distance_px",
-            p.starts.distance_px,
-            in_range(p.starts.distance_px, 0.0, FIELD_PX),
-            "0 to 400",
-        ),
-        (
-            "ir_range_px",
-            p.ir_range_px,
-            in_range(p.ir_range_px, p.agent_radius_px, 800.0),
-            "the agent's radius to 800",
-        ),
-        (
-            "ir_angle_steps",
-            f32::from(p.ir_angle_steps),
-            step(p.ir_angle_steps),
-            "0 to 16",
-        ),
-        (
-            "photo.angle_steps",
-            f32::from(p.photo.angle_steps),
-            step(p.photo.angle_steps),
-            "0 to 16",
-        ),
-        (
-            "photo.half_angle_cosine",
-            p.photo.half_angle_cosine,
-            in_range(p.photo.half_angle_cosine, 0.0, 1.0),
-            "0 to 1",
-        ),
-        (
-            "object_light_px",
-            p.object_light_px,
-            in_range(p.object_light_px, 0.0, 1200.0),
-            "0 to 1200",
-        ),
-        (
-            "goal_light_px",
-            p.goal_light_px,
-            in_range(p.goal_light_px, 0.0, 1200.0),
-            "0 to 1200",
-        ),
-        (
-            "goals",
-            goal_distance,
-            in_range(goal_distance, 0.0, FIELD_PX - p.object_radius_px),
-            "0 to 400 − object radius",
-        ),
-        (
-            "goal_radius_px",
-            p.goal_radius_px,
-            in_range(p.goal_radius_px, 1.0, FIELD_PX),
-            "1 to 400",
-        ),
-        (
-            "solo_push",
-            p.solo_push,
-            in_range(p.solo_push, 0.0, 1.0),
-            "0 to 1",
-        ),
-        (
-            "team_push",
-            p.team_push,
-            in_range(p.team_push, 0.0, 1.0),
-            "0 to 1",
-        ),
-    ];
-    match rows.into_iter().find(|(_, _, good, _)| !good) {
-        None => Ok(()),
-        Some((key, value, _, needs)) => Err(PresetError {
-            preset: p.name.to_string(),
-            key,
-            value,
-            needs,
-        }),
-    }
-}
-
 fn start_poses(preset: &Preset) -> [Pose; MAX_AGENTS] {
     let distance = preset.starts.distance_px;
     preset.starts.corners.map(|corner| {
@@ -310,86 +182,6 @@ fn start_poses(preset: &Preset) -> [Pose; MAX_AGENTS] {
     })
 }
 
-/// What the simulators compute with. A `_sq` is a squared distance in px².
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Constants {
-    pub contact: Contact,
-    /// Centres of agents stay inside ± this.
-    pub agent_limit: f32,
-    /// The object's centre stays inside ± this.
-    pub object_limit: f32,
-    pub agent_radius_sq: f32,
-    pub object_radius_sq: f32,
-    /// Centre distance of an agent in contact with the object.
-    pub touch: f32,
-    pub touch_sq: f32,
-    /// Centre distance of two agents in contact.
-    pub pair: f32,
-    pub pair_sq: f32,
-    pub facing_sq: f32,
-    pub ir_range: f32,
-    pub ir_cos: f32,
-    pub ir_sin: f32,
-    pub photo_cos: f32,
-    pub photo_sin: f32,
-    /// Squared cosine of half the photo sensors' opening angle; 0 means a half-plane.
-    pub cone_sq: f32,
-    pub object_light_sq: f32,
-    pub goal_light_sq: f32,
-    pub goal_radius_sq: f32,
-    pub solo_push: f32,
-    pub team_push: f32,
-    /// Travel per frame by left level + 4 · right level.
-    pub travel: [f32; 16],
-    /// No IR sensor can see the object beyond this.
-    pub cull_object_sq: f32,
-    /// No IR sensor can see another agent beyond this.
-    pub cull_agent_sq: f32,
-    /// Agents whose `|x|` and `|y|` are below this neither see nor reach a wall in this frame.
-    pub cull_wall: f32,
-}
-
-impl Constants {
-    fn new(p: &Preset) -> Self {
-        let sq = |v: f32| v * v;
-        let touch = p.agent_radius_px + p.object_radius_px;
-        let pair = 2.0 * p.agent_radius_px;
-        let (ir_cos, ir_sin) = cos_sin(p.ir_angle_steps);
-        let (photo_cos, photo_sin) = cos_sin(p.photo.angle_steps);
-        let half_speed = 0.5 * p.medium_speed_px_per_frame;
-        let agent_limit = FIELD_PX - p.agent_radius_px;
-        let reach = agent_limit - 4.0 * half_speed;
-        let seen = FIELD_PX - p.ir_range_px;
-        Self {
-            contact: p.contact,
-            agent_limit,
-            object_limit: FIELD_PX - p.object_radius_px,
-            agent_radius_sq: sq(p.agent_radius_px),
-            object_radius_sq: sq(p.object_radius_px),
-            touch,
-            touch_sq: sq(touch),
-            pair,
-            pair_sq: sq(pair),
-            facing_sq: sq(touch + FACING_MARGIN_PX),
-            ir_range: p.ir_range_px,
-            ir_cos,
-            ir_sin,
-            photo_cos,
-            photo_sin,
-            cone_sq: sq(p.photo.half_angle_cosine),
-            object_light_sq: sq(p.object_light_px),
-            goal_light_sq: sq(p.goal_light_px),
-            goal_radius_sq: sq(p.goal_radius_px),
-            solo_push: p.solo_push,
-            team_push: p.team_push,
-            travel: std::array::from_fn(|code| half_speed * ((code & 3) + (code >> 2)) as f32),
-            cull_object_sq: sq(p.ir_range_px + p.object_radius_px + CULL_MARGIN_PX),
-            cull_agent_sq: sq(p.ir_range_px + p.agent_radius_px + CULL_MARGIN_PX),
-            cull_wall: (if reach < seen { reach } else { seen }) - CULL_MARGIN_PX,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -404,38 +196,6 @@ mod tests {
             Model::new(preset).expect("a shipped preset is valid");
         }
         assert_eq!(Preset::named("R4"), None);
-    }
-
-    #[test]
-    fn bad_values_are_refused_by_name() {
-        type Spoil = fn(&mut Preset, f32);
-        let keys: [(&str, Spoil); 10] = [
-            ("agent_radius_px", |p, v| p.agent_radius_px = v),
-            ("object_radius_px", |p, v| p.object_radius_px = v),
-            ("medium_speed_px_per_frame", |p, v| {
-                p.medium_speed_px_per_frame = v
-            }),
-            ("starts.distance_px", |p, v| p.starts.distance_px = v),
-            ("ir_range_px", |p, v| p.ir_range_px = v),
-            ("photo.half_angle_cosine", |p, v| {
-                p.photo.half_angle_cosine = v
-            }),
-            ("object_light_px", |p, v| p.object_light_px = v),
-            ("goals", |p, v| p.goals = Goals::CirclePx(v)),
-            ("goal_radius_px", |p, v| p.goal_radius_px = v),
-            ("team_push", |p, v| p.team_push = v),
-        ];
-        for (key, spoil) in keys {
-            for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e9] {
-                let mut preset = Preset::R3;
-                spoil(&mut preset, value);
-                assert_eq!(
-                    Model::new(preset).map_err(|e| e.key).err(),
-                    Some(key),
-                    "{key} = {value}"
-                );
-            }
-        }
     }
 
     #[test]

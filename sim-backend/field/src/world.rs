@@ -3,10 +3,12 @@
 //! One frame (swarm model, in this order): every agent senses the state at the start of the frame; every agent turns and
 //! drives; bodies that overlap are separated and the object is pushed. [`Contact`] says how bodies meet.
 
+use crate::constants::{COINCIDENT_SQ, Constants};
 use crate::heading::cos_sin;
-use crate::model::{COINCIDENT_SQ, Constants, FIELD_PX, Model, TeamSize};
+use crate::model::{Model, TeamSize};
 use crate::preset::Contact;
 use crate::responses::Wheels;
+use crate::sight::Sight;
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose, Snapshot};
 
 /// One field with its agents, its object and its goal.
@@ -20,9 +22,15 @@ pub struct World {
     touching: [bool; MAX_AGENTS],
 }
 
+#[inline]
+fn distance_sq(a: Point, b: Point) -> f32 {
+    let (dx, dy) = (b.x_px - a.x_px, b.y_px - a.y_px);
+    dx * dx + dy * dy
+}
+
 /// `max` and `min` as the SIMD instructions define them, so that the bits agree.
 #[inline]
-fn greater(a: f32, b: f32) -> f32 {
+pub(crate) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
@@ -34,12 +42,6 @@ fn lesser(a: f32, b: f32) -> f32 {
 #[inline]
 fn clamp(value: f32, limit: f32) -> f32 {
     lesser(greater(value, -limit), limit)
-}
-
-#[inline]
-fn distance_sq(a: Point, b: Point) -> f32 {
-    let (dx, dy) = (b.x_px - a.x_px, b.y_px - a.y_px);
-    dx * dx + dy * dy
 }
 
 impl World {
@@ -142,7 +144,7 @@ impl World {
             }
         }
         let walls = sight.walls(c);
-        let lit = |light: Ray, range_sq: f32| sight.photo(light, range_sq, c);
+        let lit = |light, range_sq: f32| sight.photo(light, range_sq, c);
         let (by_object, by_goal) = (
             lit(object, c.object_light_sq),
             lit(sight.to(self.goal), c.goal_light_sq),
@@ -310,96 +312,9 @@ impl World {
     }
 }
 
-fn position(pose: Pose) -> Point {
+pub(crate) fn position(pose: Pose) -> Point {
     Point {
         x_px: pose.x_px,
         y_px: pose.y_px,
-    }
-}
-
-/// An agent's place and direction, from which it looks.
-struct Sight {
-    at: Point,
-    cos: f32,
-    sin: f32,
-}
-
-/// A target in the frame of the agent that looks: px ahead and px to the left.
-#[derive(Clone, Copy)]
-struct Ray {
-    ahead: f32,
-    left: f32,
-    distance_sq: f32,
-}
-
-impl Sight {
-    fn of(agent: Pose) -> Self {
-        let (cos, sin) = cos_sin(agent.heading);
-        Self {
-            at: position(agent),
-            cos,
-            sin,
-        }
-    }
-
-    fn to(&self, target: Point) -> Ray {
-        let (dx, dy) = (target.x_px - self.at.x_px, target.y_px - self.at.y_px);
-        Ray {
-            ahead: dx * self.cos + dy * self.sin,
-            left: dy * self.cos - dx * self.sin,
-            distance_sq: dx * dx + dy * dy,
-        }
-    }
-
-    /// Whether the left, front and right IR sensors' segments cut a circle.
-    fn ir(&self, Ray { ahead, left, .. }: Ray, radius_sq: f32, c: &Constants) -> [bool; 3] {
-        let cuts = |ahead: f32, left: f32| {
-            let beyond = greater(ahead - c.ir_range, 0.0);
-            ahead > 0.0 && beyond * beyond + left * left < radius_sq
-        };
-        let (ahead_cos, left_sin) = (ahead * c.ir_cos, left * c.ir_sin);
-        let (left_cos, ahead_sin) = (left * c.ir_cos, ahead * c.ir_sin);
-        [
-            cuts(ahead_cos + left_sin, left_cos - ahead_sin),
-            cuts(ahead, left),
-            cuts(ahead_cos - left_sin, left_cos + ahead_sin),
-        ]
-    }
-
-    /// Whether the tips of the left, front and right IR sensors lie beyond a wall.
-    fn walls(&self, c: &Constants) -> [bool; 3] {
-        let beyond = |cos: f32, sin: f32| {
-            let (x, y) = (
-                (self.at.x_px + c.ir_range * cos).abs(),
-                (self.at.y_px + c.ir_range * sin).abs(),
-            );
-            FIELD_PX < greater(x, y)
-        };
-        let (cos_cos, sin_sin) = (self.cos * c.ir_cos, self.sin * c.ir_sin);
-        let (cos_sin, sin_cos) = (self.cos * c.ir_sin, self.sin * c.ir_cos);
-        [
-            beyond(cos_cos - sin_sin, sin_cos + cos_sin),
-            beyond(self.cos, self.sin),
-            beyond(cos_cos + sin_sin, sin_cos - cos_sin),
-        ]
-    }
-
-    /// Whether the left and right photo sensors see a light.
-    fn photo(
-        &self,
-        Ray {
-            ahead,
-            left,
-            distance_sq,
-        }: Ray,
-        range_sq: f32,
-        c: &Constants,
-    ) -> [bool; 2] {
-        let inside = |along: f32| {
-            along > 0.0 && (c.cone_sq == 0.0 || c.cone_sq * distance_sq < along * along)
-        };
-        let (ahead, left) = (ahead * c.photo_cos, left * c.photo_sin);
-        let near = distance_sq < range_sq;
-        [near && inside(ahead + left), near && inside(ahead - left)]
     }
 }

@@ -150,11 +150,51 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
 #[test]
 fn the_bits_are_the_ones_on_record() {
     let record: [(&str, [u64; 4]); 5] = [
-        ("R3", [0; 4]),
-        ("N", [0; 4]),
-        ("LB", [0; 4]),
-        ("LB2", [0; 4]),
-        ("paper", [0; 4]),
+        (
+            "R3",
+            [
+                0xd463_5d04_dfbf_d0d7,
+                0xae4a_a78a_4593_c5ac,
+                0x4b20_5752_adf2_2c79,
+                0x4971_b600_6e8b_f87b,
+            ],
+        ),
+        (
+            "N",
+            [
+                0x7014_758a_e9d1_c91c,
+                0x00d8_c323_0b36_b3d6,
+                0x6163_3c54_3d50_452c,
+                0xdd4f_6c29_390a_73e3,
+            ],
+        ),
+        (
+            "LB",
+            [
+                0x25a3_9c54_07a3_0db0,
+                0x5805_700a_4193_d665,
+                0x8db0_07cb_fd6f_a832,
+                0xe444_bb65_eca1_10eb,
+            ],
+        ),
+        (
+            "LB2",
+            [
+                0xf27e_ac95_0bd6_687a,
+                0x4040_06b3_eae4_bd38,
+                0x2c5c_ebc9_54d8_ad6e,
+                0xa59c_ae03_a1c6_e5da,
+            ],
+        ),
+        (
+            "paper",
+            [
+                0xe1bb_2dc8_09e5_0bba,
+                0xacc5_f954_4669_e0ed,
+                0x5b8f_c0cb_0a98_6e78,
+                0xb1d6_927f_75bc_29ca,
+            ],
+        ),
     ];
     let now = Preset::ALL.map(|preset| {
         let model = Model::new(preset).expect("a shipped preset");

@@ -6,12 +6,13 @@
 use super::Lanes;
 use super::kernel::Fields;
 use super::seats::{Seats, WIDEST};
-use crate::model::Constants;
+use crate::constants::Constants;
 use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
 
 /// Frames between two looks at the lanes; divides both instants of measurement.
 const STRIDE: u32 = 10;
-const _: () = assert!(EXECUTION_FRAMES % STRIDE == 0 && TRIAL_FRAMES % STRIDE == 0);
+const _: () =
+    assert!(EXECUTION_FRAMES.is_multiple_of(STRIDE) && TRIAL_FRAMES.is_multiple_of(STRIDE));
 /// Lanes that must be free before they are filled again: fewer fill too often, more idle too long (measured).
 const FREE_LANES: u32 = 4;
 

@@ -1,0 +1,93 @@
+//! What both simulators compute with, derived from a preset once, so that their bits agree.
+
+use crate::heading::cos_sin;
+use crate::preset::{Contact, Preset};
+
+/// Half the side of the field (paper III.b.3: 800 × 800 px).
+pub(crate) const FIELD_PX: f32 = 400.0;
+/// An agent this much further than contact still faces the object for the count of pushing agents (ours).
+const FACING_MARGIN_PX: f32 = 1.0;
+/// Below this squared distance two centres coincide; keeps `0 / 0` out of the contact direction (ours).
+pub(crate) const COINCIDENT_SQ: f32 = 1e-12;
+/// Culls leave out only what is at least this much too far to matter: their rounding can never change a result (ours).
+const CULL_MARGIN_PX: f32 = 1.0;
+
+/// What the simulators compute with. A `_sq` is a squared distance in px².
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constants {
+    pub contact: Contact,
+    /// Centres of agents stay inside ± this.
+    pub agent_limit: f32,
+    /// The object's centre stays inside ± this.
+    pub object_limit: f32,
+    pub agent_radius_sq: f32,
+    pub object_radius_sq: f32,
+    /// Centre distance of an agent in contact with the object.
+    pub touch: f32,
+    pub touch_sq: f32,
+    /// Centre distance of two agents in contact.
+    pub pair: f32,
+    pub pair_sq: f32,
+    pub facing_sq: f32,
+    pub ir_range: f32,
+    pub ir_cos: f32,
+    pub ir_sin: f32,
+    pub photo_cos: f32,
+    pub photo_sin: f32,
+    /// Squared cosine of half the photo sensors' opening angle; 0 means a half-plane.
+    pub cone_sq: f32,
+    pub object_light_sq: f32,
+    pub goal_light_sq: f32,
+    pub goal_radius_sq: f32,
+    pub solo_push: f32,
+    pub team_push: f32,
+    /// Travel per frame by left level + 4 · right level.
+    pub travel: [f32; 16],
+    /// No IR sensor can see the object beyond this.
+    pub cull_object_sq: f32,
+    /// No IR sensor can see another agent beyond this.
+    pub cull_agent_sq: f32,
+    /// Agents whose `|x|` and `|y|` are below this neither see nor reach a wall in this frame.
+    pub cull_wall: f32,
+}
+
+impl Constants {
+    pub(crate) fn new(p: &Preset) -> Self {
+        let sq = |v: f32| v * v;
+        let touch = p.agent_radius_px + p.object_radius_px;
+        let pair = 2.0 * p.agent_radius_px;
+        let (ir_cos, ir_sin) = cos_sin(p.ir_angle_steps);
+        let (photo_cos, photo_sin) = cos_sin(p.photo.angle_steps);
+        let half_speed = 0.5 * p.medium_speed_px_per_frame;
+        let agent_limit = FIELD_PX - p.agent_radius_px;
+        let reach = agent_limit - 4.0 * half_speed;
+        let seen = FIELD_PX - p.ir_range_px;
+        Self {
+            contact: p.contact,
+            agent_limit,
+            object_limit: FIELD_PX - p.object_radius_px,
+            agent_radius_sq: sq(p.agent_radius_px),
+            object_radius_sq: sq(p.object_radius_px),
+            touch,
+            touch_sq: sq(touch),
+            pair,
+            pair_sq: sq(pair),
+            facing_sq: sq(touch + FACING_MARGIN_PX),
+            ir_range: p.ir_range_px,
+            ir_cos,
+            ir_sin,
+            photo_cos,
+            photo_sin,
+            cone_sq: sq(p.photo.half_angle_cosine),
+            object_light_sq: sq(p.object_light_px),
+            goal_light_sq: sq(p.goal_light_px),
+            goal_radius_sq: sq(p.goal_radius_px),
+            solo_push: p.solo_push,
+            team_push: p.team_push,
+            travel: std::array::from_fn(|code| half_speed * ((code & 3) + (code >> 2)) as f32),
+            cull_object_sq: sq(p.ir_range_px + p.object_radius_px + CULL_MARGIN_PX),
+            cull_agent_sq: sq(p.ir_range_px + p.agent_radius_px + CULL_MARGIN_PX),
+            cull_wall: (if reach < seen { reach } else { seen }) - CULL_MARGIN_PX,
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! The field model over lanes: the same operations in the same order as [`crate::World`], for `T::WIDTH` trials at once.
+//!
+//! Work that no lane needs is skipped. A skipped block is one that would change nothing in any lane: its tests are false in
+//! all of them, with a margin of a pixel against rounding ([`Constants::cull_object_sq`] and its siblings). A block that runs
+//! because one lane needs it writes the other lanes through a mask.
+
+mod drive;
+mod sense;
+
+use super::seats::{Seats, WIDEST};
+use super::{Ints, Lanes, Mask};
+use crate::constants::Constants;
+use crate::preset::Contact;
+use crate::trial::Outcome;
+
+/// One value per agent.
+type Team<T, const N: usize> = [T; N];
+
+/// The state of `T::WIDTH` fields with `N` agents each.
+pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize> {
+    cpu: T::Cpu,
+    c: &'a Constants,
+    x: Team<T, N>,
+    y: Team<T, N>,
+    heading: Team<T::Ints, N>,
+    cos: Team<T, N>,
+    sin: Team<T, N>,
+    object_x: T,
+    object_y: T,
+    goal_x: T,
+    goal_y: T,
+    /// Frames since the trial began.
+    frame: T::Ints,
+    rows_read: T::Ints,
+    reached_frame: T::Ints,
+    /// Agents of which no lane is near a wall in this frame.
+    clear_of_walls: Team<bool, N>,
+    /// How many agents touch and face the object at the start of the frame.
+    facing: T::Ints,
+    /// Whether any lane's object is elsewhere than when arrivals were last noted.
+    object_moved: bool,
+}
+
+/// All that moves: where it does not change in a frame, it never will, because a frame depends on nothing else.
+pub(in crate::lanes) struct Stance<T, const N: usize> {
+    x: Team<T, N>,
+    y: Team<T, N>,
+    cos: Team<T, N>,
+    sin: Team<T, N>,
+    object_x: T,
+    object_y: T,
+}
+
+impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
+    /// Empty fields.
+    #[inline(always)]
+    pub(in crate::lanes) fn new(cpu: T::Cpu, c: &'a Constants) -> Self {
+        let (zero, none) = (T::splat(cpu, 0.0), T::int_splat(cpu, 0));
+        Self {
+            cpu,
+            c,
+            x: [zero; N],
+            y: [zero; N],
+            heading: [none; N],
+            cos: [zero; N],
+            sin: [zero; N],
+            object_x: zero,
+            object_y: zero,
+            goal_x: zero,
+            goal_y: zero,
+            frame: none,
+            rows_read: none,
+            reached_frame: none,
+            clear_of_walls: [false; N],
+            facing: none,
+            object_moved: false,
+        }
+    }
+
+    /// Begins the trials of `seats` in the lanes of the mask.
+    #[inline(always)]
+    pub(in crate::lanes) fn admit(&mut self, lanes: T::Mask, seats: &Seats<N>) {
+        let (zero, none) = (self.v(0.0), self.int(0));
+        for i in 0..N {
+            self.x[i] = T::select(lanes, T::load(self.cpu, &seats.x[i]), self.x[i]);
+            self.y[i] = T::select(lanes, T::load(self.cpu, &seats.y[i]), self.y[i]);
+            self.heading[i] = T::int_select(
+                lanes,
+                T::int_load(self.cpu, &seats.heading[i]),
+                self.heading[i],
+            );
+            (self.cos[i], self.sin[i]) = T::cos_sin(self.heading[i]);
+        }
+        self.object_moved = true;
+        self.object_x = T::select(lanes, zero, self.object_x);
+        self.object_y = T::select(lanes, zero, self.object_y);
+        self.goal_x = T::load(self.cpu, &seats.goal_x);
+        self.goal_y = T::load(self.cpu, &seats.goal_y);
+        self.frame = T::int_select(lanes, none, self.frame);
+        self.rows_read = T::int_select(lanes, none, self.rows_read);
+        self.reached_frame = T::int_select(lanes, none, self.reached_frame);
+    }
+
+    /// One frame of every field.
+    #[inline(always)]
+    pub(in crate::lanes) fn advance(&mut self, seats: &Seats<N>) {
+        let codes = self.sense(seats);
+        match self.c.contact {
+            Contact::Sliding => self.drive_sliding(codes),
+            Contact::Blocking => self.drive_blocking(codes),
+        }
+        self.frame = self.frame + self.int(1);
+        if self.object_moved {
+            self.note_arrivals();
+            self.object_moved = false;
+        }
+    }
+
+    #[inline(always)]
+    fn v(&self, value: f32) -> T {
+        T::splat(self.cpu, value)
+    }
+
+    #[inline(always)]
+    fn int(&self, value: i32) -> T::Ints {
+        T::int_splat(self.cpu, value)
+    }
+
+    /// `value` in the lanes of the mask, 0 elsewhere.
+    #[inline(always)]
+    fn bit(&self, mask: T::Mask, value: i32) -> T::Ints {
+        T::int_select(mask, self.int(value), self.int(0))
+    }
+
+    /// Which lanes of agent `i` overlap the object, the vector from agent to object and its squared length.
+    #[inline(always)]
+    fn overlap(&self, i: usize) -> (T::Mask, T, T, T) {
+        let (dx, dy) = (self.object_x - self.x[i], self.object_y - self.y[i]);
+        let sq = dx * dx + dy * dy;
+        (sq.lt(self.v(self.c.touch_sq)), dx, dy, sq)
+    }
+
+    #[inline(always)]
+    fn goal_distance_sq(&self) -> T {
+        let (dx, dy) = (self.object_x - self.goal_x, self.object_y - self.goal_y);
+        dx * dx + dy * dy
+    }
+
+    #[inline(always)]
+    fn note_arrivals(&mut self) {
+        let beyond = self.v(self.c.goal_radius_sq).lt(self.goal_distance_sq());
+        let first = T::int_select(
+            T::is_zero(self.reached_frame),
+            self.frame,
+            self.reached_frame,
+        );
+        self.reached_frame = T::int_select(beyond, self.reached_frame, first);
+    }
+
+    /// One bit per lane whose trial is at this frame.
+    #[inline(always)]
+    pub(in crate::lanes) fn at_frame(&self, frame: u32) -> u32 {
+        T::is_zero(self.frame + self.int(-(frame as i32))).bits()
+    }
+
+    /// One bit per lane in which nothing moved since `before`.
+    #[inline(always)]
+    pub(in crate::lanes) fn unmoved_since(&self, before: &Stance<T, N>) -> u32 {
+        let mut same = self.object_x.eq(before.object_x) & self.object_y.eq(before.object_y);
+        for i in 0..N {
+            same = same & self.x[i].eq(before.x[i]) & self.y[i].eq(before.y[i]);
+            same = same & self.cos[i].eq(before.cos[i]) & self.sin[i].eq(before.sin[i]);
+        }
+        same.bits()
+    }
+
+    /// All that moves.
+    #[inline(always)]
+    pub(in crate::lanes) fn stance(&self) -> Stance<T, N> {
+        let Self {
+            x,
+            y,
+            cos,
+            sin,
+            object_x,
+            object_y,
+            ..
+        } = *self;
+        Stance {
+            x,
+            y,
+            cos,
+            sin,
+            object_x,
+            object_y,
+        }
+    }
+
+    /// The outcome of every lane, were its trial over now; `executed` is left empty.
+    #[inline(always)]
+    pub(in crate::lanes) fn measure(&self) -> [Outcome; WIDEST] {
+        let mut outcomes = [Outcome::default(); WIDEST];
+        let (mut floats, mut ints) = ([0.0; WIDEST], [0; WIDEST]);
+        self.goal_distance_sq().sqrt().store(&mut floats);
+        for (outcome, &value) in outcomes.iter_mut().zip(&floats) {
+            outcome.evaluated.goal_px = value;
+        }
+        for i in 0..N {
+            let (_, _, _, sq) = self.overlap(i);
+            sq.sqrt().store(&mut floats);
+            for (outcome, &value) in outcomes.iter_mut().zip(&floats) {
+                outcome.evaluated.agents_px[i] = value;
+            }
+        }
+        self.rows_read.store(&mut ints);
+        for (outcome, &value) in outcomes.iter_mut().zip(&ints) {
+            outcome.rows_read = value as u32;
+        }
+        self.reached_frame.store(&mut ints);
+        for (outcome, &value) in outcomes.iter_mut().zip(&ints) {
+            outcome.reached_frame = value as u32;
+        }
+        outcomes
+    }
+}

@@ -1,0 +1,181 @@
+//! What the agents sense at the start of a frame, and which response their tables give.
+
+use super::{Fields, Team};
+use crate::constants::FIELD_PX;
+use crate::lanes::seats::Seats;
+use crate::lanes::{Ints, Lanes, Mask};
+
+/// A target in the frame of the agent that looks.
+#[derive(Clone, Copy)]
+struct Ray<T> {
+    ahead: T,
+    left: T,
+    distance_sq: T,
+}
+
+impl<T: Lanes, const N: usize> Fields<'_, T, N> {
+    /// The response code of every agent.
+    #[inline(always)]
+    pub(super) fn sense(&mut self, seats: &Seats<N>) -> Team<T::Ints, N> {
+        let mut codes = self.see_agents();
+        self.facing = self.int(0);
+        for (i, code) in codes.iter_mut().enumerate() {
+            let mut ir = *code;
+            let object = self.ray(i, self.object_x - self.x[i], self.object_y - self.y[i]);
+            if object.distance_sq.lt(self.v(self.c.cull_object_sq)).any() {
+                ir = self.ir(ir, object, self.c.object_radius_sq);
+                let touching = object.distance_sq.lt(self.v(self.c.facing_sq));
+                self.facing = self.facing + self.bit(touching & self.v(0.0).lt(object.ahead), 1);
+            }
+            let farthest = self.x[i].abs().max(self.y[i].abs());
+            self.clear_of_walls[i] = !self.v(self.c.cull_wall).lt(farthest).any();
+            if !self.clear_of_walls[i] {
+                ir = self.see_walls(ir, i);
+            }
+            let photo = self.see_lights(i, object);
+            *code = self.look_up(seats, i, ir, photo);
+        }
+        codes
+    }
+
+    /// What the left and the right photo sensor of agent `i` see.
+    #[inline(always)]
+    fn see_lights(&self, i: usize, object: Ray<T>) -> [T::Mask; 2] {
+        let by_object = self.photo(object, self.c.object_light_sq);
+        let (dx, dy) = (self.goal_x - self.x[i], self.goal_y - self.y[i]);
+        if !(dx * dx + dy * dy).lt(self.v(self.c.goal_light_sq)).any() {
+            return by_object;
+        }
+        let by_goal = self.photo(self.ray(i, dx, dy), self.c.goal_light_sq);
+        [by_object[0] | by_goal[0], by_object[1] | by_goal[1]]
+    }
+
+    #[inline(always)]
+    fn ray(&self, i: usize, dx: T, dy: T) -> Ray<T> {
+        Ray {
+            ahead: dx * self.cos[i] + dy * self.sin[i],
+            left: dy * self.cos[i] - dx * self.sin[i],
+            distance_sq: dx * dx + dy * dy,
+        }
+    }
+
+    /// What the IR sensors of every agent see of the other agents. What IR sensors see is written as 4 left, 8 front, 16
+    /// right: four times their part of the row, which is how far to shift a table word.
+    #[inline(always)]
+    fn see_agents(&self) -> Team<T::Ints, N> {
+        let mut ir = [self.int(0); N];
+        let zero = self.v(0.0);
+        for i in 0..N {
+            for j in i + 1..N {
+                let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
+                if (dx * dx + dy * dy).lt(self.v(self.c.cull_agent_sq)).any() {
+                    ir[i] = self.ir(ir[i], self.ray(i, dx, dy), self.c.agent_radius_sq);
+                    ir[j] = self.ir(
+                        ir[j],
+                        self.ray(j, zero - dx, zero - dy),
+                        self.c.agent_radius_sq,
+                    );
+                }
+            }
+        }
+        ir
+    }
+
+    /// Adds the IR sensors whose segments cut a circle.
+    #[inline(always)]
+    fn ir(&self, seen: T::Ints, Ray { ahead, left, .. }: Ray<T>, radius_sq: f32) -> T::Ints {
+        let (cos, sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
+        let (ahead_cos, left_sin) = (ahead * cos, left * sin);
+        let (left_cos, ahead_sin) = (left * cos, ahead * sin);
+        seen | self.bit(
+            self.cuts(ahead_cos + left_sin, left_cos - ahead_sin, radius_sq),
+            4,
+        ) | self.bit(self.cuts(ahead, left, radius_sq), 8)
+            | self.bit(
+                self.cuts(ahead_cos - left_sin, left_cos + ahead_sin, radius_sq),
+                16,
+            )
+    }
+
+    /// Whether the segment straight ahead cuts a circle around this place.
+    #[inline(always)]
+    fn cuts(&self, ahead: T, left: T, radius_sq: f32) -> T::Mask {
+        let zero = self.v(0.0);
+        let beyond = (ahead - self.v(self.c.ir_range)).max(zero);
+        zero.lt(ahead) & (beyond * beyond + left * left).lt(self.v(radius_sq))
+    }
+
+    /// Adds the IR sensors whose tips lie beyond a wall.
+    #[inline(always)]
+    fn see_walls(&self, seen: T::Ints, i: usize) -> T::Ints {
+        let (side_cos, side_sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
+        let (cos_cos, sin_sin) = (self.cos[i] * side_cos, self.sin[i] * side_sin);
+        let (cos_sin, sin_cos) = (self.cos[i] * side_sin, self.sin[i] * side_cos);
+        seen | self.bit(
+            self.tip_beyond_wall(i, cos_cos - sin_sin, sin_cos + cos_sin),
+            4,
+        ) | self.bit(self.tip_beyond_wall(i, self.cos[i], self.sin[i]), 8)
+            | self.bit(
+                self.tip_beyond_wall(i, cos_cos + sin_sin, sin_cos - cos_sin),
+                16,
+            )
+    }
+
+    #[inline(always)]
+    fn tip_beyond_wall(&self, i: usize, cos: T, sin: T) -> T::Mask {
+        let range = self.v(self.c.ir_range);
+        let (x, y) = (
+            (self.x[i] + range * cos).abs(),
+            (self.y[i] + range * sin).abs(),
+        );
+        self.v(FIELD_PX).lt(x.max(y))
+    }
+
+    /// Whether the left and the right photo sensor see a light.
+    #[inline(always)]
+    fn photo(
+        &self,
+        Ray {
+            ahead,
+            left,
+            distance_sq,
+        }: Ray<T>,
+        range_sq: f32,
+    ) -> [T::Mask; 2] {
+        let near = distance_sq.lt(self.v(range_sq));
+        let (ahead, left) = (
+            ahead * self.v(self.c.photo_cos),
+            left * self.v(self.c.photo_sin),
+        );
+        [
+            near & self.in_cone(ahead + left, distance_sq),
+            near & self.in_cone(ahead - left, distance_sq),
+        ]
+    }
+
+    /// Whether a light this far along a photo sensor's axis is inside its cone.
+    #[inline(always)]
+    fn in_cone(&self, along: T, distance_sq: T) -> T::Mask {
+        let forward = self.v(0.0).lt(along);
+        if self.c.cone_sq == 0.0 {
+            return forward;
+        }
+        forward & (self.v(self.c.cone_sq) * distance_sq).lt(along * along)
+    }
+
+    /// Agent `i`'s response code in its lowest four bits; notes the row that was read.
+    #[inline(always)]
+    fn look_up(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
+        let row = ir.shr(self.int(2)) | self.bit(photo[0], 8) | self.bit(photo[1], 16);
+        self.rows_read = self.rows_read | self.int(1).shl(row);
+        let lit_left = T::int_select(photo[0], self.word(seats, 1, i), self.word(seats, 0, i));
+        let lit_right = T::int_select(photo[0], self.word(seats, 3, i), self.word(seats, 2, i));
+        let word = T::int_select(photo[1], lit_right, lit_left);
+        word.shr(ir)
+    }
+
+    #[inline(always)]
+    fn word(&self, seats: &Seats<N>, photo: usize, i: usize) -> T::Ints {
+        T::int_load(self.cpu, &seats.words[photo][i])
+    }
+}

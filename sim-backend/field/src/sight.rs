@@ -1,0 +1,98 @@
+//! What one agent of the scalar reference sees.
+
+use crate::constants::{Constants, FIELD_PX};
+use crate::heading::cos_sin;
+use crate::trial::{Point, Pose};
+use crate::world::{greater, position};
+
+/// An agent's place and direction, from which it looks.
+pub(crate) struct Sight {
+    at: Point,
+    cos: f32,
+    sin: f32,
+}
+
+/// A target in the frame of the agent that looks: px ahead and px to the left.
+#[derive(Clone, Copy)]
+pub(crate) struct Ray {
+    pub(crate) ahead: f32,
+    left: f32,
+    pub(crate) distance_sq: f32,
+}
+
+impl Sight {
+    pub(crate) fn of(agent: Pose) -> Self {
+        let (cos, sin) = cos_sin(agent.heading);
+        Self {
+            at: position(agent),
+            cos,
+            sin,
+        }
+    }
+
+    pub(crate) fn to(&self, target: Point) -> Ray {
+        let (dx, dy) = (target.x_px - self.at.x_px, target.y_px - self.at.y_px);
+        Ray {
+            ahead: dx * self.cos + dy * self.sin,
+            left: dy * self.cos - dx * self.sin,
+            distance_sq: dx * dx + dy * dy,
+        }
+    }
+
+    /// Whether the left, front and right IR sensors' segments cut a circle.
+    pub(crate) fn ir(
+        &self,
+        Ray { ahead, left, .. }: Ray,
+        radius_sq: f32,
+        c: &Constants,
+    ) -> [bool; 3] {
+        let cuts = |ahead: f32, left: f32| {
+            let beyond = greater(ahead - c.ir_range, 0.0);
+            ahead > 0.0 && beyond * beyond + left * left < radius_sq
+        };
+        let (ahead_cos, left_sin) = (ahead * c.ir_cos, left * c.ir_sin);
+        let (left_cos, ahead_sin) = (left * c.ir_cos, ahead * c.ir_sin);
+        [
+            cuts(ahead_cos + left_sin, left_cos - ahead_sin),
+            cuts(ahead, left),
+            cuts(ahead_cos - left_sin, left_cos + ahead_sin),
+        ]
+    }
+
+    /// Whether the tips of the left, front and right IR sensors lie beyond a wall.
+    pub(crate) fn walls(&self, c: &Constants) -> [bool; 3] {
+        let beyond = |cos: f32, sin: f32| {
+            let (x, y) = (
+                (self.at.x_px + c.ir_range * cos).abs(),
+                (self.at.y_px + c.ir_range * sin).abs(),
+            );
+            FIELD_PX < greater(x, y)
+        };
+        let (cos_cos, sin_sin) = (self.cos * c.ir_cos, self.sin * c.ir_sin);
+        let (cos_sin, sin_cos) = (self.cos * c.ir_sin, self.sin * c.ir_cos);
+        [
+            beyond(cos_cos - sin_sin, sin_cos + cos_sin),
+            beyond(self.cos, self.sin),
+            beyond(cos_cos + sin_sin, sin_cos - cos_sin),
+        ]
+    }
+
+    /// Whether the left and right photo sensors see a light.
+    pub(crate) fn photo(
+        &self,
+        Ray {
+            ahead,
+            left,
+            distance_sq,
+        }: Ray,
+        range_sq: f32,
+        c: &Constants,
+    ) -> [bool; 2] {
+        let inside = |along: f32| {
+            along > 0.0 && (c.cone_sq == 0.0 || c.cone_sq * distance_sq < along * along)
+        };
+        let (ahead, left) = (ahead * c.photo_cos, left * c.photo_sin);
+        let near = distance_sq < range_sq;
+        [near && inside(ahead + left), near && inside(ahead - left)]
+    }
+}
