@@ -4,6 +4,7 @@
 mod body;
 mod contact;
 mod drive;
+pub mod faults;
 mod hand;
 mod object;
 mod pad;

@@ -70,8 +70,9 @@ impl Pad {
         );
         let leaning = [0, 1, 2].map(|axis| d[axis] + t1[axis] * offset1 + t2[axis] * offset2);
         let length = libm::sqrt(leaning.iter().map(|x| x * x).sum());
-        for axis in 0..3 {
-            self.direction[axis][element * self.per_element + sub] = leaning[axis] / length;
+        let bristle = element * self.per_element + sub;
+        for (component, leaning) in self.direction.iter_mut().zip(leaning) {
+            component[bristle] = leaning / length;
         }
     }
 

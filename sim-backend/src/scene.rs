@@ -148,6 +148,13 @@ impl Placed {
         }
     }
 
+    /// An object at the default place of one hand, its x axis along the default closing axis.
+    #[must_use]
+    pub fn before(object: Object, side: Side) -> Self {
+        let [x_m, off_middle_m] = DEFAULT_PLACE_M;
+        Self::new(object, [x_m, side.y_sign() * off_middle_m], DEFAULT_YAW_RAD)
+    }
+
     /// The same with its true properties and pose drawn from its family.
     fn varied(&self, random: &mut Random) -> Self {
         let mut varied = self.clone();
@@ -167,10 +174,8 @@ impl Scene {
     /// One object in front of one hand.
     #[must_use]
     pub fn grasp(object: Object, side: Side) -> Self {
-        let [x_m, off_middle_m] = DEFAULT_PLACE_M;
-        let placed = Placed::new(object, [x_m, side.y_sign() * off_middle_m], DEFAULT_YAW_RAD);
         Self {
-            objects: vec![placed],
+            objects: vec![Placed::before(object, side)],
             ..Self::default()
         }
     }
@@ -265,6 +270,8 @@ fn in_range(what: &'static str, value: f64, lower: f64, upper: f64) -> Result<()
 pub(crate) mod stream {
     pub(crate) const FAMILY: u64 = 1;
     pub(crate) const EPOCH: u64 = 2;
+    /// Plus the channel's index.
+    pub(crate) const FAULTS: u64 = 3;
     /// Plus the hand's index.
     pub(crate) const VIBRATION: u64 = 10;
     /// Plus four times the hand's index, plus the finger's.

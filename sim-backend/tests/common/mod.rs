@@ -7,11 +7,11 @@ use shm_schemas::JointCommand;
 use sim_backend::{GraspHint, Scene, Sensed, World};
 
 /// A hand under script: a grasp frame goes in, commands for the whole robot come out.
-pub struct Script {
-    pub robot: RobotModel,
-    pub world: World,
-    pub sensed: Sensed,
-    pub frame: GraspFrame,
+pub(crate) struct Script {
+    pub(crate) robot: RobotModel,
+    pub(crate) world: World,
+    pub(crate) sensed: Sensed,
+    pub(crate) frame: GraspFrame,
     side: Side,
     q_rad: HandVector,
     others_rad: [f64; ROBOT_JOINTS],
@@ -19,11 +19,11 @@ pub struct Script {
 }
 
 /// Compliance-free start: fingertips this far from the object on both sides, m.
-pub const START_GAP_M: f64 = 0.002;
+pub(crate) const START_GAP_M: f64 = 0.002;
 
 impl Script {
     /// The hand stands around the nominal grasp, [`START_GAP_M`] away on both sides.
-    pub fn around(mut scene: Scene, side: Side, seed: u64) -> Self {
+    pub(crate) fn around(mut scene: Scene, side: Side, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let hand = robot.hand(side);
         let GraspHint {
@@ -52,13 +52,13 @@ impl Script {
     }
 
     /// One tick: sense, one step of inverse kinematics towards the frame, advance.
-    pub fn tick(&mut self) {
+    pub(crate) fn tick(&mut self) {
         self.world.sense(&mut self.sensed);
         let command = self.command();
         self.world.advance(Some(&command));
     }
 
-    pub fn ticks(&mut self, count: usize, mut change: impl FnMut(&mut Self)) {
+    pub(crate) fn ticks(&mut self, count: usize, mut change: impl FnMut(&mut Self)) {
         for _ in 0..count {
             change(self);
             self.tick();
@@ -66,7 +66,7 @@ impl Script {
     }
 
     /// The sealed command for the present frame.
-    pub fn command(&mut self) -> JointCommand {
+    pub(crate) fn command(&mut self) -> JointCommand {
         let hand = self.robot.hand(self.side);
         let pose = hand.forward(&self.q_rad);
         let target = self.frame.target(hand);
@@ -93,7 +93,7 @@ impl Script {
     }
 
     /// Closes both fingers at 2 mm/s each until both true normal forces reach `force_n`.
-    pub fn close_to(&mut self, force_n: f64) {
+    pub(crate) fn close_to(&mut self, force_n: f64) {
         for _ in 0..20_000 {
             if self.normal_n() >= force_n {
                 break;
@@ -108,13 +108,13 @@ impl Script {
     }
 
     /// The weaker finger's true normal force, N.
-    pub fn normal_n(&self) -> f64 {
+    pub(crate) fn normal_n(&self) -> f64 {
         let [a, b, ..] = self.world.truth().normal_n[self.side.index()];
         a.min(b)
     }
 
     /// Moves up by `height_m` at 10 mm/s.
-    pub fn lift(&mut self, height_m: f64) {
+    pub(crate) fn lift(&mut self, height_m: f64) {
         self.ticks((height_m / 1e-5) as usize, |script| {
             script.frame.centre_m.z += 1e-5
         });

@@ -1,0 +1,41 @@
+//! Everything that ends the process early, and the exit code it ends with.
+
+use robot_model::ModelError;
+use shm_bus::BusError;
+use sim_backend::{ObjectError, SceneError, WorldFault};
+
+/// Why the simulation could not begin or go on.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    Object(#[from] ObjectError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Robot(#[from] ModelError),
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    #[error(transparent)]
+    World(#[from] WorldFault),
+    #[error("could not watch for SIGINT and SIGTERM because of: {0}")]
+    Signals(std::io::Error),
+}
+
+impl Failure {
+    /// The table of exit codes, for `--help`.
+    pub(crate) const EXIT_CODES: &str = "\
+Exit codes:
+  0  ended as asked: by --duration, SIGINT or SIGTERM
+  1  the world could not be simulated any further
+  2  wrong usage: command line, object, scene, fault or robot
+  3  the bus could not be used
+Log: standard error, filtered by RUST_LOG (default info).";
+
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::World(_) | Self::Signals(_) => 1,
+            Self::Object(_) | Self::Scene(_) | Self::Robot(_) => 2,
+            Self::Bus(_) => 3,
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! At the pace of the machine's clock: one tick every millisecond by absolute deadlines. What a late process missed is
+//! skipped and counted, never caught up; the phase is kept.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec};
+use shm_bus::now_ns;
+use sim_backend::TICK_NS;
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Ticks between two publications of the truth: 50 Hz.
+const TRUTH_TICKS: u64 = 20;
+
+/// Runs until the duration is over or `stop` is set.
+pub(crate) fn run(
+    session: &mut Session,
+    duration: Option<Duration>,
+    stop: &AtomicBool,
+) -> Result<(), Failure> {
+    let begin_ns = now_ns();
+    session.follow_clock(begin_ns);
+    session.publish()?;
+    let mut deadline_ns = begin_ns + TICK_NS;
+    while !stop.load(Ordering::Relaxed) && !session.has_lasted(duration) {
+        if sleep_until(deadline_ns).is_err() {
+            continue;
+        }
+        let missed = now_ns().saturating_sub(deadline_ns) / TICK_NS;
+        session.miss(missed);
+        deadline_ns += missed * TICK_NS;
+        tick(session, deadline_ns)?;
+        deadline_ns += TICK_NS;
+    }
+    Ok(())
+}
+
+/// What happened in the millisecond before the deadline, and what is sensed at it.
+fn tick(session: &mut Session, deadline_ns: u64) -> Result<(), Failure> {
+    session.world.skip_to(deadline_ns - TICK_NS);
+    let command = session.newest_command()?;
+    session.advance(command.as_ref())?;
+    if session.world.tick().is_multiple_of(TRUTH_TICKS) {
+        session.publish_truth()?;
+    }
+    session.publish().map(drop)
+}
+
+/// Sleeps; an error means that a signal ended the sleep early.
+fn sleep_until(deadline_ns: u64) -> rustix::io::Result<()> {
+    let until = Timespec {
+        tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),
+        tv_nsec: (deadline_ns % 1_000_000_000).cast_signed(),
+    };
+    clock_nanosleep_absolute(ClockId::Monotonic, &until)
+}

@@ -1,0 +1,130 @@
+//! One simulation on the bus: the world, its faults, its ports.
+
+use std::time::Duration;
+
+use robot_model::Side;
+use shm_bus::{Bus, BusError, Publisher, Subscriber};
+use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth, service};
+use sim_backend::faults::{Delivery, Fault, Injector};
+use sim_backend::{Sensed, World};
+
+use crate::failure::Failure;
+
+/// The world with its connections.
+pub(crate) struct Session {
+    pub(crate) world: World,
+    injector: Injector,
+    sensed: Sensed,
+    frames: [Publisher<HandFrame>; 2],
+    joints: Publisher<JointState>,
+    truth: Publisher<WorldTruth>,
+    commands: Subscriber<JointCommand>,
+    command: JointCommand,
+    truths: u64,
+    first_ns: u64,
+    missed_ticks: u64,
+}
+
+impl Session {
+    pub(crate) fn open(
+        bus: &Bus,
+        world: World,
+        faults: &[Fault],
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let [left, right] = service::HAND_FRAME;
+        Ok(Self {
+            first_ns: world.now_ns(),
+            world,
+            injector: Injector::new(faults, seed),
+            sensed: Sensed::default(),
+            frames: [bus.publisher(left)?, bus.publisher(right)?],
+            joints: bus.publisher(service::JOINT_STATE)?,
+            truth: bus.publisher(service::WORLD_TRUTH)?,
+            commands: bus.subscriber(service::JOINT_COMMAND)?,
+            command: JointCommand::default(),
+            truths: 0,
+            missed_ticks: 0,
+        })
+    }
+
+    /// Moves the world's clock to the machine's and takes a fresh epoch: what a process does that follows real time.
+    pub(crate) fn follow_clock(&mut self, now_ns: u64) {
+        self.world.set_writer_epoch(shm_bus::writer_epoch());
+        self.world.skip_to(now_ns);
+        self.first_ns = self.world.now_ns();
+    }
+
+    /// Samples the sensors and publishes frames, then joints. Returns the counter of the joint state that a reader saw last
+    /// in this tick, if it saw one.
+    pub(crate) fn publish(&mut self) -> Result<Option<u64>, Failure> {
+        let (frames, joints) = (&self.frames, &self.joints);
+        let (mut failure, mut seen) = (None, None);
+        self.world.sense(&mut self.sensed);
+        self.injector
+            .pass(self.world.tick(), &self.sensed, |delivery| {
+                let sent = match delivery {
+                    Delivery::Frame(side, frame) => frames[side.index()].send(frame),
+                    Delivery::Joints(state) => {
+                        seen = Some(state.stamp.sequence);
+                        joints.send(state)
+                    }
+                };
+                failure = failure.take().or(sent.err());
+            });
+        failure.map_or(Ok(seen), |failure: BusError| Err(failure.into()))
+    }
+
+    /// Publishes the judge's view.
+    pub(crate) fn publish_truth(&mut self) -> Result<(), Failure> {
+        let mut truth = self.world.truth();
+        truth.stamp.sequence = self.truths;
+        self.truths += 1;
+        Ok(self.truth.send(&truth)?)
+    }
+
+    /// Lets readers that came late have the last frames and the last joint state.
+    pub(crate) fn greet(&self) -> Result<(), Failure> {
+        for side in Side::BOTH {
+            self.frames[side.index()].greet()?;
+        }
+        self.joints.greet()?;
+        Ok(self.truth.greet()?)
+    }
+
+    /// The newest command, if one came since the last call.
+    pub(crate) fn newest_command(&mut self) -> Result<Option<JointCommand>, Failure> {
+        Ok(self
+            .commands
+            .newest(&mut self.command)?
+            .then_some(self.command))
+    }
+
+    /// Simulates one tick.
+    pub(crate) fn advance(&mut self, command: Option<&JointCommand>) -> Result<(), Failure> {
+        self.world.advance(command);
+        self.world.fault().map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    /// Counts ticks that the machine's clock passed while the process was kept from running.
+    pub(crate) fn miss(&mut self, ticks: u64) {
+        self.missed_ticks += ticks;
+    }
+
+    /// Whether so much simulated time has passed.
+    pub(crate) fn has_lasted(&self, duration: Option<Duration>) -> bool {
+        let elapsed_ns = u128::from(self.world.now_ns() - self.first_ns);
+        duration.is_some_and(|duration| elapsed_ns >= duration.as_nanos())
+    }
+
+    /// Says what became of the world.
+    pub(crate) fn report(&self) {
+        let truth = self.world.truth();
+        tracing::info!(
+            ticks = self.world.tick(),
+            missed_ticks = self.missed_ticks,
+            refused_or_expired_commands = truth.expired_commands,
+            "simulation ended"
+        );
+    }
+}

@@ -1,0 +1,93 @@
+//! One stream of payloads under faults: spoils the content, then the delivery.
+
+use std::collections::VecDeque;
+
+use super::spec::{Fault, FaultKind};
+use super::spoil::{Carried, Spoiler};
+use crate::random::Random;
+
+/// Payloads that can be held back at once; more are lost. The longest delay at 1 kHz.
+const HELD_MAX: usize = 1024;
+
+/// One stream.
+#[derive(Clone, Debug)]
+pub(super) struct Channel<T> {
+    faults: Vec<Fault>,
+    random: Random,
+    spoiler: Spoiler<T>,
+    /// Payloads held back, with the tick in which they are due; oldest first.
+    held: VecDeque<(u64, T)>,
+}
+
+impl<T: Carried> Channel<T> {
+    pub(super) fn new(faults: Vec<Fault>, random: Random) -> Self {
+        let held = VecDeque::with_capacity(if faults.is_empty() { 0 } else { HELD_MAX });
+        Self {
+            faults,
+            random,
+            spoiler: Spoiler::default(),
+            held,
+        }
+    }
+
+    /// Delivers what is due in this tick: what was held back, oldest first, then the new payload.
+    pub(super) fn pass(&mut self, tick: u64, sensed: Option<&T>, mut deliver: impl FnMut(&T)) {
+        if self.faults.is_empty() {
+            sensed.into_iter().for_each(deliver);
+            return;
+        }
+        let fresh = sensed.map(|payload| self.spoilt(tick, payload));
+        // Once round the queue: what is due goes out, the rest keeps its order.
+        for _ in 0..self.held.len() {
+            if let Some((due, payload)) = self.held.pop_front() {
+                if due <= tick {
+                    deliver(&payload)
+                } else {
+                    self.held.push_back((due, payload))
+                }
+            }
+        }
+        if let Some(payload) = fresh {
+            self.send(tick, payload, deliver);
+        }
+    }
+
+    fn spoilt(&mut self, tick: u64, payload: &T) -> T {
+        let mut payload = *payload;
+        for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {
+            self.spoiler.spoil(fault, tick, &mut payload);
+        }
+        payload.seal();
+        for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {
+            if fault.kind == FaultKind::Corrupt && self.random.chance(fault.value) {
+                let bytes = payload.as_mut_bytes();
+                let bit = (self.random.bits() % (8 * bytes.len() as u64)) as usize;
+                bytes[bit / 8] ^= 1 << (bit % 8);
+            }
+        }
+        self.spoiler.remember(&payload);
+        payload
+    }
+
+    /// Sends a payload now, later, twice or never.
+    fn send(&mut self, tick: u64, payload: T, mut deliver: impl FnMut(&T)) {
+        let (mut due, mut copies) = (tick, 1);
+        for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {
+            match fault.kind {
+                FaultKind::Drop if self.random.chance(fault.value) => copies = 0,
+                FaultKind::Duplicate => copies *= 2,
+                FaultKind::Delay => due += fault.value as u64,
+                FaultKind::Reorder if tick.is_multiple_of(2) => due += 2,
+                FaultKind::Burst => due = due.next_multiple_of(fault.value as u64),
+                _ => {}
+            }
+        }
+        for _ in 0..copies {
+            if due == tick {
+                deliver(&payload);
+            } else if self.held.len() < HELD_MAX {
+                self.held.push_back((due, payload));
+            }
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! Which fault, where, when: the text `KIND[=VALUE]@START[+LENGTH][:TARGET]`, times in seconds.
+//!
+//! `drop=0.3@2+0.5:right` loses 30 % of the right hand's frames from second 2 for half a second. Without a length a fault
+//! stays; without a target it strikes both hands.
+
+use std::str::FromStr;
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(
+    missing_docs,
+    reason = "each kind is explained by its line of the table below"
+)]
+pub enum FaultKind {
+    Drop,
+    Delay,
+    Duplicate,
+    Reorder,
+    Burst,
+    Freeze,
+    Stick,
+    Nan,
+    Huge,
+    Denormal,
+    Bias,
+    Saturate,
+    Corrupt,
+    Future,
+    Stale,
+    Epoch,
+    Wrap,
+    Foreign,
+    Jump,
+}
+
+/// Where a fault can strike.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Strikes {
+    Any,
+    Hands,
+    Joints,
+}
+
+/// One line per kind: its name, what its value means, the value's default and range, where it strikes.
+struct Entry {
+    kind: FaultKind,
+    name: &'static str,
+    about: &'static str,
+    value: f64,
+    range: [f64; 2],
+    strikes: Strikes,
+}
+
+#[rustfmt::skip]
+const TABLE: &[Entry] = {
+    use FaultKind::*;
+    use Strikes::*;
+    const fn line(kind: FaultKind, name: &'static str, about: &'static str, value: f64, range: [f64; 2], strikes: Strikes) -> Entry {
+        Entry { kind, name, about, value, range, strikes }
+    }
+    &[
+        line(Drop, "drop", "payloads are lost with this probability", 1.0, [0.0, 1.0], Any),
+        line(Delay, "delay", "payloads arrive this many milliseconds late", 10.0, [1.0, 1000.0], Any),
+        line(Duplicate, "duplicate", "every payload arrives twice", 0.0, [0.0, 0.0], Any),
+        line(Reorder, "reorder", "neighbouring payloads change places", 0.0, [0.0, 0.0], Any),
+        line(Burst, "burst", "payloads are held back and arrive this many at once", 20.0, [2.0, 64.0], Any),
+        line(Freeze, "freeze", "content stays what it was while the counter goes on", 0.0, [0.0, 0.0], Any),
+        line(Stick, "stick", "the element with this index keeps its reading", 0.0, [0.0, 40.0], Hands),
+        line(Nan, "nan", "this many readings, the first ones, are not numbers", 1.0, [1.0, 41.0], Any),
+        line(Huge, "huge", "the first reading is this large, N or rad", 1e9, [-1e30, 1e30], Any),
+        line(Denormal, "denormal", "every reading is a denormal number", 0.0, [0.0, 0.0], Hands),
+        line(Bias, "bias", "normal forces drift by so many newtons per second", 0.01, [-10.0, 10.0], Hands),
+        line(Saturate, "saturate", "every normal force reads this, N", 25.0, [0.0, 1e3], Hands),
+        line(Corrupt, "corrupt", "a bit flips after the seal with this probability", 1.0, [0.0, 1.0], Hands),
+        line(Future, "future", "stamps are so many seconds ahead", 0.01, [0.0, 1e9], Any),
+        line(Stale, "stale", "stamps are so many seconds behind", 0.01, [0.0, 1e9], Any),
+        line(Epoch, "epoch", "the writer's epoch changes and its counter begins again", 0.0, [0.0, 0.0], Any),
+        line(Wrap, "wrap", "the counter wraps round to zero after so many payloads from the world's start", 1000.0, [1.0, 1e9], Any),
+        line(Foreign, "foreign", "frames claim to be the other hand's", 0.0, [0.0, 0.0], Hands),
+        line(Jump, "jump", "every joint angle is off by this, rad", 0.5, [-10.0, 10.0], Joints),
+    ]
+};
+
+/// Which channel a fault strikes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// The left hand's frames.
+    Left,
+    /// The right hand's frames.
+    Right,
+    /// Both hands' frames.
+    Hands,
+    /// The joint feedback.
+    Joints,
+}
+
+/// One fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// What goes wrong.
+    pub kind: FaultKind,
+    /// How badly; what it means depends on the kind.
+    pub value: f64,
+    /// From this tick on.
+    pub first_tick: u64,
+    /// Until before this tick.
+    pub end_tick: u64,
+    /// Where.
+    pub target: Target,
+}
+
+/// Why a text is no fault.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FaultError {
+    /// The text does not have the form.
+    #[error(
+        "could not read the fault {0:?} because it lacks a start, needs KIND[=VALUE]@START[+LENGTH][:TARGET]; e.g. drop=0.3@2+0.5:right"
+    )]
+    Form(String),
+    /// No such kind.
+    #[error(
+        "could not read the fault {text:?} because {kind:?} is no kind of fault, needs one of {known}"
+    )]
+    Kind {
+        /// The whole text.
+        text: String,
+        /// The kind asked for.
+        kind: String,
+        /// The known kinds.
+        known: String,
+    },
+    /// A number is none, or out of range.
+    #[error(
+        "could not read the fault {text:?} because its {what} was {value:?}, needs {lower} to {upper}"
+    )]
+    Number {
+        /// The whole text.
+        text: String,
+        /// Which number.
+        what: &'static str,
+        /// What stood there.
+        value: String,
+        /// The lowest allowed.
+        lower: f64,
+        /// The highest allowed.
+        upper: f64,
+    },
+    /// No such target, or not for this kind.
+    #[error(
+        "could not read the fault {text:?} because {target:?} cannot be struck by it, needs one of {known}"
+    )]
+    Target {
+        /// The whole text.
+        text: String,
+        /// The target asked for.
+        target: String,
+        /// The targets of this kind.
+        known: &'static str,
+    },
+}
+
+/// Longest time of a fault's start and length, s: a day.
+const TIME_MAX_S: f64 = 86_400.0;
+
+impl FaultKind {
+    /// Every kind: its name, and what its value means.
+    pub fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
+        TABLE.iter().map(|entry| (entry.name, entry.about))
+    }
+}
+
+impl Target {
+    /// Whether a fault with this target strikes a channel.
+    pub(super) fn covers(self, channel: Self) -> bool {
+        self == channel || (self == Self::Hands && matches!(channel, Self::Left | Self::Right))
+    }
+
+    fn named(name: &str, strikes: Strikes) -> Option<Self> {
+        match name {
+            "left" if strikes != Strikes::Joints => Some(Self::Left),
+            "right" if strikes != Strikes::Joints => Some(Self::Right),
+            "hands" if strikes != Strikes::Joints => Some(Self::Hands),
+            "joints" if strikes != Strikes::Hands => Some(Self::Joints),
+            _ => None,
+        }
+    }
+}
+
+impl Strikes {
+    fn names(self) -> &'static str {
+        match self {
+            Self::Any => "left, right, hands, joints",
+            Self::Hands => "left, right, hands",
+            Self::Joints => "joints",
+        }
+    }
+
+    fn usual(self) -> &'static str {
+        if self == Self::Joints {
+            "joints"
+        } else {
+            "hands"
+        }
+    }
+}
+
+impl Fault {
+    /// Whether the fault is on in a tick.
+    pub(super) fn is_on(&self, tick: u64) -> bool {
+        (self.first_tick..self.end_tick).contains(&tick)
+    }
+}
+
+impl FromStr for Fault {
+    type Err = FaultError;
+
+    fn from_str(text: &str) -> Result<Self, FaultError> {
+        let (what, when) = text
+            .split_once('@')
+            .ok_or_else(|| FaultError::Form(text.into()))?;
+        let (name, value) = what
+            .split_once('=')
+            .map_or((what, None), |(name, value)| (name, Some(value)));
+        let (when, target) = when
+            .split_once(':')
+            .map_or((when, None), |(when, target)| (when, Some(target)));
+        let (start, length) = when
+            .split_once('+')
+            .map_or((when, None), |(start, length)| (start, Some(length)));
+        let entry = TABLE
+            .iter()
+            .find(|entry| entry.name == name)
+            .ok_or_else(|| unknown_kind(text, name))?;
+        let seconds = |what, value| number(text, what, value, [0.0, TIME_MAX_S]);
+        let first_tick = ticks(seconds("start", start)?);
+        let length = length.map(|length| seconds("length", length)).transpose()?;
+        let target = target.unwrap_or(entry.strikes.usual());
+        Ok(Self {
+            kind: entry.kind,
+            value: value.map_or(Ok(entry.value), |value| {
+                number(text, "value", value, entry.range)
+            })?,
+            first_tick,
+            end_tick: length.map_or(u64::MAX, |length_s| first_tick + ticks(length_s)),
+            target: Target::named(target, entry.strikes).ok_or_else(|| FaultError::Target {
+                text: text.into(),
+                target: target.into(),
+                known: entry.strikes.names(),
+            })?,
+        })
+    }
+}
+
+fn unknown_kind(text: &str, kind: &str) -> FaultError {
+    let known: Vec<&str> = FaultKind::all().map(|(name, _)| name).collect();
+    FaultError::Kind {
+        text: text.into(),
+        kind: kind.into(),
+        known: known.join(", "),
+    }
+}
+
+/// A finite number within a range.
+fn number(
+    text: &str,
+    what: &'static str,
+    value: &str,
+    [lower, upper]: [f64; 2],
+) -> Result<f64, FaultError> {
+    match value.parse() {
+        Ok(number) if number >= lower && number <= upper => Ok(number),
+        _ => Err(FaultError::Number {
+            text: text.into(),
+            what,
+            value: value.into(),
+            lower,
+            upper,
+        }),
+    }
+}
+
+fn ticks(seconds: f64) -> u64 {
+    (seconds * 1e3).round() as u64
+}
