@@ -1,2 +1,5 @@
-//! (under construction)
-fn main() {}
+//! `atas`: see the library.
+
+fn main() -> std::process::ExitCode {
+    atas_cli::main()
+}

@@ -5,7 +5,10 @@
 
 use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
-use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, JointCommand, Mode, Reason, WorldTruth};
+use shm_schemas::{
+    GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, JointCommand, Mode, Reason,
+    WorldTruth,
+};
 use sim_backend::{GraspHint, Scene, SceneError, Sensed, TICK_NS, World};
 
 /// Longest time that the controller may take to become ready, ticks.
@@ -35,7 +38,15 @@ pub struct Trial {
 impl Trial {
     /// A trial that never moved, because the goal was refused or time ran out.
     fn ended(state: GoalState, reason: Reason, truth: WorldTruth, simulated_s: f64) -> Self {
-        Self { end: GoalUpdate { state, reason, ..GoalUpdate::default() }, truth, simulated_s }
+        Self {
+            end: GoalUpdate {
+                state,
+                reason,
+                ..GoalUpdate::default()
+            },
+            truth,
+            simulated_s,
+        }
     }
 }
 
@@ -44,7 +55,12 @@ impl Rehearsal {
     ///
     /// # Errors
     /// [`SceneError`] when the world cannot be made.
-    pub fn new(robot: &RobotModel, scene: &Scene, seed: u64, settings: Settings) -> Result<Self, SceneError> {
+    pub fn new(
+        robot: &RobotModel,
+        scene: &Scene,
+        seed: u64,
+        settings: Settings,
+    ) -> Result<Self, SceneError> {
         let mut wiring = Wiring::default();
         for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
             hand.rate_hz = f64::from(rate_hz);
@@ -69,10 +85,20 @@ impl Rehearsal {
     /// One tick: sense, decide, move.
     pub fn step(&mut self, order: Option<&Order>) -> &Outputs {
         self.world.sense(&mut self.sensed);
-        let frames = [as_slice(&self.sensed.frames[0]), as_slice(&self.sensed.frames[1])];
-        let tick = Tick { index: self.index, now_ns: self.world.now_ns() };
-        let outputs =
-            self.controller.step(&Inputs { tick, frames, joints: Some(&self.sensed.joints), order });
+        let frames = [
+            as_slice(&self.sensed.frames[0]),
+            as_slice(&self.sensed.frames[1]),
+        ];
+        let tick = Tick {
+            index: self.index,
+            now_ns: self.world.now_ns(),
+        };
+        let outputs = self.controller.step(&Inputs {
+            tick,
+            frames,
+            joints: Some(&self.sensed.joints),
+            order,
+        });
         self.command = outputs.command;
         self.world.advance(Some(&self.command));
         self.index += 1;
@@ -80,7 +106,12 @@ impl Rehearsal {
     }
 
     /// Pursues a goal to its end, at most `limit_s` of simulated time; `watch` sees every tick.
-    pub fn run(&mut self, goal: &GoalRequest, limit_s: f64, mut watch: impl FnMut(&Outputs, &World)) -> Trial {
+    pub fn run(
+        &mut self,
+        goal: &GoalRequest,
+        limit_s: f64,
+        mut watch: impl FnMut(&Outputs, &World),
+    ) -> Trial {
         if let Err(reason) = atas::goal::check(goal, &self.robot, self.controller.wiring()) {
             return Trial::ended(GoalState::REJECTED, reason, self.world.truth(), 0.0);
         }
@@ -90,12 +121,24 @@ impl Rehearsal {
         while self.index - first < limit_ticks {
             let outputs = *self.step(order.take().as_ref());
             watch(&outputs, &self.world);
-            if let Some(end) = outputs.goal_update.filter(|u| u.goal_id == goal.goal_id && u.state.is_final()) {
-                return Trial { end, truth: self.world.truth(), simulated_s: self.seconds(first) };
+            if let Some(end) = outputs
+                .goal_update
+                .filter(|u| u.goal_id == goal.goal_id && u.state.is_final())
+            {
+                return Trial {
+                    end,
+                    truth: self.world.truth(),
+                    simulated_s: self.seconds(first),
+                };
             }
         }
         let reason = Reason::limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);
-        Trial::ended(GoalState::FAILED, reason, self.world.truth(), self.seconds(first))
+        Trial::ended(
+            GoalState::FAILED,
+            reason,
+            self.world.truth(),
+            self.seconds(first),
+        )
     }
 
     /// The world, for judges.

@@ -1,0 +1,292 @@
+//! A goal from its sending to its end: follow it, cancel it on Ctrl-C or when it takes too long, tell how it ended.
+
+use std::time::{Duration, Instant};
+
+use shm_bus::writer_epoch;
+use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, GoalState};
+
+use super::{POLL, Session};
+use crate::arguments::{Grasp, Release, Sending};
+use crate::exit::{Ended, Exit};
+use crate::interrupt::Interrupt;
+use crate::json;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::story::Story;
+
+/// How long the daemon may take to confirm that a goal has ended (ours: fifty of its rounds).
+const CONFIRMATION: Duration = Duration::from_secs(1);
+
+/// How to follow a goal.
+pub(crate) struct Pursuit<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) interrupt: &'a Interrupt,
+    pub(crate) timeout: Option<Duration>,
+}
+
+/// Why the client asked for an end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cancelled {
+    Interrupted,
+    TimedOut(Duration),
+}
+
+impl Pursuit<'_> {
+    /// Sends the goal and follows it to its end. `each` is called after every look, with the story so far.
+    pub(crate) fn run(
+        &self,
+        goal: &GoalRequest,
+        mut each: impl FnMut(&Story) -> anyhow::Result<()>,
+    ) -> anyhow::Result<(Story, Option<Cancelled>)> {
+        let request = GoalRequest {
+            stamp: self.session.stamp(),
+            goal_id: writer_epoch(),
+            ..*goal
+        };
+        let begin = Instant::now();
+        let client = self.session.bus().goal_client()?;
+        let mut pending = client.send(&request)?;
+        let mut story = Story::default();
+        let mut cancelled = None;
+        loop {
+            while let Some(update) = pending.next()? {
+                story.add(&update);
+            }
+            each(&story)?;
+            if pending.ended() {
+                return Ok((story, cancelled.map(|(why, _)| why)));
+            }
+            match cancelled {
+                None => {
+                    cancelled = self.wants_end(begin).map(|why| (why, Instant::now()));
+                    if cancelled.is_some() {
+                        pending.cancel();
+                    }
+                }
+                Some((_, asked)) if asked.elapsed() > CONFIRMATION => return Err(unconfirmed()),
+                Some(_) => {}
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    fn wants_end(&self, begin: Instant) -> Option<Cancelled> {
+        if self.interrupt.is_set() {
+            return Some(Cancelled::Interrupted);
+        }
+        let timeout = self.timeout.filter(|timeout| begin.elapsed() > *timeout)?;
+        Some(Cancelled::TimedOut(timeout))
+    }
+}
+
+fn unconfirmed() -> anyhow::Error {
+    Ended::with(
+        Exit::Failed,
+        format!(
+            "cancelled the goal, but the daemon did not confirm it within {CONFIRMATION:?}; \
+             see `atas status`, and stop the robot with `atas estop` if in doubt"
+        ),
+    )
+}
+
+/// `atas grasp`.
+pub(crate) fn grasp(
+    arguments: &Grasp,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let goal = GoalRequest {
+        kind: GoalKind::GRASP,
+        from_m: arguments.at,
+        from_yaw_rad: arguments.yaw.to_radians(),
+        width_m: arguments.width * 1e-3,
+        lift_m: arguments.lift * 1e-3,
+        hold_s: arguments.hold,
+        ..GoalRequest::default()
+    };
+    send(goal, &arguments.sending, interrupt, output)
+}
+
+/// `atas release`.
+pub(crate) fn release(
+    arguments: &Release,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let goal = GoalRequest {
+        kind: GoalKind::RELEASE,
+        ..GoalRequest::default()
+    };
+    send(goal, &arguments.sending, interrupt, output)
+}
+
+/// Sends a goal as the user wants it sent, shows its progress and prints its end.
+fn send(
+    goal: GoalRequest,
+    sending: &Sending,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let goal = GoalRequest {
+        hand: sending.hand.into(),
+        policy: if sending.attached {
+            GoalPolicy::ATTACHED
+        } else {
+            GoalPolicy::DETACHED
+        },
+        ..goal
+    };
+    let session = Session::join(&sending.bus.bus)?;
+    let (mut statuses, mut status) = session.watch_status()?;
+    let mut progress = Progress::new(goal.kind.name());
+    let pursuit = Pursuit {
+        session: &session,
+        interrupt,
+        timeout: sending.timeout,
+    };
+    let (story, cancelled) = pursuit.run(&goal, |story| {
+        statuses.newest(&mut status)?;
+        let lifted_m = f64::from(story.last().figures.lifted_m);
+        progress.show(story, Some(&status), lifted_m);
+        Ok(())
+    })?;
+    drop(progress);
+    if output.is_json() {
+        output.json(&json::story(&story))?;
+    }
+    match story.last().state {
+        GoalState::SUCCEEDED if output.is_json() => Ok(()),
+        GoalState::SUCCEEDED => output.line(success(goal.kind, &story)),
+        _ => Err(failure(&story, cancelled)),
+    }
+}
+
+fn success(kind: GoalKind, story: &Story) -> String {
+    let figures = story.figures();
+    let [first, second, ..] = figures.normal_n;
+    match kind {
+        GoalKind::GRASP => format!(
+            "holds with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), hardness {:.0} N/m, lifted {:.1} mm",
+            figures.f1_n,
+            figures.f2_n,
+            figures.hardness_n_m,
+            figures.lifted_m * 1e3
+        ),
+        _ => "done".into(),
+    }
+}
+
+/// The one sentence about an end without success.
+fn failure(story: &Story, cancelled: Option<Cancelled>) -> anyhow::Error {
+    let is_cancelled = story.last().state == GoalState::CANCELLED;
+    let (step, hand_now) = (story.step(), story.hand_now());
+    match cancelled.filter(|_| is_cancelled) {
+        Some(Cancelled::Interrupted) => Ended::with(
+            Exit::Interrupted,
+            format!("interrupted, goal cancelled in step {step:?}; {hand_now}"),
+        ),
+        Some(Cancelled::TimedOut(timeout)) => Ended::with(
+            Exit::Refused,
+            format!("took longer than {timeout:?}, goal cancelled in step {step:?}; {hand_now}"),
+        ),
+        None => Ended::with(Exit::Refused, story.sentence()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{Cause, GoalUpdate, ModuleId, Reason, Text};
+
+    fn update(state: GoalState, step: &str, reason: Reason) -> GoalUpdate {
+        GoalUpdate {
+            goal_id: 7,
+            state,
+            step: Text::new(step),
+            reason,
+            ..GoalUpdate::default()
+        }
+    }
+
+    fn told(updates: &[(GoalState, &str, Reason)], cancelled: Option<Cancelled>) -> (String, Exit) {
+        let mut story = Story::default();
+        for (state, step, reason) in updates {
+            story.add(&update(*state, step, *reason));
+        }
+        let error = failure(&story, cancelled);
+        (error.to_string(), Exit::of(&error))
+    }
+
+    #[test]
+    fn failures_are_one_sentence_with_step_cause_value_limit_and_module() {
+        let check = |updates: &[(GoalState, &str, Reason)], expected: &str| {
+            assert_eq!(told(updates, None), (expected.to_owned(), Exit::Refused));
+        };
+        let running = |step| (GoalState::RUNNING, step, Reason::default());
+        let heavy = Reason::limit(Cause::TOO_HEAVY, 8.0, 8.0).by(ModuleId::FORCE_LIMIT);
+        check(
+            &[
+                running("lift"),
+                running("lower"),
+                running("leave"),
+                (GoalState::REFUSED, "leave", heavy),
+            ],
+            "lift: needs more than 8.00 N, F_2 is 8.00 N: object too heavy for its hardness (module 3, force limit)",
+        );
+        check(
+            &[(GoalState::REJECTED, "", Reason::of(Cause::BUSY))],
+            "another goal is active; wait for it or cancel it",
+        );
+        check(
+            &[(
+                GoalState::REJECTED,
+                "",
+                Reason::limit(Cause::UNREACHABLE, 0.9, 0.4).about(0),
+            )],
+            "the hand cannot reach it: from x is 0.9000, the limit is 0.4000; move the object nearer",
+        );
+        check(
+            &[
+                running("approach"),
+                (
+                    GoalState::FAILED,
+                    "approach",
+                    Reason::limit(Cause::NOTHING_TOUCHED, 0.026, 0.026).by(ModuleId::FIRST_TOUCH),
+                ),
+            ],
+            "approach: closed to 26.0 mm and touched nothing; is the object there? (module 1, first touch)",
+        );
+        check(
+            &[
+                running("open"),
+                (
+                    GoalState::FAILED,
+                    "open",
+                    Reason::limit(Cause::TIMED_OUT, 10.0, 10.0),
+                ),
+            ],
+            "open: took 10.0 s, allowed 10.0 s",
+        );
+    }
+
+    #[test]
+    fn a_cancelled_goal_says_what_the_hand_does_now() {
+        let cancelled = |step| [(GoalState::CANCELLED, step, Reason::of(Cause::CANCELLED))];
+        let check = |step, why, expected: &str, exit| {
+            let end = told(&cancelled(step), Some(why));
+            assert_eq!(end, (expected.to_owned(), exit));
+        };
+        check(
+            "reach",
+            Cancelled::Interrupted,
+            "interrupted, goal cancelled in step \"reach\"; the hand stays where it is",
+            Exit::Interrupted,
+        );
+        check(
+            "reach",
+            Cancelled::TimedOut(Duration::from_secs(3)),
+            "took longer than 3s, goal cancelled in step \"reach\"; the hand stays where it is",
+            Exit::Refused,
+        );
+    }
+}

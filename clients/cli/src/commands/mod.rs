@@ -1,0 +1,128 @@
+//! From arguments to commands: the only place that knows which function a command is.
+
+mod manual;
+
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+use indicatif::{ProgressBar, ProgressStyle};
+use sim_backend::{Object, ObjectError};
+
+use crate::arguments::{Arguments, Command, Demo, Eval, EvalGrasp, Param};
+use crate::exit::{Ended, Exit};
+use crate::interrupt::Interrupt;
+use crate::output::Output;
+use crate::{client, demo, eval};
+
+/// The whole program: reads the command line, does what it says, tells errors in one line, returns the exit code.
+#[must_use]
+pub fn main() -> ExitCode {
+    log_to_stderr();
+    let arguments = Arguments::parse();
+    let mut output = Output::new(arguments.format);
+    let Err(error) = run(&arguments.command, &mut output) else {
+        return Exit::Ok.into();
+    };
+    if is_broken_pipe(&error) {
+        return Exit::Ok.into();
+    }
+    // Nothing can be done if standard error is closed as well.
+    let _ = writeln!(std::io::stderr(), "atas: {error:#}");
+    Exit::of(&error).into()
+}
+
+fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
+    let interrupt = Interrupt::listen()?;
+    match command {
+        Command::Demo {
+            task: Demo::Grasp(arguments),
+        } => demo::grasp(arguments, &interrupt, output),
+        Command::Eval {
+            task: Eval::Grasp(arguments),
+        } => evaluate(arguments, &interrupt, output),
+        Command::Grasp(arguments) => client::grasp(arguments, &interrupt, output),
+        Command::Release(arguments) => client::release(arguments, &interrupt, output),
+        Command::Estop(bus) => client::estop(&bus.bus, output),
+        Command::Recover(bus) => client::recover(&bus.bus, output),
+        Command::Status(arguments) => client::status(arguments, &interrupt, output),
+        Command::Events(arguments) => client::events(arguments, &interrupt, output),
+        Command::Param { action } => parameter(action, output),
+        Command::Completions { shell } => {
+            let mut command = Arguments::command();
+            clap_complete::generate(*shell, &mut command, "atas", &mut std::io::stdout());
+            Ok(())
+        }
+        Command::Man { folder } => manual::write(folder),
+    }
+}
+
+fn parameter(action: &Param, output: &mut Output) -> anyhow::Result<()> {
+    match action {
+        Param::List(bus) => client::list(&bus.bus, output),
+        Param::Get { name, bus } => client::get(&bus.bus, name, output),
+        Param::Set { name, value, bus } => client::set(&bus.bus, name, *value, output),
+    }
+}
+
+fn evaluate(
+    arguments: &EvalGrasp,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let objects: Result<Vec<Object>, ObjectError> = if arguments.objects.is_empty() {
+        Object::names().map(Object::built_in).collect()
+    } else {
+        let named = arguments.objects.iter();
+        named.map(|name| Object::named_or_file(name)).collect()
+    };
+    let plan = eval::Plan {
+        objects: objects.map_err(|error| Ended::with(Exit::Usage, error.to_string()))?,
+        seeds: arguments.seeds,
+        noise: arguments.noise,
+        rate_hz: arguments.rate_hz,
+        threads: arguments.threads,
+        settings: atas::Settings::default(),
+    };
+    let bar = trial_bar(plan.trials());
+    let report = plan.run(interrupt.flag(), || bar.inc(1))?;
+    let done = bar.position();
+    bar.finish_and_clear();
+    match report {
+        Some(report) => eval::print(&report, output),
+        None => Err(Ended::with(
+            Exit::Interrupted,
+            format!(
+                "interrupted after {done} of {} trials; nothing was reported",
+                plan.trials()
+            ),
+        )),
+    }
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn trial_bar(trials: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let template = "{bar:40} {pos}/{len} trials, {elapsed} passed, {eta} left";
+    let style = ProgressStyle::with_template(template);
+    ProgressBar::new(trials).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Whoever reads the output may stop reading: `atas events | head` is no error.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// Warnings of the libraries below, or what `RUST_LOG` asks for.
+fn log_to_stderr() {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_target(false)
+        .init();
+}

@@ -1,0 +1,144 @@
+//! One process of a demo: started, watched, ended.
+
+use std::fs::File;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child as Process, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use rustix::process::{
+    Pid, Signal, getpid, getppid, kill_process, set_parent_process_death_signal,
+};
+
+/// How long a process may take to end by itself (ours: the daemon promises 200 ms).
+const END_WITHIN: Duration = Duration::from_secs(3);
+/// Lines of a log that an error message repeats.
+const TAIL_LINES: usize = 12;
+
+/// A running program with its log. Ends with this value, and with this process, however that ends.
+pub(super) struct Child {
+    name: &'static str,
+    process: Process,
+    log: PathBuf,
+}
+
+impl Child {
+    /// Starts the program of this name that lies next to this one.
+    ///
+    /// It gets a process group of its own, so that Ctrl-C reaches this process only, which then ends it in good order.
+    pub(super) fn start(
+        name: &'static str,
+        arguments: &[&str],
+        folder: &Path,
+    ) -> anyhow::Result<Self> {
+        let program = beside_this_program(name)?;
+        let log = folder.join(format!("{name}.log"));
+        let file = File::create(&log)
+            .with_context(|| format!("could not make the log file {}", log.display()))?;
+        let mut command = Command::new(&program);
+        command
+            .args(arguments)
+            .env("NO_COLOR", "1")
+            .stdin(Stdio::null())
+            .stdout(file.try_clone()?)
+            .stderr(file)
+            .process_group(0);
+        end_with_this_process(&mut command);
+        let process = command
+            .spawn()
+            .with_context(|| format!("could not start {}", program.display()))?;
+        Ok(Self { name, process, log })
+    }
+
+    /// An error with the end of its log if it has ended, which it must not by itself.
+    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+        let Some(status) = self.process.try_wait()? else {
+            return Ok(());
+        };
+        anyhow::bail!(
+            "{} ended unexpectedly ({status}); the end of its log {}:\n{}",
+            self.name,
+            self.log.display(),
+            self.tail()
+        )
+    }
+
+    /// The last lines of its log.
+    fn tail(&self) -> String {
+        let text = std::fs::read_to_string(&self.log).unwrap_or_default();
+        let lines: Vec<&str> = text.lines().collect();
+        let first = lines.len().saturating_sub(TAIL_LINES);
+        lines[first..]
+            .iter()
+            .map(|line| format!("  {line}\n"))
+            .collect()
+    }
+}
+
+impl Drop for Child {
+    fn drop(&mut self) {
+        let begin = Instant::now();
+        let pid = Pid::from_child(&self.process);
+        // Fails only if it has ended already; as long as nobody waited for it, its id cannot be another's.
+        let mut running = !matches!(self.process.try_wait(), Ok(Some(_)));
+        if running {
+            let _ = kill_process(pid, Signal::TERM);
+        }
+        while running && begin.elapsed() < END_WITHIN {
+            std::thread::sleep(Duration::from_millis(2));
+            running = !matches!(self.process.try_wait(), Ok(Some(_)));
+        }
+        if running {
+            tracing::warn!(
+                "{} did not end within {END_WITHIN:?} of SIGTERM; killed it",
+                self.name
+            );
+            let _ = self.process.kill();
+            let _ = self.process.wait();
+        }
+    }
+}
+
+/// Asks the kernel to send SIGTERM to the program when this process dies, even of `kill -9`: a simulator without its
+/// audience ends like one that was asked to, and leaves nothing in `/dev/shm`.
+///
+/// Linux watches the thread that starts the program; here it is the main thread, which lives as long as the process.
+fn end_with_this_process(command: &mut Command) {
+    let parent = getpid();
+    let before_exec = move || {
+        set_parent_process_death_signal(Some(Signal::TERM))?;
+        // This process may have died before the kernel was asked.
+        if getppid() == Some(parent) {
+            Ok(())
+        } else {
+            Err(std::io::Error::from_raw_os_error(
+                rustix::io::Errno::SRCH.raw_os_error(),
+            ))
+        }
+    };
+    // SAFETY: between fork and exec only async-signal-safe calls are allowed: the closure makes two system calls,
+    // allocates nothing and takes no lock.
+    unsafe {
+        command.pre_exec(before_exec);
+    }
+}
+
+/// The path of a program that is built together with this one.
+fn beside_this_program(name: &str) -> anyhow::Result<PathBuf> {
+    let this = std::env::current_exe().context("could not find out where this program lies")?;
+    let folder = this.parent().unwrap_or(Path::new("."));
+    let program = folder.join(name);
+    if program.is_file() {
+        return Ok(program);
+    }
+    let release = if folder.ends_with("release") {
+        " --release"
+    } else {
+        ""
+    };
+    anyhow::bail!(
+        "could not find {name} in {}, where this program lies; build everything with `cargo build --workspace{release}`",
+        folder.display()
+    )
+}

@@ -1,0 +1,122 @@
+//! The stage of a demo: a bus of its own, the simulator and the daemon on it, and their logs.
+//!
+//! Dropping the stage ends the processes and wipes the bus, on every way out. Whoever joined the bus must have left it
+//! by then: declare the stage first.
+
+use std::fs::DirBuilder;
+use std::os::unix::fs::DirBuilderExt;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use shm_bus::{BusName, FreshBus};
+use shm_schemas::{Mode, Status, service};
+
+use super::child::Child;
+use crate::client::{POLL, Session};
+use crate::interrupt::Interrupt;
+
+/// How long both processes may take until the daemon is ready (ours: it promises 150 ms; a loaded machine takes longer).
+const READY_WITHIN: Duration = Duration::from_secs(15);
+/// A configuration file without content: the built-in defaults, whatever is installed on this machine.
+const NO_CONFIGURATION: &str = "/dev/null";
+
+/// A stage with everything running. The order of the fields is the order of the end.
+pub(super) struct Stage {
+    daemon: Child,
+    simulator: Child,
+    bus: FreshBus,
+    logs: Logs,
+}
+
+impl Stage {
+    /// Starts simulator and daemon.
+    pub(super) fn set(object: &str, seed: u64, lockstep: bool) -> anyhow::Result<Self> {
+        let bus = FreshBus::new("demo");
+        let logs = Logs::new(&bus)?;
+        let (name, seed) = (bus.as_str(), seed.to_string());
+        let mut simulate = vec![
+            "run", "--bus", name, "--object", object, "--hand", "right", "--seed", &seed,
+        ];
+        let mut control = vec!["--bus", name, "--config", NO_CONFIGURATION];
+        if lockstep {
+            simulate.push("--lockstep");
+            control.push("--lockstep");
+        }
+        let simulator = Child::start("atas-sim", &simulate, &logs.folder)?;
+        let daemon = Child::start("atasd", &control, &logs.folder)?;
+        Ok(Self {
+            daemon,
+            simulator,
+            bus,
+            logs,
+        })
+    }
+
+    /// The bus.
+    pub(super) fn bus(&self) -> &BusName {
+        &self.bus
+    }
+
+    /// An error if one of the processes has ended; the logs are kept then.
+    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+        let checked = self.simulator.check().and_then(|()| self.daemon.check());
+        self.logs.keep |= checked.is_err();
+        checked
+    }
+
+    /// Waits until the daemon is ready for a goal.
+    pub(super) fn wait_until_ready(
+        &mut self,
+        session: &Session,
+        interrupt: &Interrupt,
+    ) -> anyhow::Result<()> {
+        let mut statuses = session.bus().subscriber::<Status>(service::STATUS)?;
+        let mut status = Status::default();
+        let begin = Instant::now();
+        while status.ticks == 0 || status.mode != Mode::READY {
+            self.check()?;
+            interrupt.check("the demo was starting")?;
+            if begin.elapsed() > READY_WITHIN {
+                self.logs.keep = true;
+                anyhow::bail!(
+                    "the daemon was not ready within {READY_WITHIN:?}: mode {} ({}); its log is in {}",
+                    status.mode,
+                    status.reason,
+                    self.logs.folder.display()
+                );
+            }
+            statuses.newest(&mut status)?;
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+}
+
+/// The folder of the logs: removed at the end unless they are worth reading.
+struct Logs {
+    folder: PathBuf,
+    keep: bool,
+}
+
+impl Logs {
+    fn new(bus: &BusName) -> anyhow::Result<Self> {
+        let folder: &Path = &std::env::temp_dir().join(format!("atas-demo-{bus}"));
+        DirBuilder::new()
+            .mode(0o700)
+            .create(folder)
+            .with_context(|| format!("could not make the log folder {}", folder.display()))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            keep: false,
+        })
+    }
+}
+
+impl Drop for Logs {
+    fn drop(&mut self) {
+        if !self.keep {
+            let _ = std::fs::remove_dir_all(&self.folder);
+        }
+    }
+}

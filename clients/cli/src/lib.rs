@@ -1,0 +1,32 @@
+//! The command line of ATAS, as a library so that tests and benches can call what the commands call.
+//!
+//! ```text
+//!  arguments ─▶ commands ─┬─ session ─▶ goals, control, status, events of a running daemon (over the bus)
+//!                         ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
+//!                         └─ eval ────▶ rehearsal: controller and world in process, in virtual time, on all cores
+//!                                        └─▶ judge: what physics allows, and what became of it
+//! ```
+//!
+//! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard
+//!   error, and an exit code of [`exit::Exit`].
+//! * **Invariants:** a command that asks something of a daemon waits for its answer. Without a daemon it ends within
+//!   one second, with a code of its own. Ctrl-C leaves neither a process nor a bus behind that the command started.
+//!   The numbers of `eval` depend on its arguments only, not on the threads or the machine; times do.
+//! * **Absent on purpose:** control, perception and limits (the daemon's), and any knowledge of which object of the
+//!   built-in set can be held: [`judge`] computes it.
+
+pub mod arguments;
+mod client;
+mod commands;
+mod demo;
+pub mod eval;
+pub mod exit;
+mod interrupt;
+mod json;
+pub mod judge;
+mod output;
+mod progress;
+pub mod rehearsal;
+pub mod story;
+
+pub use commands::main;

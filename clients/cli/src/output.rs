@@ -1,0 +1,101 @@
+//! Standard output: results for people or for programs.
+
+use std::io::{IsTerminal, Write};
+
+use anyhow::Context;
+use clap::ValueEnum;
+use comfy_table::{Cell, Color, ContentArrangement, LineStyle, Table, TableStyle};
+use serde::Serialize;
+use shm_schemas::ModuleId;
+
+/// How results are printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Tables and sentences
+    #[default]
+    Human,
+    /// One JSON value per line
+    Json,
+}
+
+/// Standard output in one format.
+pub(crate) struct Output {
+    pub(crate) format: Format,
+    colour: bool,
+    out: std::io::Stdout,
+}
+
+impl Output {
+    /// Standard output. Colours only on a terminal, and not if `NO_COLOR` is set to anything (no-color.org).
+    pub(crate) fn new(format: Format) -> Self {
+        let wanted = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+        let out = std::io::stdout();
+        Self {
+            format,
+            colour: wanted && out.is_terminal(),
+            out,
+        }
+    }
+
+    pub(crate) fn is_json(&self) -> bool {
+        self.format == Format::Json
+    }
+
+    pub(crate) fn is_terminal(&self) -> bool {
+        self.out.is_terminal()
+    }
+
+    /// Prints one line, or several.
+    pub(crate) fn line(&mut self, text: impl std::fmt::Display) -> anyhow::Result<()> {
+        writeln!(self.out, "{text}").context("could not write to standard output")
+    }
+
+    /// Prints one JSON value on one line.
+    pub(crate) fn json(&mut self, value: &impl Serialize) -> anyhow::Result<()> {
+        let text = serde_json::to_string(value).context("could not write JSON")?;
+        self.line(text)
+    }
+
+    /// Clears the terminal for the next picture of a watched value.
+    pub(crate) fn clear(&mut self) -> anyhow::Result<()> {
+        if self.is_terminal() {
+            write!(self.out, "\x1b[H\x1b[2J").context("could not write to standard output")?;
+        }
+        Ok(())
+    }
+
+    /// A cell that says whether something went well: green or red where colours are wanted.
+    pub(crate) fn verdict(&self, text: &str, good: bool) -> Cell {
+        let cell = Cell::new(text);
+        match (self.colour, good) {
+            (true, true) => cell.fg(Color::Green),
+            (true, false) => cell.fg(Color::Red),
+            (false, _) => cell,
+        }
+    }
+}
+
+/// A table in the one style of this program.
+pub(crate) fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─')))
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_header(header);
+    table
+}
+
+/// The active modules of a bit set, by the short forms of their names.
+pub(crate) fn modules(active: u32) -> String {
+    let is_active = |id: &&ModuleId| id.0 < u32::BITS && active & (1 << id.0) != 0;
+    let names: Vec<&str> = ModuleId::ALL
+        .iter()
+        .filter(is_active)
+        .map(|id| id.name())
+        .collect();
+    if names.is_empty() {
+        "none".into()
+    } else {
+        names.join(" + ")
+    }
+}

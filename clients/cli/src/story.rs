@@ -1,0 +1,76 @@
+//! A goal's story: its updates, condensed to what a user wants to hear at the end.
+
+use atas::tasks::BACK_OUT;
+use shm_schemas::{GoalState, GoalUpdate, GraspFigures};
+
+/// What happened to a goal so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Story {
+    last: GoalUpdate,
+    /// The last update of the attempt itself, before the hand backed out of a refused object.
+    attempt: GoalUpdate,
+}
+
+impl Story {
+    /// Takes in the next update.
+    pub fn add(&mut self, update: &GoalUpdate) {
+        self.last = *update;
+        if !self.is_backing_out() {
+            self.attempt = *update;
+        }
+    }
+
+    /// Whether the hand is putting a refused object back, or opening.
+    #[must_use]
+    pub fn is_backing_out(&self) -> bool {
+        let step = self.last.step.as_str();
+        BACK_OUT.iter().any(|back_out| back_out.name == step)
+    }
+
+    /// The last update.
+    #[must_use]
+    pub fn last(&self) -> &GoalUpdate {
+        &self.last
+    }
+
+    /// What the hand knew and pressed when it last tried.
+    #[must_use]
+    pub fn figures(&self) -> &GraspFigures {
+        if self.attempt.goal_id == 0 {
+            &self.last.figures
+        } else {
+            &self.attempt.figures
+        }
+    }
+
+    /// The step that decided: the last one, but for a refused object the one before the hand backed out.
+    #[must_use]
+    pub fn step(&self) -> &str {
+        let refused = self.last.state == GoalState::REFUSED && self.attempt.goal_id != 0;
+        let update = if refused { &self.attempt } else { &self.last };
+        update.step.as_str()
+    }
+
+    /// One sentence about an end without success: the step, the cause, the value against its limit, the module.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        match self.step() {
+            "" => self.last.reason.to_string(),
+            step => format!("{step}: {}", self.last.reason),
+        }
+    }
+
+    /// What the hand does after an end: a goal that ends lets nothing fall.
+    #[must_use]
+    pub fn hand_now(&self) -> &'static str {
+        let figures = &self.last.figures;
+        let presses = figures.normal_n.iter().any(|force_n| *force_n > 0.0);
+        if self.last.state == GoalState::REFUSED {
+            "the hand has put the object back and is open above it"
+        } else if figures.hardness_n_m > 0.0 && presses {
+            "the hand keeps holding what it holds; `atas release` lets go"
+        } else {
+            "the hand stays where it is"
+        }
+    }
+}
