@@ -1,29 +1,28 @@
 //! One thread's place on a bus.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Once;
 use std::time::{Duration, Instant};
 
 use iceoryx2::identifiers::UniqueNodeId;
-use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
-    CallbackProgression, Config, LogLevel, MessagingPattern, Node, NodeBuilder, NodeName,
-    NodeState, SignalHandlingMode, ipc, set_log_level,
+    Config, LogLevel, MessagingPattern, Node, NodeBuilder, NodeName, SignalHandlingMode, ipc,
+    set_log_level,
 };
 
 use crate::lock::StartupLock;
 use crate::owner::OwnerLock;
-use crate::recover;
 use crate::root::{Place, SHM};
-use crate::{BusError, BusName};
+use crate::{BusError, BusName, Peer, clean, recover};
 
 /// iceoryx2's variant: shared memory between processes, without a mutex around every port.
 pub(crate) type Ipc = ipc::Service;
 
 /// How long a transient refusal may last before its cause counts as left behind by a killed process. Ours.
 const TRANSIENT: Duration = Duration::from_millis(50);
-/// How long non-real-time nodes wait for a peer that is being set up. Real-time nodes do not wait.
+/// How long non-real-time nodes wait for a peer that is being set up. Real-time nodes do not wait. Ours.
 const PEER_WAIT: Duration = Duration::from_millis(100);
 /// Free room in `/dev/shm` beyond the payloads: connections, service descriptions, growth of others. Ours.
 const RESERVE_BYTES: u64 = 4 << 20;
@@ -37,28 +36,22 @@ pub enum Realtime {
     No,
 }
 
-/// Someone on the bus.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Peer {
-    /// The role it opened the bus with; empty if unknown.
-    pub role: String,
-    /// Its process id; 0 if unknown.
-    pub pid: u32,
-    /// False once it died and until someone [cleans up](Bus::clean_dead).
-    pub alive: bool,
-}
-
-impl fmt::Display for Peer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} (process {})", self.role, self.pid)
-    }
-}
-
 /// One thread's place on a bus: opens ports, sees peers, cleans up after the dead.
 ///
-/// Ports that were opened from it outlive it.
+/// Ports that were opened from it outlive it. Like its ports it stays in its thread:
+///
+/// ```compile_fail,E0277
+/// let bus = shm_bus::Bus::open(&shm_bus::BusName::fresh("doc"), "doc", shm_bus::Realtime::No).unwrap();
+/// std::thread::spawn(move || bus.clean_dead());
+/// ```
 #[derive(Debug)]
 pub struct Bus {
+    pub(crate) member: Rc<Member>,
+}
+
+/// What a bus and its clients share.
+#[derive(Debug)]
+pub(crate) struct Member {
     pub(crate) place: Place,
     pub(crate) realtime: Realtime,
     pub(crate) node: Node<Ipc>,
@@ -76,38 +69,41 @@ impl Bus {
     pub fn open(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         quiet();
         let place = Place::of(name)?;
-        let mut config = place.config()?;
-        config.global.creation_timeout = if realtime == Realtime::Yes {
-            Duration::ZERO
-        } else {
-            PEER_WAIT
-        };
-        // Cleaning costs up to 21 ms per dead node: at start-up and in `clean_dead`, not whenever something is opened
-        // or dropped.
-        config.global.service.cleanup_dead_nodes_on_open = false;
-        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        let config = config(&place, realtime)?;
         let _startup = StartupLock::take(&place, role)?;
+        place.check_shared_memory()?;
         clear_if_deserted(&place, &config)?;
         require_space("the bus", 0)?;
         let node = create_node(&place, &config, role)?;
+        place.close_shared_memory()?;
+        clean::remove_dead(&place, &node);
         Ok(Self {
-            place,
-            realtime,
-            node,
-            role: role.to_owned(),
+            member: Rc::new(Member {
+                place,
+                realtime,
+                node,
+                role: role.to_owned(),
+            }),
         })
     }
 
     /// The bus's name.
     #[must_use]
     pub fn name(&self) -> &BusName {
-        &self.place.bus
+        &self.member.place.bus
     }
 
-    /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or `/tmp`.
+    /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or `/tmp`. For peers in other
+    /// languages: it is iceoryx2's `global.root-path`.
     #[must_use]
-    pub fn folder(&self) -> &std::path::Path {
-        &self.place.root
+    pub fn folder(&self) -> &Path {
+        &self.member.place.root
+    }
+
+    /// What the bus's names in `/dev/shm` begin with. For peers in other languages: it is iceoryx2's `global.prefix`.
+    #[must_use]
+    pub fn prefix(&self) -> &str {
+        &self.member.place.prefix
     }
 
     /// Removes what dead processes left; returns how many were removed.
@@ -115,10 +111,7 @@ impl Bus {
     /// Until someone does this, a killed peer keeps its place. Costs up to 21 ms per dead process: for supervisor
     /// threads, every 250 ms or so. Does nothing while another process starts up.
     pub fn clean_dead(&self) -> usize {
-        match StartupLock::try_take(&self.place, &self.role) {
-            Ok(Some(_startup)) => self.node.try_cleanup_dead_nodes().cleanups as usize,
-            Ok(None) | Err(_) => 0,
-        }
+        self.member.clean_dead()
     }
 
     /// Everyone on the bus, this thread included. Reads files: not for real-time threads.
@@ -126,7 +119,7 @@ impl Bus {
     /// # Errors
     /// [`BusError::Open`] if the folder of the bus cannot be read.
     pub fn peers(&self) -> Result<Vec<Peer>, BusError> {
-        peers(&self.place, self.node.config())
+        Peer::list(&self.member.place, self.member.node.config())
     }
 
     /// Removes everything of a bus: its folder and its shared memory. Returns how many entries that were.
@@ -137,7 +130,8 @@ impl Bus {
         let place = Place::of(name)?;
         let _owner = OwnerLock::take_at(&place, "wipe")?;
         let _startup = StartupLock::take(&place, "wipe")?;
-        let mut alive = peers(&place, &place.config()?)?;
+        place.check_shared_memory()?;
+        let mut alive = Peer::list(&place, &place.config()?)?;
         alive.retain(|peer| peer.alive);
         if !alive.is_empty() {
             let peers: Vec<String> = alive.iter().map(Peer::to_string).collect();
@@ -150,66 +144,88 @@ impl Bus {
         std::fs::remove_dir_all(&place.root).map_err(BusError::io("remove", &place.root))?;
         Ok(removed)
     }
+}
 
-    /// Sets something up, one process at a time.
+impl Member {
+    pub(crate) fn clean_dead(&self) -> usize {
+        match StartupLock::try_take(&self.place, &self.role) {
+            Ok(Some(_startup)) => clean::remove_dead(&self.place, &self.node),
+            Ok(None) | Err(_) => 0,
+        }
+    }
+
+    /// For setting something up, one process at a time.
     pub(crate) fn startup(&self) -> Result<StartupLock, BusError> {
         StartupLock::take(&self.place, &self.role)
     }
 
-    /// The error for a place that one process has and only one may have.
+    pub(crate) fn refused(&self, what: &'static str, why: &impl fmt::Debug) -> BusError {
+        BusError::Open {
+            what,
+            root: self.place.root.clone(),
+            why: format!("{why:?}"),
+        }
+    }
+
+    /// The error for a place that only one may have, and that this node has.
     pub(crate) fn taken_by(&self, service: &'static str, node: Option<UniqueNodeId>) -> BusError {
-        let state =
-            node.and_then(|id| Node::<Ipc>::state_of(self.node.config(), id).ok().flatten());
-        let peer = state.map(|state| peer_of(&state));
+        let peer = node.and_then(|id| Peer::find(self.node.config(), id));
         let (role, pid) = peer.map_or(("another process".to_owned(), 0), |peer| {
             (peer.role, peer.pid)
         });
         BusError::Taken { service, role, pid }
     }
 
-    /// Opens a service under the start-up lock, in spite of what killed processes left.
+    /// Opens something under the start-up lock, in spite of what killed processes left.
     ///
-    /// A refusal that is transient by its nature is retried for [`TRANSIENT`]; if it persists, a killed process left
-    /// the service half-made or half-removed. Nobody can be using it then, so its description is removed, once.
+    /// Places may belong to the dead: clean up, once. A refusal that is transient by its nature is retried for
+    /// [`TRANSIENT`]; if it persists, a killed process left the service half-made or half-removed, and nobody can be
+    /// using it: its description is removed, once.
     pub(crate) fn persist<T, E: Refusal>(
         &self,
         service: &'static str,
         pattern: MessagingPattern,
         open: impl Fn() -> Result<T, E>,
-    ) -> Result<T, BusError> {
-        let (mut begin, mut recovered) = (Instant::now(), false);
+    ) -> Result<T, E> {
+        let (mut begin, mut cleaned, mut forgotten) = (Instant::now(), false, false);
         loop {
             let refusal = match open() {
-                Ok(service) => return Ok(service),
+                Ok(opened) => return Ok(opened),
                 Err(refusal) => refusal,
             };
-            if refusal.is_crowded() && !recovered {
-                self.node.try_cleanup_dead_nodes();
-                recovered = true;
-            } else if refusal.is_transient() && begin.elapsed() < TRANSIENT {
-                std::thread::sleep(Duration::from_millis(1));
-            } else if refusal.is_transient() && !recovered {
-                tracing::warn!(bus = %self.place.bus, service, ?refusal, "removing a service that a killed process left half-made");
-                recover::forget_service(&self.place, service, pattern);
-                (begin, recovered) = (Instant::now(), true);
-            } else {
-                let (root, why) = (self.place.root.clone(), format!("{refusal:?}"));
-                return Err(BusError::Open {
-                    what: service,
-                    root,
-                    why,
-                });
+            match refusal.cause() {
+                Cause::NoPlace if !cleaned => {
+                    clean::remove_dead(&self.place, &self.node);
+                    cleaned = true;
+                }
+                Cause::Transient if begin.elapsed() < TRANSIENT => {
+                    std::thread::sleep(Duration::from_millis(1))
+                }
+                Cause::Transient if !forgotten => {
+                    tracing::warn!(bus = %self.place.bus, service, ?refusal, "removing a half-made service");
+                    recover::forget_service(&self.place, service, pattern);
+                    (begin, forgotten) = (Instant::now(), true);
+                }
+                _ => return Err(refusal),
             }
         }
     }
 }
 
-/// How iceoryx2's refusals are told apart.
-pub(crate) trait Refusal: fmt::Debug {
+/// What lies behind a refusal of iceoryx2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cause {
     /// It may pass when others finish what they are doing.
-    fn is_transient(&self) -> bool;
-    /// Too many nodes, some of them perhaps dead.
-    fn is_crowded(&self) -> bool;
+    Transient,
+    /// All places are taken, some of them perhaps by the dead.
+    NoPlace,
+    /// It will not pass.
+    Permanent,
+}
+
+/// An error of iceoryx2.
+pub(crate) trait Refusal: fmt::Debug {
+    fn cause(&self) -> Cause;
 }
 
 /// iceoryx2 logs through `tracing`; below warnings it is silent, so that nothing is formatted on a tick.
@@ -218,8 +234,22 @@ fn quiet() {
     ONCE.call_once(|| set_log_level(LogLevel::Warn));
 }
 
+fn config(place: &Place, realtime: Realtime) -> Result<Config, BusError> {
+    let mut config = place.config()?;
+    config.global.creation_timeout = if realtime == Realtime::Yes {
+        Duration::ZERO
+    } else {
+        PEER_WAIT
+    };
+    // Cleaning up costs up to 21 ms per dead node and must survive being killed: only `clean` does it.
+    config.global.service.cleanup_dead_nodes_on_open = false;
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    Ok(config)
+}
+
 fn clear_if_deserted(place: &Place, config: &Config) -> Result<(), BusError> {
-    if peers(place, config)?.iter().any(|peer| peer.alive) {
+    if Peer::list(place, config)?.iter().any(|peer| peer.alive) {
         return Ok(());
     }
     let removed = recover::clear(place);
@@ -243,35 +273,6 @@ fn create_node(place: &Place, config: &Config, role: &str) -> Result<Node<Ipc>, 
     builder
         .create::<Ipc>()
         .map_err(|e| refused(format!("{e:?}")))
-}
-
-fn peers(place: &Place, config: &Config) -> Result<Vec<Peer>, BusError> {
-    let mut peers = Vec::new();
-    Node::<Ipc>::list(config, |state| {
-        peers.push(peer_of(&state));
-        CallbackProgression::Continue
-    })
-    .map_err(|e| BusError::Open {
-        what: "the list of peers",
-        root: place.root.clone(),
-        why: format!("{e:?}"),
-    })?;
-    Ok(peers)
-}
-
-fn peer_of(state: &NodeState<Ipc>) -> Peer {
-    let (details, alive) = match state {
-        NodeState::Alive(view) => (view.details().as_ref(), true),
-        NodeState::Dead(view) => (view.details().as_ref(), false),
-        // Cannot be examined, so it may be alive.
-        NodeState::Inaccessible(_) => (None, true),
-        NodeState::Undefined(_) => (None, false),
-    };
-    let role = details
-        .map(|d| d.name().as_str().to_owned())
-        .unwrap_or_default();
-    let pid = details.map_or(0, |d| d.process_id().value() as u32);
-    Peer { role, pid, alive }
 }
 
 /// Refuses when `/dev/shm` has no room for so many bytes and the reserve.

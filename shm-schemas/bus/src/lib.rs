@@ -24,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 mod bus;
+mod clean;
 mod clock;
 mod control;
 mod error;
@@ -32,13 +33,14 @@ mod goal;
 mod lock;
 mod name;
 mod owner;
+mod peer;
 mod port;
 mod qos;
 mod recover;
 mod root;
 mod rpc;
 
-pub use bus::{Bus, Peer, Realtime};
+pub use bus::{Bus, Realtime};
 pub use clock::{now_ns, writer_epoch};
 pub use control::{ControlCall, ControlClient, ControlServer};
 pub use error::BusError;
@@ -46,5 +48,6 @@ pub use fresh::FreshBus;
 pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
 pub use name::BusName;
 pub use owner::OwnerLock;
+pub use peer::Peer;
 pub use port::{Publisher, Subscriber};
 pub use qos::{STREAMS, Stream};

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
 use iceoryx2::port::publisher::{Publisher as IoxPublisher, PublisherCreateError};
 use iceoryx2::port::subscriber::{Subscriber as IoxSubscriber, SubscriberCreateError};
@@ -17,8 +18,12 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use shm_schemas::Payload;
 
 use crate::BusError;
-use crate::bus::{Bus, Ipc, Realtime, Refusal, require_space};
+use crate::bus::{Bus, Cause, Ipc, Member, Realtime, Refusal, require_space};
 use crate::qos::{BORROWED, Stream};
+
+const PATTERN: MessagingPattern = MessagingPattern::PublishSubscribe;
+
+type Factory<T> = PortFactory<Ipc, T, ()>;
 
 /// Writes one stream.
 pub struct Publisher<T: Payload> {
@@ -39,24 +44,17 @@ impl Bus {
     /// [`BusError::Taken`], naming the process, if the stream has its writer already; [`BusError::NoSpace`] if
     /// `/dev/shm` is too full.
     pub fn publisher<T: Payload>(&self, service: &str) -> Result<Publisher<T>, BusError> {
-        let stream = line::<T>(service)?;
-        let _startup = self.startup()?;
+        let (member, stream) = (&self.member, line::<T>(service)?);
+        let _startup = member.startup()?;
         require_space(stream.service, stream.publisher_bytes())?;
-        let factory = self.open_stream::<T>(stream)?;
-        let port = match create_publisher(&factory, self.realtime) {
-            Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                // The places may belong to the dead.
-                self.node.try_cleanup_dead_nodes();
-                create_publisher(&factory, self.realtime)
-            }
-            created => created,
-        };
-        match port {
+        let factory = member.open_stream::<T>(stream)?;
+        let create = || create_publisher(&factory, member.realtime);
+        match member.persist(stream.service, PATTERN, create) {
             Ok(port) => Ok(Publisher { port, stream }),
             Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                Err(self.taken(stream.service, &factory))
+                Err(member.taken_by(stream.service, first_publisher(&factory)))
             }
-            Err(e) => Err(self.refused(stream.service, &e)),
+            Err(e) => Err(member.refused(stream.service, &e)),
         }
     }
 
@@ -65,35 +63,28 @@ impl Bus {
     /// # Errors
     /// [`BusError::Full`] if all places for readers are taken; [`BusError::NoSpace`] if `/dev/shm` is too full.
     pub fn subscriber<T: Payload>(&self, service: &str) -> Result<Subscriber<T>, BusError> {
-        let stream = line::<T>(service)?;
-        let _startup = self.startup()?;
+        let (member, stream) = (&self.member, line::<T>(service)?);
+        let _startup = member.startup()?;
         require_space(stream.service, 0)?;
-        let factory = self.open_stream::<T>(stream)?;
-        let port = match create_subscriber(&factory, self.realtime) {
-            Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
-                self.node.try_cleanup_dead_nodes();
-                create_subscriber(&factory, self.realtime)
-            }
-            created => created,
-        };
-        match port {
+        let factory = member.open_stream::<T>(stream)?;
+        let create = || create_subscriber(&factory, member.realtime);
+        match member.persist(stream.service, PATTERN, create) {
             Ok(port) => Ok(Subscriber { port, stream }),
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => Err(BusError::Full {
                 service: stream.service,
                 what: "readers",
                 limit: stream.subscribers,
             }),
-            Err(e) => Err(self.refused(stream.service, &e)),
+            Err(e) => Err(member.refused(stream.service, &e)),
         }
     }
+}
 
-    fn open_stream<T: Payload>(
-        &self,
-        stream: &'static Stream,
-    ) -> Result<PortFactory<Ipc, T, ()>, BusError> {
+impl Member {
+    fn open_stream<T: Payload>(&self, stream: &'static Stream) -> Result<Factory<T>, BusError> {
         let name =
             ServiceName::new(stream.service).map_err(|e| self.refused(stream.service, &e))?;
-        self.persist(stream.service, MessagingPattern::PublishSubscribe, || {
+        let open = || {
             let service = self.node.service_builder(&name).publish_subscribe::<T>();
             service
                 .enable_safe_overflow(true)
@@ -104,29 +95,19 @@ impl Bus {
                 .max_subscribers(stream.subscribers)
                 .max_nodes(stream.nodes())
                 .open_or_create()
-        })
+        };
+        self.persist(stream.service, PATTERN, open)
+            .map_err(|e| self.refused(stream.service, &e))
     }
+}
 
-    fn taken<T: Payload>(
-        &self,
-        service: &'static str,
-        factory: &PortFactory<Ipc, T, ()>,
-    ) -> BusError {
-        let mut owner = None;
-        factory.dynamic_config().list_publishers(|details| {
-            owner = Some(details.node_id);
-            CallbackProgression::Stop
-        });
-        self.taken_by(service, owner)
-    }
-
-    pub(crate) fn refused(&self, what: &'static str, why: &impl fmt::Debug) -> BusError {
-        BusError::Open {
-            what,
-            root: self.place.root.clone(),
-            why: format!("{why:?}"),
-        }
-    }
+fn first_publisher<T: Payload>(factory: &Factory<T>) -> Option<UniqueNodeId> {
+    let mut first = None;
+    factory.dynamic_config().list_publishers(|details| {
+        first = Some(details.node_id);
+        CallbackProgression::Stop
+    });
+    first
 }
 
 fn line<T: Payload>(service: &str) -> Result<&'static Stream, BusError> {
@@ -138,7 +119,7 @@ fn line<T: Payload>(service: &str) -> Result<&'static Stream, BusError> {
 }
 
 fn create_publisher<T: Payload>(
-    factory: &PortFactory<Ipc, T, ()>,
+    factory: &Factory<T>,
     realtime: Realtime,
 ) -> Result<IoxPublisher<Ipc, T, ()>, PublisherCreateError> {
     // Streams overflow, so there is no back-pressure; should a peer misbehave, its payload is lost, not our time.
@@ -151,7 +132,7 @@ fn create_publisher<T: Payload>(
 }
 
 fn create_subscriber<T: Payload>(
-    factory: &PortFactory<Ipc, T, ()>,
+    factory: &Factory<T>,
     realtime: Realtime,
 ) -> Result<IoxSubscriber<Ipc, T, ()>, SubscriberCreateError> {
     let degraded = on_degradation(realtime);
@@ -300,29 +281,43 @@ pub(crate) fn loan_text(error: LoanError) -> &'static str {
 }
 
 impl Refusal for OpenOrCreateError {
-    fn is_transient(&self) -> bool {
-        matches!(
-            self,
+    fn cause(&self) -> Cause {
+        match self {
             Self::SystemInFlux
-                | Self::PublishSubscribeOpenError(
-                    OpenError::HangsInCreation
-                        | OpenError::IsMarkedForDestruction
-                        | OpenError::ServiceInCorruptedState
-                        | OpenError::DoesNotExist
-                )
-                | Self::PublishSubscribeCreateError(
-                    CreateError::AlreadyExists
-                        | CreateError::HangsInCreation
-                        | CreateError::IsBeingCreatedByAnotherInstance
-                        | CreateError::ServiceInCorruptedState
-                )
-        )
+            | Self::PublishSubscribeOpenError(
+                OpenError::HangsInCreation
+                | OpenError::IsMarkedForDestruction
+                | OpenError::ServiceInCorruptedState
+                | OpenError::DoesNotExist,
+            )
+            | Self::PublishSubscribeCreateError(
+                CreateError::AlreadyExists
+                | CreateError::HangsInCreation
+                | CreateError::IsBeingCreatedByAnotherInstance
+                | CreateError::ServiceInCorruptedState,
+            ) => Cause::Transient,
+            Self::PublishSubscribeOpenError(OpenError::ExceedsMaxNumberOfNodes) => Cause::NoPlace,
+            _ => Cause::Permanent,
+        }
     }
+}
 
-    fn is_crowded(&self) -> bool {
-        matches!(
-            self,
-            Self::PublishSubscribeOpenError(OpenError::ExceedsMaxNumberOfNodes)
-        )
+impl Refusal for PublisherCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedPublishers {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
+    }
+}
+
+impl Refusal for SubscriberCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedSubscribers {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
     }
 }

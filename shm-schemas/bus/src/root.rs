@@ -1,8 +1,9 @@
 //! Where a bus lives: its own folder for iceoryx2's files and locks, its own prefix for names in `/dev/shm`.
 
-use std::fs::{self, DirBuilder, Metadata};
+use std::ffi::OsStr;
+use std::fs::{self, DirBuilder, Metadata, Permissions};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use iceoryx2::config::Config;
@@ -74,17 +75,45 @@ impl Place {
         Ok(config)
     }
 
-    /// Everything of this bus, and of this user, in `/dev/shm`.
+    /// Everything of this bus in `/dev/shm`, whoever made it.
     pub(crate) fn shared_memory(&self) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
         let prefix = self.prefix.clone();
-        entries(Path::new(SHM)).filter(move |(path, meta)| {
-            let ours = path
-                .file_name()
-                .and_then(|name| name.to_str())
-                .is_some_and(|name| name.starts_with(&prefix));
-            ours && meta.is_file() && meta.uid() == uid()
-        })
+        let named = move |path: &Path| {
+            path.file_name()
+                .is_some_and(|name| starts_with(name, &prefix))
+        };
+        entries(Path::new(SHM)).filter(move |(path, _)| named(path))
     }
+
+    /// Refuses if someone else put something under our names into `/dev/shm`, where every user may make files.
+    pub(crate) fn check_shared_memory(&self) -> Result<(), BusError> {
+        match self
+            .shared_memory()
+            .find(|(_, meta)| !meta.is_file() || meta.uid() != uid())
+        {
+            None => Ok(()),
+            Some((path, meta)) => {
+                let why = format!("user {} put it there", meta.uid());
+                Err(BusError::UnsafeRoot { path, why })
+            }
+        }
+    }
+
+    /// Takes from others what iceoryx2 grants them: its node counter is open to all users.
+    pub(crate) fn close_shared_memory(&self) -> Result<(), BusError> {
+        for (path, _) in self
+            .shared_memory()
+            .filter(|(_, meta)| meta.mode() & 0o077 != 0)
+        {
+            let private = Permissions::from_mode(0o600);
+            fs::set_permissions(&path, private).map_err(BusError::io("close to others", &path))?;
+        }
+        Ok(())
+    }
+}
+
+fn starts_with(name: &OsStr, prefix: &str) -> bool {
+    name.as_encoded_bytes().starts_with(prefix.as_bytes())
 }
 
 /// The files and folders in a folder; nothing if it cannot be read. Links are not followed.
@@ -153,7 +182,7 @@ fn flaw(meta: &Metadata) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::os::unix::fs::{PermissionsExt, symlink};
+    use std::os::unix::fs::symlink;
 
     fn scratch(label: &str) -> PathBuf {
         let path = std::env::temp_dir().join(BusName::fresh(label).as_str());

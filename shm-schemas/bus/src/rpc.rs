@@ -9,6 +9,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use iceoryx2::active_request::ActiveRequest;
+use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
 use iceoryx2::port::client::{Client as IoxClient, RequestSendError};
@@ -25,7 +26,7 @@ use iceoryx2::service::port_factory::server::ServerCreateError;
 use shm_schemas::Payload;
 
 use crate::BusError;
-use crate::bus::{Bus, Ipc, Refusal, require_space};
+use crate::bus::{Bus, Cause, Ipc, Member, Refusal, require_space};
 use crate::port::{loan_text, send_text};
 
 /// How one request-response service is carried.
@@ -45,6 +46,8 @@ const SPARE_NODES: usize = 4;
 /// How often a waiting client makes sure that the server lives. Ours: quick for a person, cheap for the machine.
 const LIVENESS: Duration = Duration::from_millis(250);
 
+const PATTERN: MessagingPattern = MessagingPattern::RequestResponse;
+
 type Factory<Q, A> = PortFactory<Ipc, Q, (), A, ()>;
 
 /// The serving side.
@@ -62,16 +65,14 @@ pub(crate) struct Request<Q: Payload, A: Payload> {
 /// The asking side.
 pub(crate) struct Client<Q: Payload, A: Payload> {
     port: IoxClient<Ipc, Q, (), A, ()>,
-    factory: Rc<Factory<Q, A>>,
+    member: Rc<Member>,
     exchange: Exchange,
-    bus: String,
-    root: std::path::PathBuf,
 }
 
 /// One request at the asking side. Dropping it tells the server that nobody listens any more.
 pub(crate) struct Pending<Q: Payload, A: Payload> {
     response: PendingResponse<Ipc, Q, (), A, ()>,
-    factory: Rc<Factory<Q, A>>,
+    member: Rc<Member>,
     service: &'static str,
     looked: Cell<Instant>,
 }
@@ -81,31 +82,16 @@ impl Bus {
         &self,
         exchange: Exchange,
     ) -> Result<Server<Q, A>, BusError> {
-        let _startup = self.startup()?;
-        require_space(exchange.service, 0)?;
-        let factory = self.open_exchange::<Q, A>(exchange)?;
-        let port = match create_server(&factory) {
+        let (member, service) = (&self.member, exchange.service);
+        let _startup = member.startup()?;
+        require_space(service, 0)?;
+        let factory = member.open_exchange::<Q, A>(exchange)?;
+        match member.persist(service, PATTERN, || create_server(&factory)) {
+            Ok(port) => Ok(Server { port, service }),
             Err(ServerCreateError::ExceedsMaxSupportedServers) => {
-                // The place may belong to the dead.
-                self.node.try_cleanup_dead_nodes();
-                create_server(&factory)
+                Err(member.taken_by(service, first_server(&factory)))
             }
-            created => created,
-        };
-        match port {
-            Ok(port) => Ok(Server {
-                port,
-                service: exchange.service,
-            }),
-            Err(ServerCreateError::ExceedsMaxSupportedServers) => {
-                let mut owner = None;
-                factory.dynamic_config().list_servers(|details| {
-                    owner = Some(details.node_id);
-                    CallbackProgression::Stop
-                });
-                Err(self.taken_by(exchange.service, owner))
-            }
-            Err(e) => Err(self.refused(exchange.service, &e)),
+            Err(e) => Err(member.refused(service, &e)),
         }
     }
 
@@ -113,40 +99,34 @@ impl Bus {
         &self,
         exchange: Exchange,
     ) -> Result<Client<Q, A>, BusError> {
-        let _startup = self.startup()?;
-        require_space(exchange.service, 0)?;
-        let factory = Rc::new(self.open_exchange::<Q, A>(exchange)?);
-        let port = match create_client(&factory) {
-            Err(ClientCreateError::ExceedsMaxSupportedClients) => {
-                self.node.try_cleanup_dead_nodes();
-                create_client(&factory)
-            }
-            created => created,
-        };
-        match port {
+        let (member, service) = (&self.member, exchange.service);
+        let _startup = member.startup()?;
+        require_space(service, 0)?;
+        let factory = member.open_exchange::<Q, A>(exchange)?;
+        match member.persist(service, PATTERN, || create_client(&factory)) {
             Ok(port) => Ok(Client {
                 port,
-                factory,
+                member: Rc::clone(member),
                 exchange,
-                bus: self.name().to_string(),
-                root: self.folder().to_owned(),
             }),
             Err(ClientCreateError::ExceedsMaxSupportedClients) => Err(BusError::Full {
-                service: exchange.service,
+                service,
                 what: "clients",
                 limit: exchange.clients,
             }),
-            Err(e) => Err(self.refused(exchange.service, &e)),
+            Err(e) => Err(member.refused(service, &e)),
         }
     }
+}
 
+impl Member {
     fn open_exchange<Q: Payload, A: Payload>(
         &self,
         exchange: Exchange,
     ) -> Result<Factory<Q, A>, BusError> {
         let name =
             ServiceName::new(exchange.service).map_err(|e| self.refused(exchange.service, &e))?;
-        self.persist(exchange.service, MessagingPattern::RequestResponse, || {
+        let open = || {
             let service = self.node.service_builder(&name).request_response::<Q, A>();
             service
                 .enable_safe_overflow_for_requests(true)
@@ -158,8 +138,19 @@ impl Bus {
                 .max_clients(exchange.clients)
                 .max_nodes(1 + exchange.clients + SPARE_NODES)
                 .open_or_create()
-        })
+        };
+        self.persist(exchange.service, PATTERN, open)
+            .map_err(|e| self.refused(exchange.service, &e))
     }
+}
+
+fn first_server<Q: Payload, A: Payload>(factory: &Factory<Q, A>) -> Option<UniqueNodeId> {
+    let mut first = None;
+    factory.dynamic_config().list_servers(|details| {
+        first = Some(details.node_id);
+        CallbackProgression::Stop
+    });
+    first
 }
 
 fn create_server<Q: Payload, A: Payload>(
@@ -234,7 +225,8 @@ impl<Q: Payload, A: Payload> Request<Q, A> {
 impl<Q: Payload, A: Payload> Client<Q, A> {
     pub(crate) fn send(&self, request: &Q) -> Result<Pending<Q, A>, BusError> {
         let service = self.exchange.service;
-        self.factory.try_cleanup_dead_nodes();
+        // A dead server that still has its place would count as one.
+        self.member.clean_dead();
         let failed = |why| BusError::Send { service, why };
         let loan = match self.port.loan_uninit() {
             Ok(loan) => loan.write_payload(*request),
@@ -243,14 +235,14 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
         match loan.send() {
             Ok(response) if response.number_of_server_connections() > 0 => Ok(Pending {
                 response,
-                factory: Rc::clone(&self.factory),
+                member: Rc::clone(&self.member),
                 service,
                 looked: Cell::new(Instant::now()),
             }),
             Ok(_) => Err(BusError::NoServer {
                 service,
-                bus: self.bus.clone(),
-                root: self.root.clone(),
+                bus: self.member.place.bus.to_string(),
+                root: self.member.place.root.clone(),
             }),
             Err(RequestSendError::ExceedsMaxActiveRequests) => Err(BusError::TooManyRequests {
                 service,
@@ -264,7 +256,7 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
         BusError::NoAnswer {
             service: self.exchange.service,
             within,
-            bus: self.bus.clone(),
+            bus: self.member.place.bus.to_string(),
         }
     }
 }
@@ -295,7 +287,7 @@ impl<Q: Payload, A: Payload> Pending<Q, A> {
     /// A killed server looks alive until someone cleans up after it.
     fn look_after_server(&self) {
         if self.looked.get().elapsed() >= LIVENESS {
-            self.factory.try_cleanup_dead_nodes();
+            self.member.clean_dead();
             self.looked.set(Instant::now());
         }
     }
@@ -313,29 +305,43 @@ macro_rules! debug_by_service {
 debug_by_service!(Server: service, Request: service, Client: exchange.service, Pending: service);
 
 impl Refusal for OpenOrCreateError {
-    fn is_transient(&self) -> bool {
-        matches!(
-            self,
+    fn cause(&self) -> Cause {
+        match self {
             Self::SystemInFlux
-                | Self::RequestResponseOpenError(
-                    OpenError::HangsInCreation
-                        | OpenError::IsMarkedForDestruction
-                        | OpenError::ServiceInCorruptedState
-                        | OpenError::DoesNotExist
-                )
-                | Self::RequestResponseCreateError(
-                    CreateError::AlreadyExists
-                        | CreateError::HangsInCreation
-                        | CreateError::IsBeingCreatedByAnotherInstance
-                        | CreateError::ServiceInCorruptedState
-                )
-        )
+            | Self::RequestResponseOpenError(
+                OpenError::HangsInCreation
+                | OpenError::IsMarkedForDestruction
+                | OpenError::ServiceInCorruptedState
+                | OpenError::DoesNotExist,
+            )
+            | Self::RequestResponseCreateError(
+                CreateError::AlreadyExists
+                | CreateError::HangsInCreation
+                | CreateError::IsBeingCreatedByAnotherInstance
+                | CreateError::ServiceInCorruptedState,
+            ) => Cause::Transient,
+            Self::RequestResponseOpenError(OpenError::ExceedsMaxNumberOfNodes) => Cause::NoPlace,
+            _ => Cause::Permanent,
+        }
     }
+}
 
-    fn is_crowded(&self) -> bool {
-        matches!(
-            self,
-            Self::RequestResponseOpenError(OpenError::ExceedsMaxNumberOfNodes)
-        )
+impl Refusal for ServerCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedServers {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
+    }
+}
+
+impl Refusal for ClientCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedClients {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
     }
 }

@@ -17,14 +17,19 @@ pub(crate) struct Peer {
 impl Peer {
     /// Starts a peer and waits until it says that it is ready.
     pub(crate) fn start(bus: &BusName, role: &str) -> Self {
-        let peer = Self::spawn(bus, role);
-        let mut peer = peer;
+        let mut peer = Self::spawn(bus, role);
         let stderr = peer.child.stderr.take().expect("piped");
-        let ready = BufReader::new(stderr)
-            .lines()
-            .map_while(Result::ok)
-            .any(|line| line.contains("ready"));
-        assert!(ready, "peer {role} ended before it was ready");
+        let mut said = Vec::new();
+        let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
+        let ready = lines.any(|line| {
+            said.push(line);
+            said.last().is_some_and(|line| line.contains("ready"))
+        });
+        assert!(
+            ready,
+            "peer {role} ended before it was ready:\n{}",
+            said.join("\n")
+        );
         peer
     }
 

@@ -1,0 +1,85 @@
+//! Cleaning up after dead processes, such that it may itself be killed at any moment.
+//!
+//! iceoryx2 0.10 removes a dead port in two steps: its tag (a file), then its place at the service. If the cleaner is
+//! killed between the two, the next cleaner misses the tag, skips the port, and the place is lost as long as anyone
+//! has the service open: with one place for a publisher, the stream is dead. So the tags are noted down before, and a
+//! cleaner that finds the notes of a killed one first puts the tags back. iceoryx2's own occasions for cleaning up are
+//! switched off ([`crate::bus`]); everything goes through [`remove_dead`], under the start-up lock.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use iceoryx2::node::NodeView;
+use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
+
+use crate::bus::Ipc;
+use crate::root::{Place, entries};
+
+/// Folder of the notes, below the bus's folder.
+const NOTES: &str = "cleaning";
+/// How iceoryx2 names a port's tag.
+const TAG: &str = ".port_tag";
+
+/// Removes what dead nodes left; returns how many nodes. Call under the start-up lock only.
+pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
+    let dead = dead_nodes(node);
+    if dead.is_empty() {
+        return 0;
+    }
+    let notes = place.root.join(NOTES);
+    for folder in dead.iter().map(|id| place.root.join("nodes").join(id)) {
+        put_back(&notes, &folder);
+        note_down(&notes, &folder);
+    }
+    let state = node.try_cleanup_dead_nodes();
+    if state.failed_cleanups == 0 {
+        // What cannot be removed now is removed next time; notes about nodes that are gone do no harm.
+        let _ = fs::remove_dir_all(&notes);
+    }
+    state.cleanups as usize
+}
+
+fn dead_nodes(node: &Node<Ipc>) -> Vec<String> {
+    let mut dead = Vec::new();
+    // A list that breaks off is continued next time.
+    let _ = Node::<Ipc>::list(node.config(), |state| {
+        if let NodeState::Dead(view) = state {
+            dead.push(view.id().value().to_string());
+        }
+        CallbackProgression::Continue
+    });
+    dead
+}
+
+/// Notes are second names (hard links) of the tags, in a folder named like the node's.
+fn note_down(notes: &Path, node: &Path) {
+    let Some(noted) = noted(notes, node) else {
+        return;
+    };
+    if let Err(error) = fs::create_dir_all(&noted) {
+        tracing::warn!(folder = %noted.display(), %error, "could not note down what is being removed");
+    }
+    link_tags(node, &noted);
+}
+
+fn put_back(notes: &Path, node: &Path) {
+    if let Some(noted) = noted(notes, node) {
+        link_tags(&noted, node);
+    }
+}
+
+fn noted(notes: &Path, node: &Path) -> Option<PathBuf> {
+    node.file_name().map(|name| notes.join(name))
+}
+
+/// A tag that is there already stays; a folder that is gone needs none.
+fn link_tags(from: &Path, to: &Path) {
+    let tags = entries(from)
+        .map(|(path, _)| path)
+        .filter(|path| path.to_string_lossy().ends_with(TAG));
+    for tag in tags {
+        if let Some(name) = tag.file_name() {
+            let _ = fs::hard_link(&tag, to.join(name));
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Who is on a bus.
+
+use std::fmt;
+
+use iceoryx2::identifiers::UniqueNodeId;
+use iceoryx2::node::NodeView;
+use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
+
+use crate::BusError;
+use crate::bus::Ipc;
+use crate::root::Place;
+
+/// Someone on the bus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Peer {
+    /// The role it opened the bus with; empty if unknown.
+    pub role: String,
+    /// Its process id; 0 if unknown.
+    pub pid: u32,
+    /// False once it died and until someone [cleans up](crate::Bus::clean_dead).
+    pub alive: bool,
+}
+
+impl fmt::Display for Peer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (process {})", self.role, self.pid)
+    }
+}
+
+impl Peer {
+    /// Everyone on the bus.
+    pub(crate) fn list(place: &Place, config: &Config) -> Result<Vec<Self>, BusError> {
+        let mut peers = Vec::new();
+        let listed = Node::<Ipc>::list(config, |state| {
+            peers.push(Self::of(&state));
+            CallbackProgression::Continue
+        });
+        match listed {
+            Ok(()) => Ok(peers),
+            Err(e) => Err(BusError::Open {
+                what: "the list of peers",
+                root: place.root.clone(),
+                why: format!("{e:?}"),
+            }),
+        }
+    }
+
+    /// The one with this id; `None` if it is gone.
+    pub(crate) fn find(config: &Config, id: UniqueNodeId) -> Option<Self> {
+        Node::<Ipc>::state_of(config, id)
+            .ok()
+            .flatten()
+            .map(|state| Self::of(&state))
+    }
+
+    fn of(state: &NodeState<Ipc>) -> Self {
+        let (details, alive) = match state {
+            NodeState::Alive(view) => (view.details().as_ref(), true),
+            NodeState::Dead(view) => (view.details().as_ref(), false),
+            // Cannot be examined, so it may be alive.
+            NodeState::Inaccessible(_) => (None, true),
+            NodeState::Undefined(_) => (None, false),
+        };
+        let role = details
+            .map(|d| d.name().as_str().to_owned())
+            .unwrap_or_default();
+        let pid = details.map_or(0, |d| d.process_id().value() as u32);
+        Self { role, pid, alive }
+    }
+}
