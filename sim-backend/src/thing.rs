@@ -62,6 +62,7 @@ impl Thing {
         Surface {
             shape: self.object.shape,
             friction: self.object.friction,
+            mass_kg: self.object.mass_kg,
             stiffness_n_m: self.object.stiffness_n_m * remaining,
         }
     }

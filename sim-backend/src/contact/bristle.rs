@@ -2,8 +2,6 @@
 
 use nalgebra::Vector3;
 
-/// Damping time of a sticking bristle along the surface, s (prototype).
-const SHEAR_DAMPING_S: f64 = 0.002;
 /// Kinetic over static friction (prototype).
 const KINETIC_FRICTION_RATIO: f64 = 0.9;
 
@@ -24,6 +22,8 @@ pub(super) struct Rub {
     pub(super) sliding_m_s: Vector3<f64>,
     /// Shear stiffness, N/m.
     pub(super) shear_n_m: f64,
+    /// Damping over stiffness while it sticks, s.
+    pub(super) damping_s: f64,
     /// Static friction times normal force, N.
     pub(super) limit_n: f64,
     /// Length of the step, s.
@@ -46,7 +46,7 @@ impl Bristle {
         // The object may have turned under the bristle: only the shear along the surface stays.
         let along_m = self.shear_m - rub.normal * self.shear_m.dot(&rub.normal);
         let shear_m = along_m + rub.sliding_m_s * rub.dt_s;
-        let trial_n = (shear_m + rub.sliding_m_s * SHEAR_DAMPING_S) * rub.shear_n_m;
+        let trial_n = (shear_m + rub.sliding_m_s * rub.damping_s) * rub.shear_n_m;
         let ratio = if self.slipping {
             KINETIC_FRICTION_RATIO
         } else {
@@ -76,7 +76,9 @@ impl Rub {
     fn slide(&self, force_n: Vector3<f64>, limit_n: f64) -> Rubbed {
         let speed_m_s = self.sliding_m_s.dot(&self.sliding_m_s).sqrt();
         let carried_m = limit_n / self.shear_n_m;
-        let damping_s = SHEAR_DAMPING_S.min(carried_m / (speed_m_s + f64::MIN_POSITIVE));
+        let damping_s = self
+            .damping_s
+            .min(carried_m / (speed_m_s + f64::MIN_POSITIVE));
         let shear_m = force_n / self.shear_n_m - self.sliding_m_s * damping_s;
         let bristle = Bristle {
             shear_m,

@@ -26,6 +26,7 @@ impl Bench {
             surface: Surface {
                 shape,
                 friction: 0.5,
+                mass_kg: 0.3,
                 stiffness_n_m,
             },
         }
@@ -195,7 +196,7 @@ fn a_soft_object_takes_its_share_of_the_indentation() {
             .map(|_| bench.normal_n(1e-3))
             .last()
             .unwrap_or_default();
-        let compression_m = bench.contact.compression_m;
+        let compression_m = bench.contact.compression.depth_m;
         assert!(
             (force_n / (stiffness_n_m * compression_m) - 1.0).abs() < 1e-6,
             "{force_n} N, {compression_m} m"

@@ -1,0 +1,53 @@
+//! The object's own softness under one fingertip: a spring and a damper, stepped implicitly.
+
+/// Damping time: the damping is this times the stiffness, s (prototype).
+const DAMPING_S: f64 = 0.005;
+/// Time constant with which an untouched object regains its form, s (prototype).
+const RECOVERY_S: f64 = 0.05;
+/// The step counts as solved when a Newton step is shorter than this, m: far below one bristle's 1 mN.
+const STEP_MIN_M: f64 = 1e-10;
+/// Newton steps at most; the residual is concave and piecewise linear, three usually do.
+const STEPS_MAX: usize = 8;
+
+/// How far the object gives way.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Compression {
+    pub(super) depth_m: f64,
+}
+
+impl Compression {
+    /// One step without contact.
+    pub(super) fn recover(&mut self, dt_s: f64) {
+        self.depth_m -= self.depth_m * (dt_s / RECOVERY_S);
+    }
+
+    /// One implicit step of c·du/dt + k·u = force of the bristles at depth − u, for bristles at these depths.
+    pub(super) fn step(
+        &mut self,
+        depths_m: impl Iterator<Item = f64> + Clone,
+        bristle_n_m: f64,
+        object_n_m: f64,
+        dt_s: f64,
+    ) {
+        if object_n_m.is_infinite() {
+            self.depth_m = 0.0;
+            return;
+        }
+        let before_m = self.depth_m;
+        let damping_n_m = object_n_m * (DAMPING_S / dt_s);
+        for _ in 0..STEPS_MAX {
+            let u = self.depth_m;
+            let (mut force_n, mut slope_n_m) = (0.0, 0.0);
+            for depth_m in depths_m.clone().filter(|depth_m| *depth_m > u) {
+                force_n += bristle_n_m * (depth_m - u);
+                slope_n_m += bristle_n_m;
+            }
+            let residual_n = damping_n_m * (u - before_m) + object_n_m * u - force_n;
+            let step_m = residual_n / (damping_n_m + object_n_m + slope_n_m);
+            self.depth_m = u - step_m;
+            if step_m.abs() < STEP_MIN_M {
+                break;
+            }
+        }
+    }
+}

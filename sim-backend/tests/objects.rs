@@ -1,0 +1,132 @@
+//! Objects as data: the built-in ones, a user's own, and everything that is refused.
+
+use std::io::Write;
+
+use sim_backend::{Object, ObjectError, Shape};
+
+const BOX: &str = r#"
+    name = "mine"
+    mass_kg = 0.1
+    friction = 0.4
+    shape = { kind = "box", size_m = [0.05, 0.04, 0.06] }
+"#;
+
+#[test]
+fn the_built_in_objects_are_those_of_the_tactile_design() {
+    // Name, needed force, and whether it can be crushed.
+    let expected = [
+        ("wood", 2.94, false),
+        ("slippery-200", 3.92, false),
+        ("slippery-50", 1.23, false),
+        ("paper-box", 0.25, true),
+        ("sponge", 0.12, true),
+        ("bottle", 4.91, true),
+        ("heavy-block", 18.39, false),
+        ("filled-paper-box", 1.47, true),
+    ];
+    assert!(Object::names().eq(expected.iter().map(|(name, ..)| *name)));
+    for (name, needed_n, crushable) in expected {
+        let object = Object::built_in(name).expect(name);
+        assert_eq!(object.name, name, "a file is named as its object");
+        assert!(
+            (object.needed_n() - needed_n).abs() < 0.005,
+            "{name} needs {} N",
+            object.needed_n()
+        );
+        assert_eq!(object.crush_n.is_finite(), crushable, "{name}");
+    }
+}
+
+#[test]
+fn a_users_own_file_works_like_a_built_in() {
+    let mut file = tempfile::Builder::new()
+        .suffix(".toml")
+        .tempfile()
+        .expect("a file");
+    file.write_all(BOX.as_bytes()).expect("written");
+    let path = file.path().to_str().expect("a path of text");
+    let object = Object::named_or_file(path).expect("an object");
+    assert_eq!((object.name.as_str(), object.mass_kg), ("mine", 0.1));
+    assert!(matches!(object.shape, Shape::Box { half_m } if half_m.y == 0.02));
+    assert!(object.stiffness_n_m.is_infinite() && object.crush_n.is_infinite());
+}
+
+#[test]
+fn refusals_name_the_key_the_value_and_the_range() {
+    let check = |from: &str, to: &str, parts: &[&str]| {
+        assert!(BOX.contains(from), "{from}");
+        let text = BOX.replace(from, to);
+        let message = Object::parse(&text, "mine.toml")
+            .expect_err(&text)
+            .to_string();
+        for part in ["mine.toml"].iter().chain(parts) {
+            assert!(message.contains(part), "{to}: {message}");
+        }
+    };
+    check("0.1", "0.001", &["mass_kg was 0.001, needs 0.0125 to 5"]);
+    check("0.1", "nan", &["mass_kg was NaN"]);
+    check("0.4", "inf", &["friction was inf, needs 0.05 to 2"]);
+    check(
+        "0.06]",
+        "0.6]",
+        &["shape.size_m[2] was 0.6, needs 0.01 to 0.3"],
+    );
+    check("mass_kg = 0.1", "", &["missing field `mass_kg`"]);
+    check("0.4", "\"slippery\"", &["friction", "expected f64"]);
+    check(
+        "friction",
+        "frction",
+        &["unknown field `frction`", "line 4"],
+    );
+    check(
+        "\"box\"",
+        "\"sphere\"",
+        &["unknown variant `sphere`", "`box`", "`cylinder`"],
+    );
+    check("size_m", "size", &["size"]);
+    check("0.04, 0.06", "0.04", &["size_m"]);
+    check(
+        "\"mine\"",
+        "\"\"",
+        &["the length of name in bytes was 0, needs 1 to 31"],
+    );
+    check(
+        "friction = 0.4",
+        "friction = 0.4\nstiffness_n_m = 1.0",
+        &["stiffness_n_m was 1, needs 100"],
+    );
+    check(
+        "friction = 0.4",
+        "friction = 0.4\ncrush_n = -1.0",
+        &["crush_n was -1, needs 0.1"],
+    );
+    check("]", "], radius_m = 1.0", &["radius_m"]);
+}
+
+#[test]
+fn unknown_names_get_the_list_and_a_suggestion() {
+    let check = |name: &str, suggestion: Option<&str>| {
+        let message = Object::named_or_file(name).expect_err(name).to_string();
+        assert!(message.contains("wood, slippery-200"), "{message}");
+        match suggestion {
+            Some(known) => assert!(
+                message.contains(&format!("did you mean {known:?}?")),
+                "{message}"
+            ),
+            None => assert!(!message.contains("did you mean"), "{message}"),
+        }
+    };
+    check("wod", Some("wood"));
+    check("slippery", Some("slippery-50"));
+    check("paperbox", Some("paper-box"));
+    check("Bottle", Some("bottle"));
+    check("elephant", None);
+    check("", None);
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = Object::named_or_file("./no/such.toml").expect_err("no file");
+    assert!(matches!(error, ObjectError::Unreadable { .. }));
+    assert!(error.to_string().contains("./no/such.toml"), "{error}");
+}

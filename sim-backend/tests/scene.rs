@@ -1,0 +1,119 @@
+//! Scenes: what a client is told, what is true, and what is refused.
+
+use robot_model::{GraspFrame, RobotModel, Side};
+use sim_backend::{Object, Placed, Scene, World, home_rad};
+
+fn scene(name: &str, side: Side) -> Scene {
+    Scene::grasp(Object::built_in(name).expect(name), side)
+}
+
+fn robot() -> RobotModel {
+    RobotModel::two_hand_arm().expect("the built-in robot loads")
+}
+
+#[test]
+fn every_built_in_object_can_be_reached_where_it_stands() {
+    for side in Side::BOTH {
+        for name in Object::names() {
+            let hint = scene(name, side).grasp_hint(0).expect("an object");
+            let robot = robot();
+            let (hand, centre_m) = (robot.hand(side), hint.from_m.into());
+            let yaw_rad = hand.closing_yaw_rad(&centre_m, hint.yaw_rad);
+            let frame = GraspFrame::from_above(centre_m, yaw_rad, hint.width_m + 0.02);
+            let reached = hand.posture_for(&frame);
+            assert!(
+                reached.is_ok(),
+                "{name} with the {side:?} hand: {reached:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn home_is_the_mirror_image_of_itself() {
+    let home_rad = home_rad(&robot()).expect("home");
+    for joint in 0..11 {
+        let sign = if joint == 0 || joint == 4 { -1.0 } else { 1.0 };
+        let other = if joint < 5 {
+            joint
+        } else {
+            5 + (joint - 5 + 3) % 6
+        };
+        let (left, right) = (home_rad[joint], sign * home_rad[11 + other]);
+        assert!(
+            (left - right).abs() < 1e-6,
+            "joint {joint}: {left} and {right} rad"
+        );
+    }
+}
+
+#[test]
+fn families_keep_to_their_ranges_and_to_what_clients_are_told() {
+    let nominal = scene("bottle", Side::Right);
+    let mut widest = [0.0_f64; 6];
+    for seed in 0..500 {
+        let varied = nominal.varied(seed);
+        assert_eq!(varied.grasp_hint(0), nominal.grasp_hint(0));
+        let (v, n) = (&varied.objects[0], &nominal.objects[0]);
+        let shares = [
+            (v.object.mass_kg / n.object.mass_kg - 1.0) / 0.2,
+            (v.object.friction / n.object.friction - 1.0) / 0.2,
+            (v.object.stiffness_n_m / n.object.stiffness_n_m - 1.0) / 0.2,
+            (v.position_m[0] - n.position_m[0]) / 0.002,
+            (v.position_m[1] - n.position_m[1]) / 0.002,
+            (v.yaw_rad - n.yaw_rad).to_degrees() / 5.0,
+        ];
+        for (widest, share) in widest.iter_mut().zip(shares) {
+            assert!(share.abs() <= 1.0 + 1e-12, "seed {seed}: {shares:?}");
+            *widest = widest.max(share.abs());
+        }
+    }
+    assert!(
+        widest.iter().all(|share| *share > 0.97),
+        "the ranges are used: {widest:?}"
+    );
+    assert_eq!(nominal.varied(3), nominal.varied(3));
+    assert_ne!(nominal.varied(3), nominal.varied(4));
+}
+
+#[test]
+fn a_rigid_robust_object_stays_so_in_its_family() {
+    let wood = &scene("wood", Side::Left).varied(1).objects[0].object;
+    assert!(wood.stiffness_n_m.is_infinite() && wood.crush_n.is_infinite());
+}
+
+#[test]
+fn refusals_name_the_value_and_the_range() {
+    let check = |change: &dyn Fn(&mut Scene), part: &str| {
+        let mut scene = scene("wood", Side::Right);
+        change(&mut scene);
+        let message = World::new(&robot(), &scene, 1).expect_err(part).to_string();
+        assert!(message.contains(part), "{message}");
+    };
+    let wood = Object::built_in("wood").expect("built in");
+    check(
+        &|s| s.noise_factor = f64::NAN,
+        "the noise factor was NaN, needs 0 to 100",
+    );
+    check(&|s| s.vibration_m = -1.0, "the vibration in metres was -1");
+    check(
+        &|s| s.sensor_rate_hz[1] = 0,
+        "the sensor rate in hertz was 0, needs 1 to 1000",
+    );
+    check(
+        &|s| s.objects[0].position_m[0] = f64::INFINITY,
+        "an object's x in metres was inf",
+    );
+    check(
+        &|s| s.objects[0].yaw_rad = 100.0,
+        "an object's yaw in radians was 100",
+    );
+    check(
+        &|s| s.start_rad = Some([f64::NAN; 22]),
+        "a start angle in radians was NaN",
+    );
+    check(
+        &|s| s.objects = vec![Placed::new(wood.clone(), [0.3, 0.0], 0.0); 5],
+        "it has 5 objects, needs at most 4",
+    );
+}
