@@ -28,6 +28,8 @@ code! {
         PROBE = 8, "hardness probe";
         /// Carries the hand along a planned path.
         CARRY = 9, "carry";
+        /// Gives back force that friction does not need.
+        RELAX = 10, "relax";
     }
 }
 

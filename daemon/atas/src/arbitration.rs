@@ -1,6 +1,7 @@
 //! Arbitration: merges the proposals of all modules into one intent, by rules that do not depend on their order.
 //!
-//! 1. Fingers close at the highest speed that any module wants,
+//! 1. Fingers close at the highest speed that any module wants; if none wants to close, they open at the highest speed
+//!    that any wants,
 //! 2. but no faster than the lowest ceiling that any module sets; a negative ceiling opens.
 //! 3. The hand goes where the carrying module wants it, at the lowest speed factor that any module tolerates.
 //! 4. A refusal outweighs every other verdict.
@@ -42,7 +43,9 @@ impl Arbiter {
     /// Merges the proposals.
     pub fn merge(&mut self, proposals: &[Proposal], step_s: f64) -> Intent {
         for finger in 0..FINGERS {
-            let wanted = highest(proposals.iter().map(|p| p.closing_m_s[finger]), 0.0);
+            let wishes = || proposals.iter().map(|p| p.closing_m_s[finger]);
+            let closing = highest(wishes(), 0.0);
+            let wanted = if closing > 0.0 { closing } else { lowest(wishes(), 0.0) };
             let ceiling = lowest(
                 proposals.iter().map(|p| p.closing_ceiling_m_s[finger]),
                 f64::INFINITY,

@@ -139,9 +139,9 @@ settings! {
         /// Time constant of the friction reading, s.
         friction_filter_s = 0.02 in 0.001..1.0;
         /// Compression of one fingertip at 1 N, m: a calibration, pressed on a rigid block.
-        tip_compression_m = 0.000378 in 0.000001..0.01;
+        tip_compression_m = 0.00044 in 0.000001..0.01;
         /// Exponent of the fingertip's compression over force: a calibration, 1 for a linear spring, 0.5 for a dome.
-        tip_exponent = 0.459 in 0.2..1.0;
+        tip_exponent = 0.48 in 0.2..1.0;
     }
     /// Modules 1, 2 and 3: the grasp (paper II.b (1); values ours unless stated).
     grasp: Grasp {
@@ -168,31 +168,35 @@ settings! {
         /// Threshold dr of the tangential force increment, N (the paper names it and gives no value).
         dr_n = 0.06 in 0.005..10.0;
         /// Friction utilisation S at which Module 2 becomes active.
-        slip_on = 0.75 in 0.2..1.0;
+        slip_on = 0.9 in 0.2..1.0;
         /// Friction utilisation S at which it becomes inactive.
-        slip_off = 0.65 in 0.1..1.0;
+        slip_off = 0.82 in 0.1..1.0;
         /// Momentary utilisation that means gross slip.
         slip_gross = 0.955 in 0.5..1.2;
         /// How long gross slip must last, s.
         slip_gross_s = 0.01 in 0.0..1.0;
-        /// Growth of F_t/F_n since Module 2 last ended that re-activates it.
-        slip_growth = 1.12 in 1.01..2.0;
-        /// Growth of F_t that must come with it, N.
-        slip_growth_n = 0.04 in 0.0..10.0;
+        /// Utilisation above which a growing load (dF_t > dr) activates Module 2.
+        slip_loading = 0.8 in 0.1..1.2;
         /// How long Module 2 stays active after its last cause, s.
         slip_latch_s = 0.02 in 0.0..1.0;
         /// Factor on the hand's speed while Module 2 is active and Module 3 is not.
         slip_carry_scale = 0.1 in 0.0..1.0;
+        /// Friction utilisation below which a steady grip is relaxed.
+        relax_below = 0.78 in 0.1..1.0;
+        /// Opening speed of each finger while relaxing an unloaded grip, m/s.
+        relax_m_s = 0.001 in 0.0..0.02;
         /// Opening speed of Module 3 above its release force, m/s.
         relieve_m_s = 0.001 in 0.0..0.02;
         /// Multiple of F_2 above which Module 3 opens.
         relieve_at = 1.15 in 1.0..2.0;
-        /// How long an object must slip at F_2 on all fingers to count as too heavy, s.
-        too_heavy_s = 0.4 in 0.05..5.0;
         /// Utilisation that counts as slipping at F_2.
-        too_heavy_utilisation = 0.78 in 0.3..1.2;
-        /// Hand travel at F_2 after which an object counts as too heavy, m.
-        too_heavy_travel_m = 0.005 in 0.0005..0.1;
+        too_heavy_utilisation = 0.8 in 0.3..1.2;
+        /// Hand travel while slipping at F_2 after which the hand tugs back to see whether the object hangs, m.
+        too_heavy_travel_m = 0.002 in 0.0008..0.1;
+        /// Momentary utilisation that means sliding out of the hand at F_2.
+        too_heavy_gross = 0.975 in 0.5..1.2;
+        /// How long it must last, s.
+        too_heavy_s = 0.4 in 0.05..5.0;
     }
     /// How the hand moves (ours).
     motion: Motion {

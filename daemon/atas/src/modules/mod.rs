@@ -10,13 +10,15 @@
 //! | `first_touch` | 1: enhance until F_n > F_1 | II.b (1) |
 //! | `slip` | 2: enhance while slipping, dF_t > dr | II.b (1) |
 //! | `force_limit` | 3: never enhance above F_2 | II.b (1) |
-//! | `probe` | hardness within 100 ms of the first touch | II.b (1) |
+//! | `relax` | gives back force that friction does not need | ours |
+//! | `probe` | hardness within 100 ms of the first touch, refined while the force grows | II.b (1) |
 //! | `carry` | moves the hand along the step's path | II.b (1), (3) |
 
 mod carry;
 mod first_touch;
 mod force_limit;
 mod probe;
+mod relax;
 mod slip;
 
 use crate::path::Path;
@@ -27,6 +29,7 @@ use carry::Carry;
 use first_touch::FirstTouch;
 use force_limit::ForceLimit;
 use probe::Probe;
+use relax::Relax;
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{ModuleId, Reason};
 use slip::Slip;
@@ -48,7 +51,7 @@ pub struct Context<'a> {
     pub carried_m: f64,
     /// The path of the present step.
     pub path: &'a Path,
-    /// Factor on the hand's speed that arbitration allows now, 0 to 1.
+    /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
     pub carry_scale: f64,
 }
 
@@ -57,11 +60,11 @@ pub struct Context<'a> {
 pub struct Proposal {
     /// Whether the module's condition holds.
     pub active: bool,
-    /// Closing speed that the module wants of each finger, m/s; 0 for none.
+    /// Closing speed that the module wants of each finger, m/s; 0 for no wish, negative to open if nobody closes.
     pub closing_m_s: [f64; FINGERS],
     /// Highest closing speed that the module tolerates on each finger, m/s; negative demands opening.
     pub closing_ceiling_m_s: [f64; FINGERS],
-    /// Highest factor on the hand's speed that the module tolerates, 0 to 1.
+    /// Highest factor on the hand's speed along its path that the module tolerates, −1 (back) to 1.
     pub carry_ceiling: f64,
     /// Where the module wants the hand to be.
     pub carry: Option<Carried>,
@@ -112,7 +115,7 @@ pub trait Module {
 }
 
 /// Number of modules.
-pub const COUNT: usize = 5;
+pub const COUNT: usize = 6;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -146,6 +149,7 @@ pub struct Modules {
     probe: Probe,
     slip: Slip,
     force_limit: ForceLimit,
+    relax: Relax,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -155,6 +159,7 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::PROBE,
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
+    ModuleId::RELAX,
 ];
 
 impl Modules {
@@ -171,6 +176,7 @@ impl Modules {
             &mut self.probe,
             &mut self.slip,
             &mut self.force_limit,
+            &mut self.relax,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {

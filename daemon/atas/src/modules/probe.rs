@@ -2,10 +2,12 @@
 //! Based on the hardness, threshold F_2 is specified."
 //!
 //! All fingers close at the approach speed for the probe's duration; the verdict is the fit, or, when the forces tell
-//! nothing, no verdict at all: the fingers stop and the step times out rather than guess.
+//! nothing, no verdict at all: the fingers stop and the step times out rather than guess. What 100 ms of light touch
+//! say of a hard object is uncertain, so the probe goes on listening: whenever the fingers press harder than ever
+//! before, the fit is refined and F_2 with it.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
-use crate::perception::{Hardness, Percept};
+use crate::perception::{Hardness, HardnessFit, Percept};
 use robot_model::FINGERS;
 
 /// The samples so far.
@@ -19,32 +21,28 @@ impl Module for Probe {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         self.elapsed_s += context.step_s;
-        if percept.step_s > 0.0 {
-            let mean_n = percept.fingers[..FINGERS]
-                .iter()
-                .map(|f| f.normal_n)
-                .sum::<f64>()
-                / FINGERS as f64;
-            self.hardness.add(context.closing_m, mean_n, percept.step_s, &context.settings.perception);
-        }
         let done = self.elapsed_s >= settings.probe_s;
-        let fit = if done {
-            self.hardness.fit()
-        } else {
-            None
-        };
+        let news = self.listen(percept, context);
         // An object that turns out rock-hard must not be pressed beyond F_2 while it is still being judged.
         let (_, strongest_n) = force_range_n(percept);
-        let speed_m_s = if !done && strongest_n < settings.f2_max_n {
-            settings.approach_m_s
-        } else {
-            0.0
-        };
+        let pressing = !done && strongest_n < settings.f2_max_n;
         Proposal {
-            active: true,
-            closing_m_s: [speed_m_s; FINGERS],
-            verdict: fit.map_or(Verdict::None, Verdict::Hardness),
+            active: !done,
+            closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; FINGERS],
+            verdict: news.filter(|_| done).map_or(Verdict::None, Verdict::Hardness),
             ..Proposal::default()
         }
+    }
+}
+
+impl Probe {
+    /// Takes in this tick's frame; a fit if it told something new.
+    fn listen(&mut self, percept: &Percept, context: &Context<'_>) -> Option<HardnessFit> {
+        if percept.step_s <= 0.0 {
+            return None;
+        }
+        let mean_n = percept.fingers[..FINGERS].iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64;
+        let settings = &context.settings.perception;
+        self.hardness.add(context.closing_m, mean_n, percept.step_s, settings)
     }
 }

@@ -18,6 +18,7 @@ const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hardness {
     filtered_closing_m: Option<f64>,
+    hardest_n: f64,
     n: f64,
     x: f64,
     y: f64,
@@ -37,12 +38,13 @@ pub struct HardnessFit {
 
 impl Hardness {
     /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
-    /// the frame before, s.
-    pub fn add(&mut self, closing_m: f64, normal_n: f64, step_s: f64, settings: &Settings) {
+    /// the frame before, s. Only a force beyond every force before is new; it gives a refined fit, if there is one.
+    pub fn add(&mut self, closing_m: f64, normal_n: f64, step_s: f64, settings: &Settings) -> Option<HardnessFit> {
         let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
-        if normal_n <= settings.touch_off_n {
-            return;
+        if normal_n <= settings.touch_off_n || normal_n <= self.hardest_n {
+            return None;
         }
+        self.hardest_n = normal_n;
         let tips_m = FACES * settings.tip_compression_m * libm::pow(normal_n, settings.tip_exponent);
         let (x, y) = (normal_n, closing_m - tips_m);
         self.n += 1.0;
@@ -51,6 +53,7 @@ impl Hardness {
         self.xx += x * x;
         self.xy += x * y;
         self.yy += y * y;
+        self.fit()
     }
 
     /// The forces come through a low-pass; the closing must be as late as they are.
@@ -63,8 +66,7 @@ impl Hardness {
     }
 
     /// The fit; `None` when there are too few samples or the force did not change.
-    #[must_use]
-    pub fn fit(&self) -> Option<HardnessFit> {
+    fn fit(&self) -> Option<HardnessFit> {
         let spread_x = self.n * self.xx - self.x * self.x;
         if self.n < SAMPLES_MIN || spread_x <= 0.0 {
             return None;

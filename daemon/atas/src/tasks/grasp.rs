@@ -7,14 +7,22 @@ use shm_schemas::ModuleId;
 const CARRY: Selection = Selection::of(&[ModuleId::CARRY]);
 const TOUCH: Selection = Selection::of(&[ModuleId::FIRST_TOUCH]);
 const PROBE: Selection = Selection::of(&[ModuleId::PROBE]);
-const GRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::FORCE_LIMIT]);
-const HOLD: Selection =
-    Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::SLIP, ModuleId::FORCE_LIMIT]);
+const GRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::PROBE, ModuleId::FORCE_LIMIT]);
+const LOWER: Selection = Selection::of(&[ModuleId::CARRY, ModuleId::FORCE_LIMIT]);
+const HOLD: Selection = Selection::of(&[
+    ModuleId::FIRST_TOUCH,
+    ModuleId::PROBE,
+    ModuleId::SLIP,
+    ModuleId::FORCE_LIMIT,
+    ModuleId::RELAX,
+]);
 const LIFT: Selection = Selection::of(&[
     ModuleId::CARRY,
     ModuleId::FIRST_TOUCH,
+    ModuleId::PROBE,
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
+    ModuleId::RELAX,
 ]);
 
 const fn step(
@@ -67,7 +75,7 @@ pub const BACK_OUT: &[Step] = &[
     step(
         "lower",
         Motion::Carry(Site::Source),
-        CARRY,
+        LOWER,
         Until::Arrived,
         60.0,
     ),

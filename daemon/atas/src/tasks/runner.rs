@@ -175,14 +175,14 @@ impl Runner {
         modules: &mut Modules,
     ) -> Outcome {
         match verdict {
-            Verdict::Refuse(reason) => {
+            Verdict::Refuse(reason) if self.refusal.is_none() => {
                 return self.back_out(self.in_hold(reason), now, settings, modules);
             }
             Verdict::Hardness(fit) => {
                 self.hardness = Some(fit);
                 self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp);
             }
-            Verdict::None => {}
+            Verdict::None | Verdict::Refuse(_) => {}
         }
         if let Some(reason) = self.failure(percept, now, settings) {
             return Outcome::Failed(reason);
