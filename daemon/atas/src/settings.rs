@@ -168,9 +168,9 @@ settings! {
         /// Threshold dr of the tangential force increment, N (the paper names it and gives no value).
         dr_n = 0.06 in 0.005..10.0;
         /// Friction utilisation S at which Module 2 becomes active.
-        slip_on = 0.9 in 0.2..1.0;
+        slip_on = 0.92 in 0.2..1.0;
         /// Friction utilisation S at which it becomes inactive.
-        slip_off = 0.82 in 0.1..1.0;
+        slip_off = 0.86 in 0.1..1.0;
         /// Momentary utilisation that means gross slip.
         slip_gross = 0.955 in 0.5..1.2;
         /// How long gross slip must last, s.
@@ -182,7 +182,7 @@ settings! {
         /// Factor on the hand's speed while Module 2 is active and Module 3 is not.
         slip_carry_scale = 0.1 in 0.0..1.0;
         /// Friction utilisation below which a steady grip is relaxed.
-        relax_below = 0.78 in 0.1..1.0;
+        relax_below = 0.84 in 0.1..1.0;
         /// Opening speed of each finger while relaxing an unloaded grip, m/s.
         relax_m_s = 0.001 in 0.0..0.02;
         /// Opening speed of Module 3 above its release force, m/s.
