@@ -274,6 +274,6 @@ pub(crate) mod stream {
     pub(crate) const FAULTS: u64 = 3;
     /// Plus the hand's index.
     pub(crate) const VIBRATION: u64 = 10;
-    /// Plus four times the hand's index, plus the finger's.
+    /// Plus the fingertip's index, left before right.
     pub(crate) const TIP_SENSOR: u64 = 20;
 }

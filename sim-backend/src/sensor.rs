@@ -1,13 +1,15 @@
-//! From true element forces and joint angles to what the robot gets to see.
+//! A hand's tactile sensor: from true element forces to the frames that the robot gets to see.
 //!
-//! Fingertip elements: a gain of their own, additive and proportional Gaussian noise, a step of 1 mN, and a rate that may
-//! be slower than the tick. Encoders: steps, no noise.
+//! Every element has a gain of its own, additive and proportional Gaussian noise, and a step of 1 mN. A sensor may be slower
+//! than the tick; then most ticks have no frame.
 
 use nalgebra::Vector3;
-use robot_model::{ARM_JOINTS, HAND_JOINTS};
-use shm_schemas::layout::Layout;
+use robot_model::{FINGERS, Side};
+use shm_schemas::{Hand, HandFrame, Layout};
 
-use crate::pad::DOME_ELEMENTS;
+use crate::clock::Clock;
+use crate::contact::Contact;
+use crate::pad::{DOME_ELEMENTS, Pad};
 use crate::random::Random;
 
 /// Additive noise per element and axis, N, standard deviation (tactile design).
@@ -18,31 +20,84 @@ const NOISE_RATIO: f64 = 0.01;
 const GAIN_SPREAD: f64 = 0.03;
 /// Step of a reading, N (tactile design).
 const STEP_N: f64 = 0.001;
-
-/// Step of an arm joint's encoder, rad: 20 bits per turn. At the 0.5 m reach of the arm 3 µm at the tip.
-const ARM_ENCODER_STEP_RAD: f64 = core::f64::consts::TAU / (1 << 20) as f64;
-/// Step of a finger joint's encoder, rad: 18 bits per turn. At the 90 mm from knuckle to tip 2.2 µm, the position quantum
-/// of the tactile design.
-const FINGER_ENCODER_STEP_RAD: f64 = core::f64::consts::TAU / (1 << 18) as f64;
-/// Step of a measured joint velocity, rad/s. Ours: the resolution of a drive's own observer.
-const VELOCITY_STEP_RAD_S: f64 = 1e-3;
-/// Step of a measured joint torque, N·m. Ours.
-const EFFORT_STEP_N_M: f64 = 1e-3;
-
-/// Draws per element: three axes.
+/// Draws per sample of a fingertip: three axes per element.
 const DRAWS: usize = 3 * DOME_ELEMENTS;
+
+/// The sensor of one hand.
+#[derive(Clone, Debug)]
+pub(crate) struct HandSensor {
+    hand: Hand,
+    layout: Layout,
+    layout_hash: u64,
+    tips: [TipSensor; FINGERS],
+    rate_hz: u64,
+    sequence: u64,
+}
 
 /// One fingertip's electronics.
 #[derive(Clone, Debug)]
-pub(crate) struct TipSensor {
+struct TipSensor {
     gain: [f64; DOME_ELEMENTS],
     noise_factor: f64,
     random: Random,
 }
 
+impl HandSensor {
+    /// A sensor whose fingertips draw their gains and their noise from their own streams; `noise_factor` scales the noise,
+    /// not the spread of the gains.
+    pub(crate) fn new(
+        side: Side,
+        rate_hz: u32,
+        noise_factor: f64,
+        random: [Random; FINGERS],
+    ) -> Self {
+        let layout = Layout::dome_41();
+        Self {
+            hand: Hand::BOTH[side.index()],
+            layout_hash: layout.hash(),
+            layout,
+            tips: random.map(|random| TipSensor::new(noise_factor, random)),
+            rate_hz: rate_hz.into(),
+            sequence: 0,
+        }
+    }
+
+    /// The frame of this tick; `None` if no sample falls into it.
+    pub(crate) fn sample(
+        &mut self,
+        clock: &Clock,
+        pad: &Pad,
+        contacts: &[Contact; FINGERS],
+        out: &mut Option<HandFrame>,
+    ) {
+        if !self.is_due(clock.tick) {
+            *out = None;
+            return;
+        }
+        let frame = out.insert(HandFrame::default());
+        frame.stamp = clock.stamp(self.sequence);
+        self.sequence += 1;
+        frame.layout_hash = self.layout_hash;
+        frame.hand = self.hand;
+        frame.finger_count = FINGERS as u32;
+        let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
+        for (finger, (tip, contact)) in self.tips.iter_mut().zip(contacts).enumerate() {
+            frame.valid_mask[finger] = (1 << DOME_ELEMENTS) - 1;
+            contact.element_forces(pad, &mut force_n);
+            tip.sample(&self.layout, &force_n, &mut frame.force_n[finger]);
+        }
+        frame.seal();
+    }
+
+    /// Whether a sample falls into this tick: the sample count rises.
+    fn is_due(&self, tick: u64) -> bool {
+        let samples = |ticks: u64| ticks * self.rate_hz / 1000;
+        tick == 0 || samples(tick) != samples(tick - 1)
+    }
+}
+
 impl TipSensor {
-    /// A sensor with its own gains and noise; `noise_factor` scales the noise, not the gains.
-    pub(crate) fn new(noise_factor: f64, mut random: Random) -> Self {
+    fn new(noise_factor: f64, mut random: Random) -> Self {
         let gain = core::array::from_fn(|_| 1.0 + GAIN_SPREAD * random.gaussian());
         Self {
             gain,
@@ -51,8 +106,8 @@ impl TipSensor {
         }
     }
 
-    /// One sample: true forces of the object on the elements, tip frame, become readings along the elements' axes.
-    pub(crate) fn sample(
+    /// Forces of the object on the elements, tip frame, become readings along the elements' axes.
+    fn sample(
         &mut self,
         layout: &Layout,
         force_n: &[Vector3<f64>; DOME_ELEMENTS],
@@ -83,33 +138,64 @@ impl TipSensor {
     }
 }
 
-/// What the encoders of one joint of a hand make of its position, rad.
-pub(crate) fn encoder_rad(joint: usize, position_rad: f64) -> f64 {
-    debug_assert!(joint < HAND_JOINTS);
-    quantised(
-        position_rad,
-        if joint < ARM_JOINTS {
-            ARM_ENCODER_STEP_RAD
-        } else {
-            FINGER_ENCODER_STEP_RAD
-        },
-    )
-}
-
-/// What a drive reports as velocity, rad/s.
-pub(crate) fn measured_velocity_rad_s(velocity_rad_s: f64) -> f64 {
-    quantised(velocity_rad_s, VELOCITY_STEP_RAD_S)
-}
-
-/// What a drive reports as torque, N·m.
-pub(crate) fn measured_effort_n_m(effort_n_m: f64) -> f64 {
-    quantised(effort_n_m, EFFORT_STEP_N_M)
-}
-
 /// The nearest multiple of a step, ties to even. Adding and subtracting 1.5·2⁵² rounds without a library call; exact for
 /// magnitudes below 2⁵¹ steps.
 #[inline]
-fn quantised(value: f64, step: f64) -> f64 {
+pub(crate) fn quantised(value: f64, step: f64) -> f64 {
     const ROUNDER: f64 = 6_755_399_441_055_744.0;
     ((value / step + ROUNDER) - ROUNDER) * step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_come_in_steps() {
+        let check = |value: f64, step: f64, expected: f64| {
+            assert!(
+                (quantised(value, step) - expected).abs() < 1e-12,
+                "{value} in steps of {step}"
+            );
+        };
+        check(0.0014, 0.001, 0.001);
+        check(-0.0016, 0.001, -0.002);
+        check(0.0, 0.001, 0.0);
+        check(8.123_456, 0.001, 8.123);
+        check(2.5, 1.0, 2.0);
+        check(-1e9, 0.5, -1e9);
+    }
+
+    /// A constant force on one element, many samples: the mean shows the gain, the spread the noise.
+    #[test]
+    fn noise_grows_with_the_force() {
+        let layout = Layout::dome_41();
+        for (normal_n, expected_n) in [(0.0, 0.003), (0.3, 0.004_243), (2.0, 0.020_224)] {
+            let mut tip = TipSensor::new(1.0, Random::new(1, 2));
+            let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
+            force_n[5] = -Vector3::from(layout.normal[5]) * normal_n;
+            let mut reading_n = [[0.0_f32; 3]; DOME_ELEMENTS];
+            let readings: Vec<f64> = (0..20_000)
+                .map(|_| {
+                    tip.sample(&layout, &force_n, &mut reading_n);
+                    f64::from(reading_n[5][0])
+                })
+                .collect();
+            let mean_n = readings.iter().sum::<f64>() / 20_000.0;
+            let square_n2 = readings
+                .iter()
+                .map(|r| (r - mean_n) * (r - mean_n))
+                .sum::<f64>()
+                / 20_000.0;
+            assert!(
+                (mean_n - tip.gain[5] * normal_n).abs() < 5e-4,
+                "{mean_n} N for {normal_n} N"
+            );
+            assert!(
+                (square_n2.sqrt() / expected_n - 1.0).abs() < 0.03,
+                "{} N at {normal_n} N",
+                square_n2.sqrt()
+            );
+        }
+    }
 }

@@ -193,3 +193,135 @@ impl Face {
 fn radial_distance_m(point_m: &Vector3<f64>) -> f64 {
     (point_m.x * point_m.x + point_m.y * point_m.y).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: Shape = Shape::Box {
+        half_m: Vector3::new(0.02, 0.03, 0.04),
+    };
+    const CYLINDER: Shape = Shape::Cylinder {
+        radius_m: 0.03,
+        half_height_m: 0.06,
+    };
+
+    #[test]
+    fn faces() {
+        let check =
+            |shape: Shape, from: [f64; 3], at: [f64; 3], expected: Option<(f64, [f64; 3])>| {
+                let face = shape.face_towards(&Vector3::from(from));
+                let depth = face.depth_at(&Vector3::from(at));
+                match (depth, expected) {
+                    (Some((depth_m, normal)), Some((expected_m, expected))) => {
+                        assert!(
+                            (depth_m - expected_m).abs() < 1e-12,
+                            "{from:?} {at:?}: {depth_m}"
+                        );
+                        assert!(
+                            (normal - Vector3::from(expected)).norm() < 1e-12,
+                            "{from:?} {at:?}: {normal}"
+                        );
+                    }
+                    (None, None) => {}
+                    _ => panic!("{from:?} {at:?}: {depth:?}, expected {expected:?}"),
+                }
+            };
+        check(
+            BOX,
+            [0.05, 0.0, 0.0],
+            [0.019, 0.0, 0.0],
+            Some((0.001, [1.0, 0.0, 0.0])),
+        );
+        check(
+            BOX,
+            [-0.05, 0.0, 0.0],
+            [-0.022, 0.0, 0.0],
+            Some((-0.002, [-1.0, 0.0, 0.0])),
+        );
+        check(
+            BOX,
+            [0.0, -0.05, 0.03],
+            [0.0, -0.029, 0.03],
+            Some((0.001, [0.0, -1.0, 0.0])),
+        );
+        check(
+            BOX,
+            [0.0, 0.0, 0.05],
+            [0.0, 0.0, 0.039],
+            Some((0.001, [0.0, 0.0, 1.0])),
+        );
+        check(BOX, [0.05, 0.0, 0.0], [0.019, 0.031, 0.0], None);
+        check(
+            CYLINDER,
+            [0.05, 0.0, 0.0],
+            [0.029, 0.0, 0.05],
+            Some((0.001, [1.0, 0.0, 0.0])),
+        );
+        check(
+            CYLINDER,
+            [0.05, 0.0, 0.0],
+            [0.0, -0.029, 0.0],
+            Some((0.001, [0.0, -1.0, 0.0])),
+        );
+        check(CYLINDER, [0.05, 0.0, 0.0], [0.029, 0.0, 0.061], None);
+        check(
+            CYLINDER,
+            [0.0, 0.01, 0.08],
+            [0.0, 0.02, 0.059],
+            Some((0.001, [0.0, 0.0, 1.0])),
+        );
+        check(CYLINDER, [0.0, 0.01, -0.08], [0.0, 0.031, -0.059], None);
+    }
+
+    /// The supporting plane never understates a depth: no bristle that touches is missed.
+    #[test]
+    fn planes_bound_their_shapes() {
+        let mut random = crate::random::Random::new(1, 0);
+        let mut point = || Vector3::from_fn(|_, _| random.between(-0.08, 0.08));
+        for _ in 0..20_000 {
+            let (from_m, at_m) = (point(), point());
+            for shape in [BOX, CYLINDER] {
+                let face = shape.face_towards(&from_m);
+                if let Some((depth_m, _)) = face.depth_at(&at_m) {
+                    let plane_m = face.offset_m - face.normal.dot(&at_m);
+                    assert!(depth_m <= plane_m + 1e-12, "{shape:?} {from_m} {at_m}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn corners_lie_on_the_bounding_sphere_and_at_the_half_height() {
+        for shape in [BOX, CYLINDER] {
+            for (index, corner_m) in shape.corners_m().iter().enumerate() {
+                assert!((corner_m.norm() - shape.bounding_radius_m()).abs() < 1e-12);
+                assert!(
+                    (corner_m.z.abs() - shape.half_height_m()).abs() < 1e-12,
+                    "corner {index}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn inertia_of_a_cube_and_of_a_disc() {
+        let cube = Shape::Box {
+            half_m: Vector3::repeat(0.05),
+        }
+        .inertia_kg_m2(0.6);
+        assert!(
+            (cube - Vector3::repeat(0.6 * 0.01 / 6.0)).norm() < 1e-12,
+            "{cube}"
+        );
+        let disc = Shape::Cylinder {
+            radius_m: 0.1,
+            half_height_m: 0.0,
+        }
+        .inertia_kg_m2(2.0);
+        assert!(
+            (disc - Vector3::new(0.005, 0.005, 0.01)).norm() < 1e-12,
+            "{disc}"
+        );
+    }
+}

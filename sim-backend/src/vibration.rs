@@ -75,3 +75,40 @@ impl Tone {
         self.phase
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT_S: f64 = 250e-6;
+
+    /// Largest displacement in a second, and the velocity against the displacement's differences.
+    fn largest_m(moving: bool) -> f64 {
+        let mut vibration = Vibration::new(1e-5, DT_S, &mut Random::new(1, 1));
+        let (mut largest_m, mut before_m) = (0.0_f64, f64::NAN);
+        for step in 0..8000 {
+            vibration.blend(moving, DT_S);
+            let (at_m, at_m_s) = vibration.step();
+            if step > 4000 {
+                largest_m = largest_m.max(at_m.abs());
+                let difference_m_s = (at_m - before_m) / DT_S;
+                assert!(
+                    (difference_m_s - at_m_s).abs() < 1e-4,
+                    "{difference_m_s} and {at_m_s} m/s"
+                );
+            }
+            before_m = at_m;
+        }
+        largest_m
+    }
+
+    #[test]
+    fn a_moving_hand_trembles_five_times_more_than_a_resting_one() {
+        let (moving_m, resting_m) = (largest_m(true), largest_m(false));
+        assert!((moving_m / 1.25e-5 - 1.0).abs() < 0.05, "{moving_m} m");
+        assert!(
+            (moving_m / resting_m - 5.0).abs() < 0.1,
+            "{moving_m} and {resting_m} m"
+        );
+    }
+}

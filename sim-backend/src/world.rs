@@ -1,28 +1,24 @@
 //! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
 
-use core::array;
+use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
 
-use nalgebra::Vector3;
-use robot_model::{FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS, RobotModel, Side};
-use shm_schemas::{HandFrame, JointCommand, JointState, Layout, Stamp, WorldTruth};
-
+use crate::clock::Clock;
 use crate::drive::{Drive, Orders};
+use crate::encoder;
 use crate::hand::Hand;
-use crate::pad::{DOME_ELEMENTS, Pad};
+use crate::pad::Pad;
 use crate::random::Random;
 use crate::scene::{Scene, SceneError, stream};
-use crate::sensor::{TipSensor, encoder_rad, measured_effort_n_m, measured_velocity_rad_s};
+use crate::sensor::HandSensor;
 use crate::thing::Thing;
 use crate::vibration::Vibration;
 
-/// Length of a tick, ns and s.
-pub const TICK_NS: u64 = 1_000_000;
+/// Length of a tick, s: [`crate::TICK_NS`].
 const TICK_S: f64 = 1e-3;
 /// Substeps per tick. 500 µs is unstable for light objects, 125 µs gives the same results (tactile design).
 const SUBSTEPS: usize = 4;
 const SUBSTEP_S: f64 = TICK_S / SUBSTEPS as f64;
-/// Virtual time of a new world, ns: one second, so that ages and windows that look back never pass below zero.
-pub const START_NS: u64 = 1_000_000_000;
 
 /// What the robot senses at one instant.
 #[derive(Clone, Debug, Default)]
@@ -56,52 +52,38 @@ pub struct World {
     things: Vec<Thing>,
     drive: Drive,
     pad: Pad,
-    layout: Layout,
-    layout_hash: u64,
-    writer_epoch: u64,
-    now_ns: u64,
-    tick: u64,
+    clock: Clock,
     joint_sequence: u64,
     fault: Option<WorldFault>,
 }
 
-/// One hand's sensor.
-#[derive(Clone, Debug)]
-struct HandSensor {
-    tips: [TipSensor; FINGERS],
-    rate_hz: u64,
-    sequence: u64,
-}
-
 impl World {
-    /// A world at rest: objects standing, hands where the scene starts them, virtual time [`START_NS`].
+    /// A world at rest: objects standing, hands where the scene starts them, virtual time [`crate::START_NS`].
     ///
     /// # Errors
     /// [`SceneError`] if the scene cannot be simulated.
     pub fn new(robot: &RobotModel, scene: &Scene, seed: u64) -> Result<Self, SceneError> {
         scene.check()?;
         let start_rad = scene.start(robot)?;
-        let layout = Layout::dome_41();
         let hand = |side: Side| {
             let start = HandVector::from_column_slice(&start_rad[side.joint_range()]);
             let mut random = Random::new(seed, stream::VIBRATION + side.index() as u64);
-            Hand::new(
-                robot.hand(side),
-                start,
-                Vibration::new(scene.vibration_m, SUBSTEP_S, &mut random),
-            )
+            let vibration = Vibration::new(scene.vibration_m, SUBSTEP_S, &mut random);
+            Hand::new(robot.hand(side), start, vibration)
+        };
+        let sensor = |side: Side| {
+            let first = stream::TIP_SENSOR + (FINGERS * side.index()) as u64;
+            let random = [first, first + 1].map(|tip| Random::new(seed, tip));
+            let rate_hz = scene.sensor_rate_hz[side.index()];
+            HandSensor::new(side, rate_hz, scene.noise_factor, random)
         };
         Ok(Self {
             hands: Side::BOTH.map(hand),
-            sensors: Side::BOTH.map(|side| HandSensor::new(scene, seed, side)),
+            sensors: Side::BOTH.map(sensor),
             things: scene.objects.iter().map(Thing::new).collect(),
             drive: Drive::holding(start_rad),
             pad: Pad::dome_41(),
-            layout_hash: layout.hash(),
-            layout,
-            writer_epoch: Random::new(seed, stream::EPOCH).bits(),
-            now_ns: START_NS,
-            tick: 0,
+            clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
             fault: None,
         })
@@ -109,33 +91,40 @@ impl World {
 
     /// Samples everything that is due now. Call once per tick, before [`World::advance`].
     pub fn sense(&mut self, out: &mut Sensed) {
-        for side in Side::BOTH {
-            self.sense_hand(side, &mut out.frames[side.index()]);
+        let Self {
+            hands,
+            sensors,
+            clock,
+            pad,
+            ..
+        } = self;
+        for ((sensor, hand), frame) in sensors.iter_mut().zip(hands).zip(&mut out.frames) {
+            sensor.sample(clock, pad, &hand.contacts, frame);
         }
-        self.sense_joints(&mut out.joints);
+        out.joints = JointState::default();
+        out.joints.stamp = self.clock.stamp(self.joint_sequence);
+        self.joint_sequence += 1;
+        for side in Side::BOTH {
+            encoder::read(&self.hands[side.index()].plant, side, &mut out.joints);
+        }
     }
 
     /// Simulates one millisecond. `command` is what arrived in it, if anything; it is obeyed from
     /// [`LATENCY_MS`](crate::LATENCY_MS) later until it expires. After a [`World::fault`] only time goes on.
     pub fn advance(&mut self, command: Option<&JointCommand>) {
-        let orders = self.drive.orders(command, self.now_ns);
+        let orders = self.drive.orders(command, self.clock.now_ns);
         if self.fault.is_none() {
             self.simulate(&orders);
             self.fault = self.find_fault();
         }
-        self.now_ns += TICK_NS;
-        self.tick += 1;
+        self.clock.advance();
     }
 
     /// The judge's view.
     #[must_use]
     pub fn truth(&self) -> WorldTruth {
         let mut truth = WorldTruth {
-            stamp: Stamp {
-                sequence: self.tick,
-                captured_ns: self.now_ns,
-                writer_epoch: self.writer_epoch,
-            },
+            stamp: self.clock.stamp(self.clock.tick),
             object_count: self.things.len() as u32,
             expired_commands: self.drive.lapsed(),
             ..WorldTruth::default()
@@ -155,13 +144,13 @@ impl World {
     /// Time of the present instant, ns.
     #[must_use]
     pub fn now_ns(&self) -> u64 {
-        self.now_ns
+        self.clock.now_ns
     }
 
     /// Ticks simulated so far.
     #[must_use]
     pub fn tick(&self) -> u64 {
-        self.tick
+        self.clock.tick
     }
 
     /// Why the world stands still, if it does.
@@ -173,12 +162,12 @@ impl World {
     /// Sets the clock forward to a time of the host's clock without simulating: a process that was late skips the ticks it
     /// missed. A time that has passed changes nothing, because time never goes back.
     pub fn skip_to(&mut self, now_ns: u64) {
-        self.now_ns = self.now_ns.max(now_ns);
+        self.clock.now_ns = self.clock.now_ns.max(now_ns);
     }
 
     /// Replaces the writer epoch that follows from the seed, for a process that must be told from its predecessor.
     pub fn set_writer_epoch(&mut self, writer_epoch: u64) {
-        self.writer_epoch = writer_epoch;
+        self.clock.writer_epoch = writer_epoch;
     }
 
     fn simulate(&mut self, orders: &Orders) {
@@ -219,71 +208,5 @@ impl World {
         joints
             .map(WorldFault::Joints)
             .or_else(|| object().map(WorldFault::Object))
-    }
-
-    fn sense_hand(&mut self, side: Side, out: &mut Option<HandFrame>) {
-        let sensor = &mut self.sensors[side.index()];
-        if !sensor.is_due(self.tick) {
-            *out = None;
-            return;
-        }
-        let frame = out.insert(HandFrame::default());
-        frame.stamp = Stamp {
-            sequence: sensor.sequence,
-            captured_ns: self.now_ns,
-            writer_epoch: self.writer_epoch,
-        };
-        sensor.sequence += 1;
-        frame.layout_hash = self.layout_hash;
-        frame.hand = shm_schemas::Hand::BOTH[side.index()];
-        frame.finger_count = FINGERS as u32;
-        let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
-        for finger in 0..FINGERS {
-            frame.valid_mask[finger] = (1 << DOME_ELEMENTS) - 1;
-            self.hands[side.index()].contacts[finger].element_forces(&self.pad, &mut force_n);
-            sensor.tips[finger].sample(&self.layout, &force_n, &mut frame.force_n[finger]);
-        }
-        frame.seal();
-    }
-
-    fn sense_joints(&mut self, out: &mut JointState) {
-        *out = JointState::default();
-        out.stamp = Stamp {
-            sequence: self.joint_sequence,
-            captured_ns: self.now_ns,
-            writer_epoch: self.writer_epoch,
-        };
-        self.joint_sequence += 1;
-        out.joint_count = ROBOT_JOINTS as u32;
-        for side in Side::BOTH {
-            let plant = &self.hands[side.index()].plant;
-            for joint in 0..HAND_JOINTS {
-                let index = side.first_joint() + joint;
-                out.position_rad[index] = encoder_rad(joint, plant.position_rad[joint]);
-                out.velocity_rad_s[index] = measured_velocity_rad_s(plant.velocity_rad_s[joint]);
-                out.effort_n_m[index] = measured_effort_n_m(plant.effort_n_m[joint]);
-            }
-        }
-    }
-}
-
-impl HandSensor {
-    fn new(scene: &Scene, seed: u64, side: Side) -> Self {
-        let index = side.index() as u64;
-        let tip = |finger: usize| {
-            let random = Random::new(seed, stream::TIP_SENSOR + 4 * index + finger as u64);
-            TipSensor::new(scene.noise_factor, random)
-        };
-        Self {
-            tips: array::from_fn(tip),
-            rate_hz: scene.sensor_rate_hz[side.index()].into(),
-            sequence: 0,
-        }
-    }
-
-    /// Whether a sample falls into this tick: the sample count rises.
-    fn is_due(&self, tick: u64) -> bool {
-        let samples = |ticks: u64| ticks * self.rate_hz / 1000;
-        tick == 0 || samples(tick) != samples(tick - 1)
     }
 }

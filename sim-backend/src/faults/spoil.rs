@@ -5,7 +5,7 @@ use shm_schemas::{HandFrame, JointState, Stamp};
 use zerocopy::IntoBytes;
 
 use super::spec::{Fault, FaultKind};
-use crate::world::TICK_NS;
+use crate::clock::TICK_NS;
 
 /// What a forged writer epoch differs in from the true one.
 const EPOCH_MASK: u64 = 0x5a5a_5a5a_5a5a_5a5a;
