@@ -93,7 +93,7 @@ impl Bus {
         &self.member.place.bus
     }
 
-    /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or `/tmp`. For peers in other
+    /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or in `/dev/shm`. For peers in other
     /// languages: it is iceoryx2's `global.root-path`.
     #[must_use]
     pub fn folder(&self) -> &Path {

@@ -8,6 +8,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
@@ -20,6 +21,10 @@ const NOTES: &str = "cleaning";
 /// How iceoryx2 names a port's tag.
 const TAG: &str = ".port_tag";
 
+/// How long to wait for another cleaner of the same node: a peer in another language, or another bus's in this
+/// process. Five times what removing a node takes at most.
+const OTHER_CLEANER: Duration = Duration::from_millis(100);
+
 /// Removes what dead nodes left; returns how many nodes. Call under the start-up lock only.
 pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
     let dead = dead_nodes(node);
@@ -31,7 +36,7 @@ pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
         put_back(&notes, &folder);
         note_down(&notes, &folder);
     }
-    let state = node.try_cleanup_dead_nodes();
+    let state = node.blocking_cleanup_dead_nodes(OTHER_CLEANER);
     if state.failed_cleanups == 0 {
         // What cannot be removed now is removed next time; notes about nodes that are gone do no harm.
         let _ = fs::remove_dir_all(&notes);

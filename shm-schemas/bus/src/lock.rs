@@ -1,8 +1,8 @@
 //! Advisory locks in the bus's folder. They end with the process that holds them, however it ends.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{Read, Seek, Write};
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::io::Read;
+use std::os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -60,7 +60,14 @@ impl Holder {
 /// A held lock.
 #[derive(Debug)]
 pub(crate) struct FileLock {
-    _file: File,
+    file: File,
+}
+
+impl Drop for FileLock {
+    /// Closing alone would not do: a child process has a copy of the file between its fork and its exec.
+    fn drop(&mut self) {
+        let _ = flock(&self.file, FlockOperation::Unlock);
+    }
 }
 
 impl FileLock {
@@ -75,8 +82,8 @@ impl FileLock {
             }
             // Between open and lock a wipe may have removed the file: then the lock guards nothing.
             if is_at(&file, path) {
-                write(&mut file, holder).map_err(BusError::io("write", path))?;
-                return Ok(Ok(Self { _file: file }));
+                write(&file, holder).map_err(BusError::io("write", path))?;
+                return Ok(Ok(Self { file }));
             }
         }
     }
@@ -112,10 +119,10 @@ fn read(file: &mut File) -> Holder {
     Holder::parse(&text)
 }
 
-fn write(file: &mut File, holder: &Holder) -> std::io::Result<()> {
-    file.set_len(0)?;
-    file.rewind()?;
-    writeln!(file, "{} {} {}", holder.pid, holder.since_ns, holder.role)
+/// Always the same length and in place: truncating and writing anew costs milliseconds on a disk's file system.
+fn write(file: &File, holder: &Holder) -> std::io::Result<()> {
+    let text = format!("{} {} {:.64}", holder.pid, holder.since_ns, holder.role);
+    file.write_all_at(format!("{text:<127}\n").as_bytes(), 0)
 }
 
 /// The lock under which nodes, services and ports of a bus are set up, one process at a time.

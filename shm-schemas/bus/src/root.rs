@@ -32,7 +32,7 @@ pub(crate) struct Place {
 
 impl Place {
     /// Finds or makes the place: `/run/atas/<bus>` for the service's user, else `$XDG_RUNTIME_DIR/atas/<bus>`, else
-    /// `/tmp/atas-<uid>/<bus>`.
+    /// `/dev/shm/atas-<uid>/<bus>`.
     pub(crate) fn of(bus: &BusName) -> Result<Self, BusError> {
         let xdg = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
         let place = Self::under(base(Path::new(SERVICE_BASE), xdg.as_deref()), bus)?;
@@ -127,6 +127,9 @@ pub(crate) fn uid() -> u32 {
 }
 
 /// The folder that holds this user's buses.
+///
+/// The last resort is not `/tmp`: systemd removes from it what is ten days old, and on a disk iceoryx2's `fsync` of
+/// each small file costs 3 to 5 ms (measured, ext4), 60 ms for a daemon's start-up.
 fn base(service: &Path, xdg: Option<&Path>) -> PathBuf {
     let usable = |path: &Path| {
         path.is_absolute() && fs::symlink_metadata(path).is_ok_and(|m| flaw(&m).is_none())
@@ -136,7 +139,7 @@ fn base(service: &Path, xdg: Option<&Path>) -> PathBuf {
     }
     match xdg.filter(|path| usable(path)) {
         Some(xdg) => xdg.join("atas"),
-        None => PathBuf::from(format!("/tmp/atas-{}", uid())),
+        None => PathBuf::from(format!("{SHM}/atas-{}", uid())),
     }
 }
 
@@ -241,7 +244,7 @@ mod tests {
     #[test]
     fn folders_of_others_are_passed_over() {
         let none = Path::new("/nonexistent");
-        let own = PathBuf::from(format!("/tmp/atas-{}", uid()));
+        let own = PathBuf::from(format!("/dev/shm/atas-{}", uid()));
         assert_eq!(base(none, None), own);
         assert_eq!(base(none, Some(Path::new("relative"))), own);
         assert_eq!(base(none, Some(Path::new("/tmp"))), own);
