@@ -1,0 +1,65 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+use shm_bus::BusName;
+
+use crate::config::Source;
+
+/// The 1 kHz ATAS daemon: feels with two hands, moves 22 joints, takes goals.
+#[derive(Clone, Debug, Parser)]
+#[command(version, after_help = EXIT_CODES)]
+pub struct Args {
+    /// The bus to run on; every process of one robot uses the same.
+    #[arg(long, value_name = "NAME", env = BusName::ENV, default_value_t)]
+    pub bus: BusName,
+    /// Configuration file, may be repeated: later ones win [default: /etc/atas/atas.toml and /etc/atas/conf.d/*.toml].
+    #[arg(long, value_name = "FILE")]
+    pub config: Vec<PathBuf>,
+    /// One value on top of the files, may be repeated, for example `--set grasp.dr_n=0.08`.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Checks the configuration, prints what would be in force, and exits.
+    #[arg(long)]
+    pub check_config: bool,
+    /// Ticks when the simulator has sent a joint state instead of by the clock. Deterministic; never real-time.
+    #[arg(long)]
+    pub lockstep: bool,
+    /// How the log on standard error looks; RUST_LOG says how much of it there is.
+    #[arg(long, value_enum, default_value_t = LogFormat::Human)]
+    pub log_format: LogFormat,
+}
+
+/// How the log looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people.
+    Human,
+    /// One JSON object per line.
+    Json,
+}
+
+const EXIT_CODES: &str = "\
+Signals: SIGTERM and SIGINT stop the robot and the daemon, a second one at once; SIGHUP reads the configuration again.
+
+Exit codes:
+  0         stopped as asked
+  1         failed while running
+  2         wrong command line
+  3         configuration refused
+  4         another daemon owns the bus
+  5         the bus could not be opened
+  6         real time is required and was refused
+  130, 143  stopped at once by a second SIGINT or SIGTERM";
+
+impl Args {
+    /// Where the configuration comes from.
+    #[must_use]
+    pub fn source(&self) -> Source {
+        Source {
+            files: self.config.clone(),
+            flags: self.set.clone(),
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Configuration: TOML files and `--set` flags go in, a checked [`Config`] comes out, or an error that names every
+//! wrong key with its place, its value and what it needs.
+//!
+//! Values are merged key by key, later over earlier: built-in defaults, `/etc/atas/atas.toml`,
+//! `/etc/atas/conf.d/*.toml` in the order of their names (or the `--config` files instead of those), then `--set`.
+//! The file `atas.example.toml` shows every key.
+//!
+//! * **Invariants:** a [`Config`] from [`Source::load`] is complete, finite and within every range. Unknown keys are
+//!   refused. [`Config::text`] says everything that is in force, and reading it back gives the same configuration.
+//! * **Absent on purpose:** the name of the bus, which every process on it must share (`--bus`, `ATAS_BUS`).
+
+mod document;
+mod error;
+mod keys;
+mod layout;
+mod source;
+
+pub use error::{ConfigError, Place, Problem};
+pub use keys::{known_keys, nearest_parameter};
+pub use layout::{CustomLayout, LayoutChoice};
+pub use source::Source;
+
+use atas::{HandWiring, STIFFNESS_N_M_RAD, Settings, Wiring, settings};
+use robot_model::{HAND_JOINTS, HandVector, ModelError, RobotModel};
+use serde::{Deserialize, Serialize};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+
+/// Everything that can be configured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Config {
+    /// Scheduling of the tick.
+    pub realtime: Realtime,
+    /// The robot.
+    pub robot: Robot,
+    /// The sensors.
+    pub hands: Hands,
+    /// Which frames and joint states are believed.
+    pub intake: settings::Intake,
+    /// From element forces to what a fingertip feels.
+    pub perception: settings::Perception,
+    /// Modules 1, 2 and 3.
+    pub grasp: settings::Grasp,
+    /// How the hand moves.
+    pub motion: settings::Motion,
+    /// The last gate.
+    pub safety: settings::Safety,
+}
+
+/// Whether the daemon insists on real-time scheduling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RealtimeMode {
+    /// It does not start without.
+    Require,
+    /// It runs without, and says so (`DEGRADED`).
+    Try,
+    /// It does not ask.
+    Off,
+}
+
+/// Scheduling of the tick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Realtime {
+    /// What to do about real-time scheduling and memory locking.
+    pub mode: RealtimeMode,
+    /// `SCHED_FIFO` priority of the tick thread.
+    pub priority: u32,
+    /// Core of the tick thread.
+    pub cpu: Cpu,
+    /// Tick rate, Hz.
+    pub rate_hz: u32,
+    /// Longest spin before a deadline, µs.
+    pub spin_us: u32,
+}
+
+/// A core, or any.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Cpu {
+    /// The core with this number.
+    Core(u32),
+    /// `"any"`: the kernel chooses.
+    Any(AnyWord),
+}
+
+/// The word `any`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AnyWord {
+    /// `"any"`.
+    Any,
+}
+
+/// The robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Robot {
+    /// Path of a URDF file, or [`BUILT_IN`].
+    pub urdf: String,
+    /// Whether joint feedback exists; without it the daemon senses and never moves anything.
+    pub joints_required: bool,
+    /// Servo stiffness of each joint of one hand, N·m/rad.
+    pub stiffness_n_m_rad: [f64; HAND_JOINTS],
+}
+
+/// The value of `robot.urdf` that means the paper's robot.
+pub const BUILT_IN: &str = "built-in";
+
+/// The sensors of both hands.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Hands {
+    /// Left hand.
+    pub left: HandSensor,
+    /// Right hand.
+    pub right: HandSensor,
+}
+
+/// One hand's sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HandSensor {
+    /// Where the elements sit.
+    pub layout: LayoutChoice,
+    /// Fingers that carry sensors.
+    pub fingers: usize,
+    /// Nominal frame rate, Hz.
+    pub rate_hz: f64,
+    /// Whether the robot must hold when this sensor is silent. A hand without a required sensor takes no goals.
+    pub required: bool,
+}
+
+impl Default for Realtime {
+    fn default() -> Self {
+        Self {
+            mode: RealtimeMode::Try,
+            priority: 80,
+            cpu: Cpu::Any(AnyWord::Any),
+            rate_hz: 1000,
+            spin_us: 100,
+        }
+    }
+}
+
+impl Default for Robot {
+    fn default() -> Self {
+        Self {
+            urdf: BUILT_IN.to_owned(),
+            joints_required: true,
+            stiffness_n_m_rad: STIFFNESS_N_M_RAD,
+        }
+    }
+}
+
+impl Default for HandSensor {
+    fn default() -> Self {
+        Self {
+            layout: LayoutChoice::Named("dome-41".to_owned()),
+            fingers: robot_model::FINGERS,
+            rate_hz: 1000.0,
+            required: true,
+        }
+    }
+}
+
+impl Config {
+    /// The numbers that may change while the daemon runs.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        Settings {
+            intake: self.intake,
+            perception: self.perception,
+            grasp: self.grasp,
+            motion: self.motion,
+            safety: self.safety,
+        }
+    }
+
+    /// The same configuration with other settings.
+    #[must_use]
+    pub fn with_settings(&self, settings: &Settings) -> Self {
+        Self {
+            intake: settings.intake,
+            perception: settings.perception,
+            grasp: settings.grasp,
+            motion: settings.motion,
+            safety: settings.safety,
+            ..self.clone()
+        }
+    }
+
+    /// What the controller is wired to.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for a layout that [`Source::load`] would have refused.
+    pub fn wiring(&self, writer_epoch: u64) -> Result<Wiring, ConfigError> {
+        Ok(Wiring {
+            hands: [
+                self.hands.left.wiring("hands.left.layout")?,
+                self.hands.right.wiring("hands.right.layout")?,
+            ],
+            joints_required: self.robot.joints_required,
+            stiffness_n_m_rad: HandVector::from_row_slice(&self.robot.stiffness_n_m_rad),
+            tick_s: 1.0 / f64::from(self.realtime.rate_hz),
+            writer_epoch,
+        })
+    }
+
+    /// Loads the robot.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the URDF cannot be read or is of another structure.
+    pub fn robot_model(&self) -> Result<RobotModel, ModelError> {
+        if self.robot.urdf == BUILT_IN {
+            RobotModel::two_hand_arm()
+        } else {
+            RobotModel::from_urdf_file(&self.robot.urdf)
+        }
+    }
+
+    /// The effective configuration as TOML.
+    #[must_use]
+    pub fn text(&self) -> String {
+        // Every field is a number, a word, a truth value or an array of those, which TOML can always write.
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// FNV-1a 64 of [`Config::text`].
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        fnv1a(FNV_OFFSET, self.text().as_bytes())
+    }
+}
+
+impl HandSensor {
+    fn wiring(&self, key: &str) -> Result<HandWiring, ConfigError> {
+        let unsound = || {
+            let (key, value) = (key.to_owned(), format!("{:?}", self.layout));
+            let needs = keys::needs(&key).unwrap_or_default();
+            ConfigError(vec![Problem::Value {
+                place: None,
+                key,
+                value,
+                needs,
+            }])
+        };
+        Ok(HandWiring {
+            layout: self.layout.resolve().ok_or_else(unsound)?,
+            fingers: self.fingers,
+            required: self.required,
+            rate_hz: self.rate_hz,
+        })
+    }
+}

@@ -1,0 +1,134 @@
+//! One TOML text as a flat list of keys, each with its place.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+use super::keys;
+use super::{Config, Place, Problem};
+
+/// One key with its value.
+#[derive(Clone, Debug)]
+pub(super) struct Leaf {
+    pub(super) key: String,
+    pub(super) value: Value,
+    pub(super) place: Place,
+}
+
+/// The keys of a file, in the order of their names.
+pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Leaf>, Problem> {
+    let syntax = |error: toml::de::Error| Problem::Syntax {
+        place: Place::File(
+            path.to_owned(),
+            line_of(text, error.span().map_or(0, |s| s.start)),
+        ),
+        why: error.message().replace('\n', ", "),
+    };
+    let table: Table = toml::from_str(text).map_err(syntax)?;
+    let spans = DeTable::parse(text).map_err(syntax)?;
+    let mut leaves = Vec::new();
+    flatten("", &table, &mut |key, value| {
+        let offset = offset_of(spans.get_ref(), key).unwrap_or(0);
+        let place = Place::File(path.to_owned(), line_of(text, offset));
+        leaves.push(Leaf {
+            key: key.to_owned(),
+            value: value.clone(),
+            place,
+        });
+    });
+    Ok(leaves)
+}
+
+/// The key of a `--set section.key=value`. What is not a TOML value counts as text.
+pub(super) fn read_flag(flag: &str) -> Result<Leaf, Problem> {
+    let why = "needs the form section.key=value".to_owned();
+    let (key, value) = flag.split_once('=').ok_or(Problem::Syntax {
+        place: Place::Flag,
+        why: format!("{flag:?} {why}"),
+    })?;
+    let (key, value) = (key.trim().to_owned(), value.trim());
+    let parsed = toml::from_str::<Table>(&format!("value = {value}")).ok();
+    let value = parsed
+        .and_then(|mut table| table.remove("value"))
+        .unwrap_or_else(|| Value::String(value.to_owned()));
+    Ok(Leaf {
+        key,
+        value,
+        place: Place::Flag,
+    })
+}
+
+/// The configuration that these keys make, with defaults for the others.
+pub(super) fn assemble<'a>(leaves: impl IntoIterator<Item = &'a Leaf>) -> Option<Config> {
+    let mut root = Table::new();
+    for leaf in leaves {
+        insert(&mut root, &leaf.key, leaf.value.clone())?;
+    }
+    Config::deserialize(root).ok()
+}
+
+/// Every key of a configuration with its value.
+pub(super) fn flat(config: &Config) -> Vec<(String, Value)> {
+    let mut leaves = Vec::new();
+    if let Ok(table) = Table::try_from(config) {
+        flatten("", &table, &mut |key, value| {
+            leaves.push((key.to_owned(), value.clone()))
+        });
+    }
+    leaves
+}
+
+fn insert(table: &mut Table, key: &str, value: Value) -> Option<()> {
+    match key.split_once('.') {
+        None => {
+            table.insert(key.to_owned(), value);
+        }
+        Some((section, rest)) => {
+            let inner = table
+                .entry(section)
+                .or_insert_with(|| Value::Table(Table::new()));
+            insert(inner.as_table_mut()?, rest, value)?;
+        }
+    }
+    Some(())
+}
+
+/// Tables are walked through, except where a table is the value of a known key; an empty table counts as a key, so that
+/// a misspelt empty section is found.
+fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
+    for (name, value) in table {
+        let key = if prefix.is_empty() {
+            name.clone()
+        } else {
+            format!("{prefix}.{name}")
+        };
+        match value {
+            Value::Table(inner) if inner.is_empty() && keys::is_section(&key) => {}
+            Value::Table(inner) if !inner.is_empty() && keys::needs(&key).is_none() => {
+                flatten(&key, inner, each);
+            }
+            _ => each(&key, value),
+        }
+    }
+}
+
+fn offset_of(table: &DeTable<'_>, key: &str) -> Option<usize> {
+    let find = |name: &str| table.iter().find(|(k, _)| k.get_ref() == name);
+    if let Some((found, _)) = find(key) {
+        return Some(found.span().start);
+    }
+    // A quoted name may itself contain dots, so every split is tried.
+    key.match_indices('.').find_map(|(at, _)| {
+        let (_, value) = find(&key[..at])?;
+        match value.get_ref() {
+            DeValue::Table(inner) => offset_of(inner, &key[at + 1..]),
+            _ => None,
+        }
+    })
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text.bytes().take(offset).filter(|b| *b == b'\n').count() + 1
+}

@@ -1,0 +1,244 @@
+//! Every key of the configuration, and what its value needs to be.
+//!
+//! Tunable numbers come from the controller's own table [`PARAMETERS`]; the rest is listed here.
+
+use atas::limits::TICK_RATE_HZ;
+use atas::settings::{PARAMETERS, Parameter, find};
+
+use super::{Config, Cpu, HandSensor};
+
+/// A key that is fixed while the daemon runs.
+struct FixedKey {
+    name: &'static str,
+    needs: &'static str,
+    holds: fn(&Config) -> bool,
+}
+
+const LAYOUT: &str = "\"dome-41\", \"dome-1\" or { normals = [[x, y, z], …], radius_m = …, element_area_m2 = … } \
+    with 1 to 64 unit vectors that do not point along x";
+const YES_NO: &str = "true or false";
+
+/// `SCHED_FIFO` has 1 to 99; 99 belongs to the kernel's own threads.
+const PRIORITY_MAX: u32 = 98;
+/// Beyond this, spinning costs more than a tenth of a core (measured: 9 % at 100 µs and 1 kHz).
+const SPIN_MAX_US: u32 = 100;
+
+const FIXED: &[FixedKey] = &[
+    FixedKey {
+        name: "realtime.mode",
+        needs: "\"require\", \"try\" or \"off\"",
+        holds: |_| true,
+    },
+    FixedKey {
+        name: "realtime.priority",
+        needs: "a whole number from 1 to 98",
+        holds: |c| (1..=PRIORITY_MAX).contains(&c.realtime.priority),
+    },
+    FixedKey {
+        name: "realtime.cpu",
+        needs: "\"any\" or the number of a core, 0 to 1023",
+        holds: |c| !matches!(c.realtime.cpu, Cpu::Core(1024..)),
+    },
+    FixedKey {
+        name: "realtime.rate_hz",
+        needs: "a whole number from 100 to 10000",
+        holds: |c| (TICK_RATE_HZ.0..=TICK_RATE_HZ.1).contains(&c.realtime.rate_hz),
+    },
+    FixedKey {
+        name: "realtime.spin_us",
+        needs: "a whole number from 0 to 100",
+        holds: |c| c.realtime.spin_us <= SPIN_MAX_US,
+    },
+    FixedKey {
+        name: "robot.urdf",
+        needs: "\"built-in\" or the path of a URDF file",
+        holds: |c| !c.robot.urdf.is_empty(),
+    },
+    FixedKey {
+        name: "robot.joints_required",
+        needs: YES_NO,
+        holds: |_| true,
+    },
+    FixedKey {
+        name: "robot.stiffness_n_m_rad",
+        needs: "11 numbers from 0.1 to 1000000",
+        holds: |c| {
+            c.robot
+                .stiffness_n_m_rad
+                .iter()
+                .all(|k| (0.1..=1e6).contains(k))
+        },
+    },
+    FixedKey {
+        name: "hands.left.layout",
+        needs: LAYOUT,
+        holds: |c| has_layout(&c.hands.left),
+    },
+    FixedKey {
+        name: "hands.left.fingers",
+        needs: FINGERS,
+        holds: |c| has_fingers(&c.hands.left),
+    },
+    FixedKey {
+        name: "hands.left.rate_hz",
+        needs: RATE,
+        holds: |c| has_rate(&c.hands.left),
+    },
+    FixedKey {
+        name: "hands.left.required",
+        needs: YES_NO,
+        holds: |_| true,
+    },
+    FixedKey {
+        name: "hands.right.layout",
+        needs: LAYOUT,
+        holds: |c| has_layout(&c.hands.right),
+    },
+    FixedKey {
+        name: "hands.right.fingers",
+        needs: FINGERS,
+        holds: |c| has_fingers(&c.hands.right),
+    },
+    FixedKey {
+        name: "hands.right.rate_hz",
+        needs: RATE,
+        holds: |c| has_rate(&c.hands.right),
+    },
+    FixedKey {
+        name: "hands.right.required",
+        needs: YES_NO,
+        holds: |_| true,
+    },
+];
+
+/// Jaro-Winkler likeness from which a suggestion helps more than it confuses. Ours, by trying misspellings.
+const LIKELY: f64 = 0.8;
+const FINGERS: &str = "a whole number from 1 to 4";
+const RATE: &str = "a number from 1 to 10000";
+
+/// Pairs of parameters of which the first must not be above the second.
+const ORDERED: &[(&str, &str)] = &[
+    ("perception.touch_off_n", "perception.touch_on_n"),
+    ("grasp.f1_min_n", "grasp.f1_max_n"),
+    ("grasp.f2_min_n", "grasp.f2_max_n"),
+    ("grasp.slip_off", "grasp.slip_on"),
+    ("intake.hold_age_s", "intake.reject_age_s"),
+];
+
+fn has_layout(hand: &HandSensor) -> bool {
+    hand.layout.resolve().is_some()
+}
+
+fn has_fingers(hand: &HandSensor) -> bool {
+    (1..=shm_schemas::capacity::FINGERS).contains(&hand.fingers)
+}
+
+fn has_rate(hand: &HandSensor) -> bool {
+    (1.0..=10_000.0).contains(&hand.rate_hz)
+}
+
+/// Every key, `section.key`, in the order of the configuration file.
+pub fn known_keys() -> impl Iterator<Item = &'static str> {
+    FIXED
+        .iter()
+        .map(|key| key.name)
+        .chain(PARAMETERS.iter().map(|p| p.name))
+}
+
+/// Whether a key keeps its value as long as the daemon runs.
+pub(super) fn is_fixed(name: &str) -> bool {
+    FIXED.iter().any(|key| key.name == name)
+}
+
+/// Whether keys begin with this name and a dot.
+pub(super) fn is_section(name: &str) -> bool {
+    known_keys().any(|key| {
+        key.strip_prefix(name)
+            .is_some_and(|rest| rest.starts_with('.'))
+    })
+}
+
+/// What the value of a key needs to be; `None` for an unknown key.
+pub(super) fn needs(name: &str) -> Option<String> {
+    let range = |p: &Parameter| format!("a number from {} to {}", p.lower, p.upper);
+    let fixed = FIXED.iter().find(|key| key.name == name);
+    fixed
+        .map(|key| key.needs.to_owned())
+        .or_else(|| find(name).map(range))
+}
+
+/// Whether the value of a key, in this configuration, is what it needs to be.
+pub(super) fn holds(name: &str, config: &Config) -> bool {
+    match (FIXED.iter().find(|key| key.name == name), find(name)) {
+        (Some(key), _) => (key.holds)(config),
+        (None, Some(parameter)) => parameter.check((parameter.get)(&config.settings())).is_ok(),
+        (None, None) => false,
+    }
+}
+
+/// Parameters that contradict another one: `(key, value, what it needs)`.
+pub(super) fn contradictions(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
+    let settings = config.settings();
+    ORDERED.iter().filter_map(move |&(lower, upper)| {
+        let value = |name| find(name).map_or(f64::NAN, |p| (p.get)(&settings));
+        let (below, above) = (value(lower), value(upper));
+        (below > above).then(|| (lower, below, format!("at most {upper}, which is {above}")))
+    })
+}
+
+/// The key or section that was probably meant: the same key of another section, or else the likeliest spelling.
+pub(super) fn nearest(name: &str) -> Option<&'static str> {
+    let last = |key: &'static str| key.rsplit_once('.').map_or(key, |(_, last)| last);
+    let wanted = name.rsplit_once('.').map_or(name, |(_, last)| last);
+    if let Some(moved) = known_keys().find(|known| last(known) == wanted) {
+        return Some(moved);
+    }
+    let sections =
+        known_keys().filter_map(|known| known.rsplit_once('.').map(|(section, _)| section));
+    known_keys()
+        .chain(sections)
+        .map(|known| (strsim::jaro_winkler(known, name), known))
+        .filter(|(likeness, _)| *likeness > LIKELY)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, known)| known)
+}
+
+/// The parameter that was probably meant.
+#[must_use]
+pub fn nearest_parameter(name: &str) -> Option<&'static str> {
+    nearest(name).filter(|name| find(name).is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ordered_pairs_name_parameters_and_hold_by_default() {
+        for (lower, upper) in ORDERED {
+            assert!(
+                find(lower).is_some() && find(upper).is_some(),
+                "{lower}, {upper}"
+            );
+        }
+        assert_eq!(contradictions(&Config::default()).count(), 0);
+    }
+
+    #[test]
+    fn every_default_holds() {
+        for key in known_keys() {
+            assert!(holds(key, &Config::default()), "{key}");
+        }
+    }
+
+    #[test]
+    fn misspelt_keys_find_their_meaning() {
+        let check = |name, meant| assert_eq!(nearest(name), meant, "{name}");
+        check("grasp.drn", Some("grasp.dr_n"));
+        check("grsp.dr_n", Some("grasp.dr_n"));
+        check("grasp.touch_on_n", Some("perception.touch_on_n"));
+        check("priority", Some("realtime.priority"));
+        check("grsp", Some("grasp"));
+        check("zzz", None);
+    }
+}

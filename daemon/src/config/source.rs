@@ -1,0 +1,151 @@
+//! Where a configuration comes from, and how its parts become one.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::document::{self, Leaf};
+use super::{Config, ConfigError, Place, Problem, keys};
+
+/// The system's configuration: this file, then every `*.toml` of the folder.
+const SYSTEM_FILE: &str = "/etc/atas/atas.toml";
+const SYSTEM_FOLDER: &str = "/etc/atas/conf.d";
+
+/// Where to read; reading again gives what is written there then.
+#[derive(Clone, Debug, Default)]
+pub struct Source {
+    /// Files that must exist, in order; if there are none, the system's files, which need not exist.
+    pub files: Vec<PathBuf>,
+    /// `section.key=value`, in order.
+    pub flags: Vec<String>,
+}
+
+impl Source {
+    /// Reads, merges and checks.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with everything that is wrong.
+    pub fn load(&self) -> Result<Config, ConfigError> {
+        let mut problems = Vec::new();
+        let mut merged = BTreeMap::new();
+        for leaf in self.leaves(&mut problems) {
+            check_leaf(&leaf, &mut problems);
+            merged.insert(leaf.key.clone(), leaf);
+        }
+        if !problems.is_empty() {
+            return Err(ConfigError(problems));
+        }
+        let config = document::assemble(merged.values()).ok_or(ConfigError(problems))?;
+        check_together(&config, &merged)?;
+        Ok(config)
+    }
+
+    fn leaves(&self, problems: &mut Vec<Problem>) -> Vec<Leaf> {
+        let mut leaves = Vec::new();
+        let mut take = |read: Result<Vec<Leaf>, Problem>| match read {
+            Ok(read) => leaves.extend(read),
+            Err(problem) => problems.push(problem),
+        };
+        for path in &self.files {
+            take(read_file(path));
+        }
+        if self.files.is_empty() {
+            system_files().iter().for_each(|path| take(read_file(path)));
+        }
+        for flag in &self.flags {
+            take(document::read_flag(flag).map(|leaf| vec![leaf]));
+        }
+        leaves
+    }
+}
+
+impl Config {
+    /// Checks values that were changed one by one.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with every value that contradicts another.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        check_together(self, &BTreeMap::new())
+    }
+
+    /// The keys in which another configuration differs and which this daemon cannot change while it runs.
+    #[must_use]
+    pub fn fixed_differences(&self, other: &Self) -> Vec<String> {
+        let theirs: BTreeMap<_, _> = document::flat(other).into_iter().collect();
+        let ours = document::flat(self).into_iter();
+        ours.filter(|(key, value)| keys::is_fixed(key) && theirs.get(key) != Some(value))
+            .map(|(key, _)| key)
+            .collect()
+    }
+}
+
+fn system_files() -> Vec<PathBuf> {
+    let mut parts: Vec<PathBuf> = fs::read_dir(SYSTEM_FOLDER)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok().map(|e| e.path()))
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    parts.sort();
+    let main = PathBuf::from(SYSTEM_FILE);
+    let exists = !matches!(fs::metadata(&main), Err(e) if e.kind() == ErrorKind::NotFound);
+    exists.then_some(main).into_iter().chain(parts).collect()
+}
+
+fn read_file(path: &Path) -> Result<Vec<Leaf>, Problem> {
+    let text = fs::read_to_string(path).map_err(|e| Problem::Unreadable {
+        path: path.to_owned(),
+        why: e.to_string(),
+    })?;
+    document::read_text(path, &text)
+}
+
+/// Each key is checked on its own, with defaults for the others, so that one wrong key hides no other.
+fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
+    let (key, place) = (leaf.key.clone(), leaf.place.clone());
+    let value = leaf.value.to_string();
+    if keys::is_section(&key) {
+        let needs = "to be a section with keys".to_owned();
+        return problems.push(Problem::Value {
+            place: Some(place),
+            key,
+            value,
+            needs,
+        });
+    }
+    let Some(needs) = keys::needs(&key) else {
+        let meant = keys::nearest(&key);
+        return problems.push(Problem::UnknownKey { place, key, meant });
+    };
+    if !document::assemble([leaf]).is_some_and(|config| keys::holds(&key, &config)) {
+        problems.push(Problem::Value {
+            place: Some(place),
+            key,
+            value,
+            needs,
+        });
+    }
+}
+
+/// What no key on its own can get wrong: contradictions between keys, and the robot's file.
+fn check_together(config: &Config, leaves: &BTreeMap<String, Leaf>) -> Result<(), ConfigError> {
+    let place = |key: &str| -> Option<Place> { leaves.get(key).map(|leaf| leaf.place.clone()) };
+    let contradiction = |(key, value, needs): (&str, f64, String)| Problem::Value {
+        place: place(key),
+        key: key.to_owned(),
+        value: value.to_string(),
+        needs,
+    };
+    let mut problems: Vec<_> = keys::contradictions(config).map(contradiction).collect();
+    if let Err(error) = config.robot_model() {
+        problems.push(Problem::Robot {
+            why: error.to_string(),
+        });
+    }
+    if problems.is_empty() {
+        Ok(())
+    } else {
+        Err(ConfigError(problems))
+    }
+}

@@ -1,0 +1,187 @@
+//! From a command line to a running daemon and back.
+
+use std::io;
+use std::sync::Arc;
+use std::thread::{Builder, JoinHandle};
+
+use atas::Controller;
+use crossbeam::channel::{Sender, bounded};
+use robot_model::ModelError;
+use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, writer_epoch};
+use shm_schemas::StatusFlags;
+
+use crate::args::Args;
+use crate::config::{Config, ConfigError, RealtimeMode};
+use crate::link::Link;
+use crate::pacer::{FreePacer, LockStep, Pacer};
+use crate::panics::{self, TICK_THREAD};
+use crate::realtime::{self, Granted, Refused};
+use crate::supervisor::{Knowledge, Signals, Supervisor, TickThreadEnded};
+use crate::tick::TickLoop;
+
+/// Name under which others see the daemon on the bus.
+const ROLE: &str = "atasd";
+/// Stack of the tick thread, bytes: all of it is locked.
+const TICK_STACK_BYTES: usize = 1 << 20;
+
+/// Why the daemon ended other than as asked.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The configuration.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The robot's file.
+    #[error("could not load the robot: {0}")]
+    Robot(#[from] ModelError),
+    /// The bus.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// Real time is required.
+    #[error(transparent)]
+    Realtime(#[from] Refused),
+    /// The operating system.
+    #[error("could not start because of: {0}")]
+    System(#[from] io::Error),
+    /// The tick thread.
+    #[error(transparent)]
+    Ticks(#[from] TickThreadEnded),
+}
+
+impl Failure {
+    /// The exit code, see the [crate's table](crate).
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::System(_) | Self::Ticks(_) => 1,
+            Self::Config(_) | Self::Robot(_) => 3,
+            Self::Bus(BusError::Owned { .. }) => 4,
+            Self::Bus(_) => 5,
+            Self::Realtime(_) => 6,
+        }
+    }
+}
+
+/// Runs the daemon until a signal ends it.
+///
+/// # Errors
+/// [`Failure`].
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let source = args.source();
+    let mut config = source.load()?;
+    if args.lockstep {
+        config.realtime.mode = RealtimeMode::Off;
+    }
+    let _owner = OwnerLock::take(&args.bus, ROLE)?;
+    let signals = Signals::install()?;
+    panics::note_those_of_the_tick();
+    let robot = config.robot_model()?;
+    let wiring = config.wiring(if args.lockstep { 1 } else { writer_epoch() })?;
+    let controller = Box::new(Controller::new(&robot, wiring.clone(), config.settings()));
+    let granted = realtime::lock_memory(&config.realtime)?;
+    let link = Arc::new(Link::default());
+    let start = Start {
+        bus: args.bus.clone(),
+        config: config.clone(),
+        lockstep: args.lockstep,
+        controller,
+        granted,
+    };
+    let (ticks, granted) = start.spawn(&link)?;
+    let flags = flags(&granted, args.lockstep);
+    let knowledge = Knowledge::new(source, config, robot, wiring, flags);
+    let ended = supervise(args, &link, knowledge, signals, &ticks);
+    link.quit();
+    // A panic of the tick thread is in `ended`.
+    let _joined = ticks.join();
+    ended.inspect(|()| tracing::info!("stopped"))
+}
+
+fn supervise(
+    args: &Args,
+    link: &Arc<Link>,
+    knowledge: Knowledge,
+    signals: Signals,
+    ticks: &JoinHandle<()>,
+) -> Result<(), Failure> {
+    let bus = Bus::open(&args.bus, ROLE, Deadline::No)?;
+    let mut supervisor = Supervisor::open(bus, Arc::clone(link), knowledge, signals)?;
+    Ok(supervisor.run(ticks)?)
+}
+
+fn flags(granted: &Granted, lockstep: bool) -> u32 {
+    for refused in &granted.refused {
+        tracing::warn!("degraded: {refused}");
+    }
+    [
+        (!granted.refused.is_empty(), StatusFlags::DEGRADED),
+        (lockstep, StatusFlags::LOCKSTEP),
+        (granted.fifo, StatusFlags::REALTIME),
+        (granted.locked, StatusFlags::MEMORY_LOCKED),
+    ]
+    .into_iter()
+    .filter_map(|(is_set, flag)| is_set.then_some(flag))
+    .sum()
+}
+
+/// What the tick thread needs to begin.
+struct Start {
+    bus: BusName,
+    config: Config,
+    lockstep: bool,
+    controller: Box<Controller>,
+    granted: Granted,
+}
+
+impl Start {
+    /// Starts the tick thread and waits until it has its ports and its scheduling, or was refused.
+    fn spawn(self, link: &Arc<Link>) -> Result<(JoinHandle<()>, Granted), Failure> {
+        let (send, receive) = bounded(1);
+        let link = Arc::clone(link);
+        let ticks = Builder::new()
+            .name(TICK_THREAD.to_owned())
+            .stack_size(TICK_STACK_BYTES)
+            .spawn(move || self.run(link, &send))?;
+        match receive.recv() {
+            Ok(started) => Ok((ticks, started?)),
+            Err(_) => {
+                let note = panics::take_note().unwrap_or_default();
+                Err(io::Error::other(format!("the tick thread panicked: {note}")).into())
+            }
+        }
+    }
+
+    fn run(self, link: Arc<Link>, started: &Sender<Result<Granted, Failure>>) {
+        // The receiver waits for exactly one message.
+        match self.begin(link) {
+            Ok((ticks, granted, _bus)) => {
+                let _sent = started.send(Ok(granted));
+                ticks.run();
+            }
+            Err(failure) => {
+                let _sent = started.send(Err(failure));
+            }
+        }
+    }
+
+    fn begin(self, link: Arc<Link>) -> Result<(TickLoop, Granted, Bus), Failure> {
+        let Self {
+            bus,
+            config,
+            lockstep,
+            controller,
+            mut granted,
+        } = self;
+        let bus = Bus::open(&bus, ROLE, Deadline::Yes)?;
+        let realtime = &config.realtime;
+        let period_ns = 1_000_000_000 / u64::from(realtime.rate_hz);
+        let pacer = if lockstep {
+            Pacer::LockStep(LockStep::new())
+        } else {
+            let spin_max_ns = u64::from(realtime.spin_us) * 1000;
+            Pacer::Free(FreePacer::new(period_ns, spin_max_ns))
+        };
+        let ticks = TickLoop::open(&bus, controller, pacer, link, realtime.rate_hz)?;
+        realtime::enter(realtime, &mut granted)?;
+        Ok((ticks, granted, bus))
+    }
+}

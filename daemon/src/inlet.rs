@@ -1,0 +1,106 @@
+//! What comes in on the tick: both hands' frames and the newest joint state, in memory that was set aside at the start.
+
+use atas::{Inputs, Order, Tick};
+use shm_bus::{Bus, BusError, Subscriber};
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{HandFrame, JointState, service};
+
+/// Most frames of one hand that one tick takes in. More wait for the next tick, which makes the drain bounded.
+pub const FRAMES_PER_TICK: usize = 64;
+
+/// The subscribers of the tick thread.
+#[derive(Debug)]
+pub struct Inlet {
+    hands: [HandInlet; HANDS],
+    joints: Subscriber<JointState>,
+    newest: JointState,
+    has_news: bool,
+    failures: u64,
+}
+
+#[derive(Debug)]
+struct HandInlet {
+    port: Subscriber<HandFrame>,
+    frames: Box<[HandFrame]>,
+    count: usize,
+}
+
+impl Inlet {
+    /// Opens the ports.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus refuses.
+    pub fn open(bus: &Bus) -> Result<Self, BusError> {
+        let [left, right] = service::HAND_FRAME;
+        Ok(Self {
+            hands: [HandInlet::open(bus, left)?, HandInlet::open(bus, right)?],
+            joints: bus.subscriber(service::JOINT_STATE)?,
+            newest: JointState::default(),
+            has_news: false,
+            failures: 0,
+        })
+    }
+
+    /// Takes the newest joint state; `false` if none came since the last call.
+    pub fn take_joints(&mut self) -> bool {
+        let taken = self.joints.newest(&mut self.newest);
+        self.failures += u64::from(taken.is_err());
+        self.has_news = taken.unwrap_or(false);
+        self.has_news
+    }
+
+    /// Takes the frames that wait, at most [`FRAMES_PER_TICK`] of each hand.
+    pub fn take_frames(&mut self) {
+        for hand in &mut self.hands {
+            self.failures += u64::from(hand.take().is_err());
+        }
+    }
+
+    /// When the newest joint state was captured, ns.
+    #[must_use]
+    pub fn joints_captured_ns(&self) -> u64 {
+        self.newest.stamp.captured_ns
+    }
+
+    /// Calls on which the bus failed so far.
+    #[must_use]
+    pub fn failures(&self) -> u64 {
+        self.failures
+    }
+
+    /// What was taken in, for the controller.
+    #[must_use]
+    pub fn inputs<'a>(&'a self, tick: Tick, order: Option<&'a Order>) -> Inputs<'a> {
+        Inputs {
+            tick,
+            frames: self.hands.each_ref().map(|hand| &hand.frames[..hand.count]),
+            joints: self.has_news.then_some(&self.newest),
+            order,
+        }
+    }
+}
+
+impl HandInlet {
+    fn open(bus: &Bus, name: &str) -> Result<Self, BusError> {
+        let frames = vec![HandFrame::default(); FRAMES_PER_TICK].into_boxed_slice();
+        Ok(Self {
+            port: bus.subscriber(name)?,
+            frames,
+            count: 0,
+        })
+    }
+
+    fn take(&mut self) -> Result<(), BusError> {
+        self.count = 0;
+        let Self {
+            port,
+            frames,
+            count,
+        } = self;
+        port.drain(FRAMES_PER_TICK, |frame| {
+            frames[*count] = *frame;
+            *count += 1;
+        })?;
+        Ok(())
+    }
+}

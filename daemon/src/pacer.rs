@@ -1,0 +1,101 @@
+//! When the next tick begins.
+//!
+//! * [`FreePacer`] follows the machine's clock: absolute deadlines, sleep until shortly before, then spin. A late tick
+//!   is never caught up: whole periods that have passed are skipped and counted, the phase is kept.
+//! * [`LockStep`] follows the sensors: a tick runs when a new joint state has arrived, and its time is that state's.
+//!   Virtual time stands still while there is nothing to do, so that a run depends on its goals only, not on when they
+//!   were sent.
+
+mod lockstep;
+mod schedule;
+mod spin;
+
+pub use lockstep::LockStep;
+pub use schedule::{Beat, Schedule};
+pub use spin::SpinMargin;
+
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec};
+use shm_bus::now_ns;
+
+use crate::inlet::Inlet;
+use crate::link::Link;
+
+/// What the ticks follow.
+#[derive(Debug)]
+pub enum Pacer {
+    /// The clock.
+    Free(FreePacer),
+    /// The sensors.
+    LockStep(LockStep),
+}
+
+impl Pacer {
+    /// Waits for the next tick and takes in the newest joint state. `None` when the loop shall end.
+    pub fn wait(&mut self, inlet: &mut Inlet, link: &Link, pursues_goal: bool) -> Option<Beat> {
+        match self {
+            Self::Free(pacer) => {
+                let beat = (!link.is_quitting()).then(|| pacer.wait());
+                inlet.take_joints();
+                beat
+            }
+            Self::LockStep(pacer) => pacer.wait(inlet, link, pursues_goal),
+        }
+    }
+}
+
+/// Ticks by the clock.
+#[derive(Debug)]
+pub struct FreePacer {
+    period_ns: u64,
+    /// Begins with the first wait, so that what comes before it costs no tick.
+    schedule: Option<Schedule>,
+    margin: SpinMargin,
+}
+
+impl FreePacer {
+    /// Ticks of this period (not 0), the first one a period after the first wait begins; spins at most `spin_max_ns`
+    /// before each.
+    #[must_use]
+    pub fn new(period_ns: u64, spin_max_ns: u64) -> Self {
+        Self {
+            period_ns,
+            schedule: None,
+            margin: SpinMargin::new(spin_max_ns),
+        }
+    }
+
+    /// Sleeps, then spins, until the next deadline.
+    fn wait(&mut self) -> Beat {
+        let period_ns = self.period_ns;
+        let schedule = self
+            .schedule
+            .get_or_insert_with(|| Schedule::new(now_ns(), period_ns));
+        let deadline_ns = schedule.deadline_ns();
+        let awake_ns = deadline_ns.saturating_sub(self.margin.ns());
+        if now_ns() < awake_ns {
+            sleep_until(awake_ns);
+            self.margin.observe(now_ns().saturating_sub(awake_ns));
+        }
+        schedule.begin(spin_until(deadline_ns))
+    }
+}
+
+fn sleep_until(deadline_ns: u64) {
+    let until = Timespec {
+        tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),
+        tv_nsec: (deadline_ns % 1_000_000_000).cast_signed(),
+    };
+    // A signal interrupts the sleep; any other refusal leaves the spin to wait.
+    while clock_nanosleep_absolute(ClockId::Monotonic, &until) == Err(rustix::io::Errno::INTR) {}
+}
+
+fn spin_until(deadline_ns: u64) -> u64 {
+    loop {
+        let now = now_ns();
+        if now >= deadline_ns {
+            return now;
+        }
+        std::hint::spin_loop();
+    }
+}

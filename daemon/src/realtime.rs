@@ -1,0 +1,178 @@
+//! Real-time set-up: locked memory, a pinned core, `SCHED_FIFO`, a pre-faulted stack.
+//!
+//! Whether the kernel grants it is found out by asking. A refusal stops the daemon under `realtime.mode = "require"`,
+//! and is shown as `DEGRADED` under `"try"`.
+
+use std::io;
+
+use rustix::mm::MlockAllFlags;
+use rustix::process::{Resource, Rlimit};
+use rustix::thread::CpuSet;
+
+use crate::config::{Cpu, Realtime, RealtimeMode};
+
+/// Longest time the tick thread may compute without sleeping before the kernel ends the process, µs (fault catalogue
+/// F28: at most 25 ms). The robot's consumer then holds by itself.
+const COMPUTE_MAX_US: u64 = 20_000;
+/// Stack that is touched before the first tick, bytes: several times what a tick uses.
+const STACK_BYTES: usize = 128 << 10;
+/// Timer slack of the tick thread, ns: the least there is. It matters only without `SCHED_FIFO`.
+const TIMER_SLACK_NS: u64 = 1;
+
+/// Something the kernel refused.
+#[derive(Debug, thiserror::Error)]
+#[error("could not {what} because of: {source}; {cure}")]
+pub struct Refused {
+    what: String,
+    source: io::Error,
+    cure: &'static str,
+}
+
+/// What the kernel granted.
+#[derive(Debug, Default)]
+pub struct Granted {
+    /// The tick thread runs under `SCHED_FIFO`.
+    pub fifo: bool,
+    /// Memory is locked.
+    pub locked: bool,
+    /// What was asked for and refused.
+    pub refused: Vec<Refused>,
+}
+
+impl Granted {
+    fn note(&mut self, mode: RealtimeMode, result: Result<(), Refused>) -> Result<bool, Refused> {
+        match result {
+            Ok(()) => Ok(true),
+            Err(refused) if mode == RealtimeMode::Require => Err(refused),
+            Err(refused) => {
+                self.refused.push(refused);
+                Ok(false)
+            }
+        }
+    }
+}
+
+/// Locks the memory of the process, now and later. Call before the tick thread starts.
+///
+/// # Errors
+/// [`Refused`] under `require`.
+pub fn lock_memory(realtime: &Realtime) -> Result<Granted, Refused> {
+    let mut granted = Granted::default();
+    if realtime.mode != RealtimeMode::Off {
+        granted.locked = granted.note(realtime.mode, mlockall())?;
+    }
+    Ok(granted)
+}
+
+/// Makes the calling thread the tick thread.
+///
+/// # Errors
+/// [`Refused`] under `require`; a core that does not exist is refused under `try` as well, by `granted.refused`.
+pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
+    if realtime.mode == RealtimeMode::Off {
+        return Ok(());
+    }
+    let mode = realtime.mode;
+    if let Cpu::Core(core) = realtime.cpu {
+        granted.note(mode, pin(core))?;
+    }
+    // Only shortens the sleep of a thread without SCHED_FIFO; a kernel without it does no harm.
+    let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(TIMER_SLACK_NS));
+    granted.fifo = granted.note(mode, schedule_fifo(realtime.priority))?;
+    if granted.fifo {
+        limit_compute_time();
+    }
+    touch_stack();
+    Ok(())
+}
+
+fn mlockall() -> Result<(), Refused> {
+    rustix::mm::mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).map_err(|e| Refused {
+        what: "lock memory".to_owned(),
+        source: e.into(),
+        cure: "raise LimitMEMLOCK (ulimit -l) to 512M, or set realtime.mode to \"try\"",
+    })
+}
+
+fn pin(core: u32) -> Result<(), Refused> {
+    let mut cores = CpuSet::new();
+    cores.set(core as usize);
+    rustix::thread::sched_setaffinity(None, &cores).map_err(|e| Refused {
+        what: format!("pin the tick thread to core {core}"),
+        source: e.into(),
+        cure: "set realtime.cpu to a core that this process may use, or to \"any\"",
+    })
+}
+
+fn schedule_fifo(priority: u32) -> Result<(), Refused> {
+    let parameters = libc::sched_param {
+        sched_priority: priority.cast_signed(),
+    };
+    let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
+    // SAFETY: the call reads `parameters`, which lives, and changes the calling thread's scheduling, nothing else. It is
+    // made raw because rustix has no wrapper and musl's fails always.
+    let result = unsafe {
+        libc::syscall(
+            libc::SYS_sched_setscheduler,
+            0,
+            policy,
+            &raw const parameters,
+        )
+    };
+    if result == 0 {
+        return Ok(());
+    }
+    Err(Refused {
+        what: format!("run the tick thread under SCHED_FIFO at priority {priority}"),
+        source: io::Error::last_os_error(),
+        cure: "raise LimitRTPRIO (ulimit -r) to the priority, or set realtime.mode to \"try\"; \
+               in a container or a kernel with RT_GROUP_SCHED, give its cgroup real-time time",
+    })
+}
+
+fn limit_compute_time() {
+    let hard = rustix::process::getrlimit(Resource::Rttime).maximum;
+    let current = Some(hard.map_or(COMPUTE_MAX_US, |hard| hard.min(COMPUTE_MAX_US)));
+    // A lower limit than the present one is never refused.
+    let _ = rustix::process::setrlimit(
+        Resource::Rttime,
+        Rlimit {
+            current,
+            maximum: hard,
+        },
+    );
+}
+
+#[inline(never)]
+fn touch_stack() {
+    let mut stack = [0_u8; STACK_BYTES];
+    std::hint::black_box(&mut stack);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn off_asks_for_nothing() {
+        let realtime = Realtime {
+            mode: RealtimeMode::Off,
+            ..Realtime::default()
+        };
+        let mut granted = lock_memory(&realtime).expect("nothing to refuse");
+        enter(&realtime, &mut granted).expect("nothing to refuse");
+        assert!(!granted.fifo && !granted.locked && granted.refused.is_empty());
+    }
+
+    #[test]
+    fn a_core_that_does_not_exist_is_refused_and_try_goes_on() {
+        let mut granted = Granted::default();
+        assert!(
+            !granted
+                .note(RealtimeMode::Try, pin(1023))
+                .expect("try never fails")
+        );
+        assert!(granted.refused[0].to_string().contains("core 1023"));
+        assert!(granted.note(RealtimeMode::Require, pin(1023)).is_err());
+    }
+}

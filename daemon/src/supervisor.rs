@@ -1,0 +1,171 @@
+//! The non-real-time side: everything that may wait, allocate, log or fail without the robot noticing.
+//!
+//! Every 2 ms it takes what the ticks left ([`Link`]), publishes it, answers goals and control requests, cleans up
+//! after dead peers, feeds the service manager's watchdog, and looks at the signals.
+//!
+//! * **Invariants:** nothing here can hold up a tick. Every list is bounded. A goal hears exactly one final update.
+//! * **Absent on purpose:** decisions about motion. Goals are checked here for form and reach; whether one may start
+//!   now is the controller's to say.
+
+mod controls;
+mod goals;
+mod journal;
+mod knowledge;
+mod service;
+mod telemetry;
+
+pub use knowledge::Knowledge;
+pub use service::Signals;
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use atas::Order;
+use shm_bus::{Bus, BusError};
+use shm_schemas::{Cause, Reason};
+
+use crate::link::Link;
+use controls::ControlDesk;
+use goals::GoalDesk;
+use journal::Journal;
+use service::ServiceManager;
+use telemetry::Telemetry;
+
+/// Pause between two rounds: short against the 100 ms in which a person feels an answer as immediate. Ours.
+const ROUND: Duration = Duration::from_millis(2);
+/// How often the dead are cleaned up after (bus design: every 100 to 500 ms).
+const CLEAN_EVERY: Duration = Duration::from_millis(250);
+/// Longest time from a signal to the end: the ramp to a stop takes some tens of milliseconds (fault catalogue F60:
+/// 200 ms in all).
+const STOP_WITHIN: Duration = Duration::from_millis(150);
+/// Commands at rest that are published after the ramp, so that the robot hears them.
+const REST_TICKS: u32 = 5;
+
+/// The supervisor; lives on its own thread with its own ports.
+#[derive(Debug)]
+pub struct Supervisor {
+    bus: Bus,
+    link: Arc<Link>,
+    knowledge: Knowledge,
+    goals: GoalDesk,
+    controls: ControlDesk,
+    telemetry: Telemetry,
+    journal: Journal,
+    manager: ServiceManager,
+    signals: Signals,
+    resting_ticks: u32,
+}
+
+/// The tick thread ended although nobody asked it to.
+#[derive(Debug, thiserror::Error)]
+#[error("the tick thread ended unexpectedly: {0}; restart the daemon and report this")]
+pub struct TickThreadEnded(String);
+
+impl Supervisor {
+    /// Opens the ports of the supervisor.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus refuses.
+    pub fn open(
+        bus: Bus,
+        link: Arc<Link>,
+        knowledge: Knowledge,
+        signals: Signals,
+    ) -> Result<Self, BusError> {
+        Ok(Self {
+            goals: GoalDesk::open(&bus)?,
+            controls: ControlDesk::open(&bus)?,
+            telemetry: Telemetry::open(&bus)?,
+            journal: Journal::default(),
+            manager: ServiceManager::from_environment(),
+            resting_ticks: 0,
+            bus,
+            link,
+            knowledge,
+            signals,
+        })
+    }
+
+    /// Supervises until a signal asks to stop and the robot is at rest.
+    ///
+    /// # Errors
+    /// [`TickThreadEnded`].
+    pub fn run(&mut self, ticks: &JoinHandle<()>) -> Result<(), TickThreadEnded> {
+        let mut clean_at = Instant::now();
+        let mut stop_by: Option<Instant> = None;
+        loop {
+            self.round();
+            if Instant::now() >= clean_at {
+                self.bus.clean_dead();
+                clean_at = Instant::now() + CLEAN_EVERY;
+            }
+            if ticks.is_finished() {
+                return Err(TickThreadEnded(
+                    crate::panics::take_note().unwrap_or_default(),
+                ));
+            }
+            if stop_by.is_none() && self.signals.stop_requested() {
+                stop_by = Some(self.begin_stop());
+            }
+            let at_rest = self.resting_ticks >= REST_TICKS;
+            if stop_by.is_some_and(|by| at_rest || Instant::now() >= by) {
+                return Ok(());
+            }
+            std::thread::sleep(ROUND);
+        }
+    }
+
+    fn round(&mut self) {
+        self.take_records();
+        let Self {
+            goals,
+            controls,
+            knowledge,
+            link,
+            signals,
+            manager,
+            ..
+        } = self;
+        goals.serve(knowledge, link);
+        controls.serve(knowledge, link);
+        if signals.take_reload_request() {
+            manager.reloading();
+            match knowledge.reload(link) {
+                Ok(_) => tracing::info!("configuration reloaded"),
+                Err(why) => tracing::error!("kept the configuration: {why}"),
+            }
+            manager.ready();
+        }
+        manager.attend(knowledge.ticks_seen);
+        self.telemetry.publish_status(&self.knowledge, &self.link);
+    }
+
+    fn take_records(&mut self) {
+        while let Some(record) = self.link.next_record() {
+            self.knowledge.learn(&record);
+            self.telemetry.publish_record(&record);
+            if let Some(update) = &record.goal_update {
+                self.goals.tell(update);
+            }
+            self.controls.settle(record.ticket);
+            self.journal.watch_record(&record);
+            let stopped = self.signals.stop_requested() && record.at_rest;
+            self.resting_ticks = if stopped { self.resting_ticks + 1 } else { 0 };
+        }
+        while let Some(event) = self.link.next_event() {
+            self.telemetry.publish_event(&event);
+            self.journal.write_event(&event);
+        }
+        self.journal.watch_dropped(self.link.dropped());
+    }
+
+    fn begin_stop(&mut self) -> Instant {
+        tracing::info!("asked to stop; ramping to a stop");
+        self.manager.stopping();
+        self.resting_ticks = 0;
+        // The queue of stops has room: nobody else stops as often as every tick.
+        let _ticket = self.link.order(Order::Stop(Reason::of(Cause::SHUTDOWN)));
+        Instant::now() + STOP_WITHIN
+    }
+}

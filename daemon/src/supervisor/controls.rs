@@ -1,0 +1,243 @@
+//! Control requests: one reply each, given after the request took effect.
+
+use std::time::{Duration, Instant};
+
+use atas::Order;
+use atas::settings::{PARAMETERS, Parameter};
+use shm_bus::{Bus, BusError, ControlCall, ControlServer, now_ns};
+use shm_schemas::{
+    Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp, Text,
+};
+
+use super::Knowledge;
+use crate::link::Link;
+
+/// Requests that one round looks at.
+const REQUESTS_PER_ROUND: usize = 16;
+/// How long a request may wait for its tick. Ticks stop only in lock-step without a simulator, or when all is lost.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// The requests that wait for their tick.
+#[derive(Debug)]
+pub(super) struct ControlDesk {
+    server: ControlServer,
+    waiting: Vec<Waiting>,
+}
+
+#[derive(Debug)]
+struct Waiting {
+    ticket: u64,
+    call: ControlCall,
+    reply: ControlReply,
+    since: Instant,
+}
+
+/// When to answer.
+enum Answer {
+    Now(ControlReply),
+    After(u64, ControlReply),
+}
+
+impl ControlDesk {
+    pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
+        Ok(Self {
+            server: bus.control_server()?,
+            waiting: Vec::new(),
+        })
+    }
+
+    /// Takes requests and answers what needs no tick.
+    pub(super) fn serve(&mut self, knowledge: &mut Knowledge, link: &Link) {
+        for _ in 0..REQUESTS_PER_ROUND {
+            let call = match self.server.poll() {
+                Ok(Some(call)) => call,
+                Ok(None) => break,
+                Err(error) => {
+                    tracing::warn!(%error, "a control request could not be read");
+                    break;
+                }
+            };
+            let request = *call.request();
+            tracing::debug!(op = %request.op, name = %request.name, value = request.value, "control request");
+            match answer(&request, knowledge, link) {
+                Answer::Now(reply) => send(call, reply),
+                Answer::After(ticket, reply) => {
+                    self.waiting.push(Waiting {
+                        ticket,
+                        call,
+                        reply,
+                        since: Instant::now(),
+                    });
+                }
+            }
+        }
+        self.give_up();
+    }
+
+    /// Answers the request whose order was taken.
+    pub(super) fn settle(&mut self, ticket: u64) {
+        for waiting in self.waiting.extract_if(.., |w| w.ticket == ticket) {
+            send(waiting.call, waiting.reply);
+        }
+    }
+
+    fn give_up(&mut self) {
+        for waiting in self
+            .waiting
+            .extract_if(.., |w| w.since.elapsed() > PATIENCE)
+        {
+            let why = "queued, but no tick has taken it within 1 s; in lock-step, is the simulator running?";
+            send(waiting.call, refused(why));
+        }
+    }
+}
+
+fn send(call: ControlCall, mut reply: ControlReply) {
+    reply.stamp = Stamp {
+        captured_ns: now_ns(),
+        ..Stamp::default()
+    };
+    // A client that went away needs no answer.
+    let _heard = call.reply(&reply);
+}
+
+fn answer(request: &ControlRequest, knowledge: &mut Knowledge, link: &Link) -> Answer {
+    let ordered = match request.op {
+        ControlOp::ESTOP => order(Order::Stop(Reason::of(Cause::ESTOP)), link),
+        ControlOp::RECOVER => recover(knowledge, link),
+        ControlOp::PARAM_GET => return Answer::Now(get(request, knowledge)),
+        ControlOp::PARAM_LIST => return Answer::Now(list(request, knowledge)),
+        ControlOp::PARAM_SET => return set(request, knowledge, link),
+        ControlOp::BIAS => bias(request, knowledge, link),
+        ControlOp::RELOAD => knowledge.reload(link),
+        unknown => return Answer::Now(unknown_op(unknown)),
+    };
+    match ordered {
+        Ok(ticket) => Answer::After(
+            ticket,
+            ControlReply {
+                outcome: ControlOutcome::DONE,
+                ..ControlReply::default()
+            },
+        ),
+        Err(why) => Answer::Now(refused(&why)),
+    }
+}
+
+fn order(order: Order, link: &Link) -> Result<u64, String> {
+    link.order(order)
+        .ok_or_else(|| "the queue of orders is full; try again".to_owned())
+}
+
+fn recover(knowledge: &Knowledge, link: &Link) -> Result<u64, String> {
+    match knowledge.mode {
+        Mode::SAFE_STOP => order(Order::Recover, link),
+        Mode::FAULT => {
+            Err("could not recover because the daemon itself failed; restart it".to_owned())
+        }
+        mode => Err(format!(
+            "could not recover because the mode is {mode}, needs safe-stop; nothing to do"
+        )),
+    }
+}
+
+fn bias(request: &ControlRequest, knowledge: &Knowledge, link: &Link) -> Result<u64, String> {
+    let Some(hand) = (0..Hand::BOTH.len()).find(|hand| *hand as f64 == request.value) else {
+        return Err(format!(
+            "could not take the bias of hand {}, needs 0 (left) or 1 (right)",
+            request.value
+        ));
+    };
+    if knowledge.mode == Mode::RUN {
+        return Err(
+            "could not take the bias because a goal is running; wait for it or cancel it"
+                .to_owned(),
+        );
+    }
+    order(Order::Bias { hand }, link)
+}
+
+fn get(request: &ControlRequest, knowledge: &Knowledge) -> ControlReply {
+    match find(request) {
+        Ok((_, parameter)) => describe(parameter, knowledge),
+        Err(why) => unknown(&why),
+    }
+}
+
+fn list(request: &ControlRequest, knowledge: &Knowledge) -> ControlReply {
+    let parameter = PARAMETERS
+        .iter()
+        .enumerate()
+        .find(|(index, _)| *index as f64 == request.value);
+    match parameter {
+        Some((_, parameter)) => describe(parameter, knowledge),
+        None => unknown(&format!(
+            "parameters have the indices 0 to {}",
+            PARAMETERS.len() - 1
+        )),
+    }
+}
+
+fn set(request: &ControlRequest, knowledge: &mut Knowledge, link: &Link) -> Answer {
+    let (index, parameter) = match find(request) {
+        Ok(found) => found,
+        Err(why) => return Answer::Now(unknown(&why)),
+    };
+    match knowledge.set_parameter(index, request.value, link) {
+        Ok(ticket) => Answer::After(ticket, describe(parameter, knowledge)),
+        Err(why) => {
+            let reply = describe(parameter, knowledge);
+            Answer::Now(ControlReply {
+                outcome: ControlOutcome::REFUSED,
+                text: Text::new(&why),
+                ..reply
+            })
+        }
+    }
+}
+
+fn find(request: &ControlRequest) -> Result<(usize, &'static Parameter), String> {
+    let name = request.name.as_str();
+    let found = PARAMETERS
+        .iter()
+        .enumerate()
+        .find(|(_, parameter)| parameter.name == name);
+    found.ok_or_else(|| match crate::config::nearest_parameter(name) {
+        Some(meant) => format!("no parameter has the name {name:?}; did you mean {meant}?"),
+        None => format!("no parameter has the name {name:?}; `atas param list` shows them all"),
+    })
+}
+
+fn describe(parameter: &Parameter, knowledge: &Knowledge) -> ControlReply {
+    ControlReply {
+        outcome: ControlOutcome::DONE,
+        value: (parameter.get)(&knowledge.config.settings()),
+        lower: parameter.lower,
+        upper: parameter.upper,
+        text: Text::new(parameter.name),
+        ..ControlReply::default()
+    }
+}
+
+fn refused(why: &str) -> ControlReply {
+    ControlReply {
+        outcome: ControlOutcome::REFUSED,
+        text: Text::new(why),
+        ..ControlReply::default()
+    }
+}
+
+fn unknown(why: &str) -> ControlReply {
+    ControlReply {
+        outcome: ControlOutcome::UNKNOWN,
+        text: Text::new(why),
+        ..ControlReply::default()
+    }
+}
+
+fn unknown_op(op: ControlOp) -> ControlReply {
+    unknown(&format!(
+        "could not do operation {} because this daemon does not know it; update it",
+        op.0
+    ))
+}

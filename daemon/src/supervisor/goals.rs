@@ -1,0 +1,124 @@
+//! Goals: taken, checked, handed to the tick, and told about until they end.
+
+use atas::{Order, goal};
+use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
+use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp};
+
+use super::Knowledge;
+use crate::link::Link;
+
+/// New goals that one round looks at; a flood waits in its clients' buffers. Each check takes some hundred µs.
+const GOALS_PER_ROUND: usize = 8;
+/// Goals that are open at a time, queued ones included.
+const OPEN_MAX: usize = 16;
+
+/// The goals that clients wait for.
+#[derive(Debug)]
+pub(super) struct GoalDesk {
+    server: GoalServer,
+    open: Vec<OpenGoal>,
+}
+
+#[derive(Debug)]
+struct OpenGoal {
+    id: u64,
+    client: ActiveGoal,
+    cancelled: bool,
+    ended: bool,
+}
+
+impl GoalDesk {
+    pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
+        Ok(Self {
+            server: bus.goal_server()?,
+            open: Vec::with_capacity(OPEN_MAX),
+        })
+    }
+
+    /// Takes new goals, passes on cancels, notices clients that went away.
+    pub(super) fn serve(&mut self, knowledge: &Knowledge, link: &Link) {
+        for _ in 0..GOALS_PER_ROUND {
+            match self.server.poll() {
+                Ok(Some(client)) => self.receive(client, knowledge, link),
+                Ok(None) => break,
+                Err(error) => {
+                    tracing::warn!(%error, "a goal could not be read");
+                    break;
+                }
+            }
+        }
+        self.open.retain_mut(|goal| goal.attend(link));
+    }
+
+    /// Passes on news; the final one closes the goal.
+    pub(super) fn tell(&mut self, update: &GoalUpdate) {
+        if let Some(goal) = self.open.iter_mut().find(|goal| goal.id == update.goal_id) {
+            // A client that is gone is noticed in `attend`.
+            let _heard = goal.client.update(update);
+            goal.ended = update.state.is_final();
+        }
+        self.open.retain(|goal| !goal.ended);
+    }
+
+    fn receive(&mut self, client: ActiveGoal, knowledge: &Knowledge, link: &Link) {
+        // The client can write to this memory: what is checked must be what is used.
+        let request = *client.request();
+        match self.admit(&request, knowledge, link) {
+            Ok(()) => {
+                self.open.push(OpenGoal {
+                    id: request.goal_id,
+                    client,
+                    cancelled: false,
+                    ended: false,
+                });
+            }
+            Err(reason) => {
+                tracing::info!(goal = request.goal_id, %reason, "goal rejected");
+                let _heard = client.update(&rejection(&request, reason, knowledge.tick));
+            }
+        }
+    }
+
+    fn admit(
+        &self,
+        request: &GoalRequest,
+        knowledge: &Knowledge,
+        link: &Link,
+    ) -> Result<(), Reason> {
+        goal::check(request, &knowledge.robot, &knowledge.wiring)?;
+        let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
+        if id_in_use || self.open.len() >= OPEN_MAX {
+            return Err(Reason::of(Cause::BUSY));
+        }
+        let queued = link.order(Order::Start(*request));
+        queued.map(|_ticket| ()).ok_or(Reason::of(Cause::BUSY))
+    }
+}
+
+impl OpenGoal {
+    /// Passes on what the client did; `false` if it went away. What finds no room is tried again in the next round.
+    fn attend(&mut self, link: &Link) -> bool {
+        let goal_id = self.id;
+        if !self.client.client_alive() {
+            return link.order(Order::ClientGone { goal_id }).is_none();
+        }
+        if !self.cancelled && self.client.cancel_requested() {
+            self.cancelled = link.order(Order::Cancel { goal_id }).is_some();
+        }
+        true
+    }
+}
+
+fn rejection(request: &GoalRequest, reason: Reason, tick: u64) -> GoalUpdate {
+    GoalUpdate {
+        stamp: Stamp {
+            captured_ns: now_ns(),
+            ..Stamp::default()
+        },
+        goal_id: request.goal_id,
+        tick,
+        state: GoalState::REJECTED,
+        reason,
+        ..GoalUpdate::default()
+    }
+}

@@ -1,0 +1,130 @@
+//! What goes into the log: modes, goals, warnings. Never one line per tick.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use shm_schemas::{Cause, EventKind, GoalState, Mode, ModuleEvent};
+
+use crate::link::TickRecord;
+
+/// Shortest time between two lines about the same thing.
+const QUIET: Duration = Duration::from_secs(1);
+
+/// Decides what is worth a line.
+#[derive(Debug, Default)]
+pub(super) struct Journal {
+    repeated: HashMap<&'static str, Repeated>,
+    bus_failures: u64,
+    missed: u64,
+    dropped: u64,
+}
+
+#[derive(Debug)]
+struct Repeated {
+    since: Instant,
+    suppressed: u64,
+}
+
+impl Journal {
+    pub(super) fn write_event(&mut self, event: &ModuleEvent) {
+        let (tick, reason) = (event.tick, event.reason);
+        match event.kind {
+            EventKind::MODE if event.mode == Mode::FAULT => {
+                let panic = crate::panics::take_note().unwrap_or_default();
+                tracing::error!(tick, mode = %event.mode, panic, "{reason}");
+            }
+            EventKind::MODE if reason.cause == Cause::SHUTDOWN => {
+                tracing::info!(tick, mode = %event.mode, "{reason}");
+            }
+            EventKind::MODE if matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP) => {
+                tracing::warn!(tick, mode = %event.mode, "{reason}");
+            }
+            EventKind::MODE => tracing::info!(tick, mode = %event.mode, "mode"),
+            EventKind::GOAL => {
+                let state = GoalState(event.value as u32);
+                tracing::info!(tick, hand = %event.hand, %state, "goal: {reason}");
+            }
+            EventKind::WARNING => {
+                if let Some(suppressed) = self.is_news(reason.cause.name()) {
+                    tracing::warn!(tick, suppressed, "{reason}");
+                }
+            }
+            _ => {
+                tracing::debug!(tick, kind = %event.kind, module = %event.module, text = %event.text, "event")
+            }
+        }
+    }
+
+    pub(super) fn watch_record(&mut self, record: &TickRecord) {
+        let missed = record.report.missed_ticks;
+        if missed > self.missed
+            && let Some(suppressed) = self.is_news("missed")
+        {
+            tracing::warn!(
+                tick = record.report.tick,
+                missed,
+                suppressed,
+                "ticks missed so far"
+            );
+        }
+        self.missed = missed;
+        if record.bus_failures > self.bus_failures
+            && let Some(suppressed) = self.is_news("bus")
+        {
+            tracing::error!(
+                failures = record.bus_failures,
+                suppressed,
+                "the tick could not use the bus"
+            );
+        }
+        self.bus_failures = record.bus_failures;
+    }
+
+    pub(super) fn watch_dropped(&mut self, dropped: u64) {
+        if dropped > self.dropped
+            && let Some(suppressed) = self.is_news("dropped")
+        {
+            tracing::warn!(
+                dropped,
+                suppressed,
+                "records dropped so far: the supervisor does not keep up"
+            );
+        }
+        self.dropped = dropped;
+    }
+
+    /// How many lines about this were left out, if it is time for another one.
+    fn is_news(&mut self, about: &'static str) -> Option<u64> {
+        let now = Instant::now();
+        match self.repeated.get_mut(about) {
+            Some(repeated) if now.duration_since(repeated.since) < QUIET => {
+                repeated.suppressed += 1;
+                None
+            }
+            _ => {
+                let fresh = Repeated {
+                    since: now,
+                    suppressed: 0,
+                };
+                Some(
+                    self.repeated
+                        .insert(about, fresh)
+                        .map_or(0, |old| old.suppressed),
+                )
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repetitions_are_counted_not_written() {
+        let mut journal = Journal::default();
+        assert_eq!(journal.is_news("a"), Some(0));
+        assert_eq!(journal.is_news("a"), None);
+        assert_eq!(journal.is_news("b"), Some(0));
+    }
+}

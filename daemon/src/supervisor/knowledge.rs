@@ -1,0 +1,105 @@
+//! What the supervisor knows, and how the configuration changes while the daemon runs.
+
+use atas::{Order, Settings, Wiring};
+use robot_model::RobotModel;
+use shm_schemas::Mode;
+
+use crate::config::{Config, Source};
+use crate::link::{Link, TickRecord};
+
+/// What the desks of the supervisor share.
+#[derive(Debug)]
+pub struct Knowledge {
+    /// Where the configuration came from.
+    pub source: Source,
+    /// The configuration in force, settings included.
+    pub config: Config,
+    /// Its hash.
+    pub config_hash: u64,
+    /// The robot.
+    pub robot: RobotModel,
+    /// What the controller is wired to.
+    pub wiring: Wiring,
+    /// [`shm_schemas::StatusFlags`].
+    pub flags: u32,
+    /// When the daemon started, ns.
+    pub started_ns: u64,
+    /// Mode after the last tick.
+    pub mode: Mode,
+    /// Index of the last tick.
+    pub tick: u64,
+    /// Ticks whose records have been seen.
+    pub ticks_seen: u64,
+}
+
+impl Knowledge {
+    /// What is known before the first tick.
+    #[must_use]
+    pub fn new(
+        source: Source,
+        config: Config,
+        robot: RobotModel,
+        wiring: Wiring,
+        flags: u32,
+    ) -> Self {
+        Self {
+            config_hash: config.hash(),
+            source,
+            config,
+            robot,
+            wiring,
+            flags,
+            started_ns: shm_bus::now_ns(),
+            mode: Mode::INIT,
+            tick: 0,
+            ticks_seen: 0,
+        }
+    }
+
+    /// Learns from a tick.
+    pub(super) fn learn(&mut self, record: &TickRecord) {
+        self.mode = record.report.mode;
+        self.tick = record.report.tick;
+        self.ticks_seen += 1;
+    }
+
+    /// Changes one parameter: checks it, queues the order, remembers it.
+    pub(super) fn set_parameter(
+        &mut self,
+        index: usize,
+        value: f64,
+        link: &Link,
+    ) -> Result<u64, String> {
+        let mut settings = self.config.settings();
+        let parameter = &atas::settings::PARAMETERS[index];
+        settings
+            .set(parameter.name, value)
+            .map_err(|e| e.to_string())?;
+        self.adopt(settings, Order::SetParameter { index, value }, link)
+    }
+
+    /// Reads the configuration again. Either everything changes in one tick, or nothing does.
+    pub(super) fn reload(&mut self, link: &Link) -> Result<u64, String> {
+        let config = self.source.load().map_err(|e| e.to_string())?;
+        let fixed = self.config.fixed_differences(&config);
+        if !fixed.is_empty() {
+            let keys = fixed.join(", ");
+            return Err(format!(
+                "could not change {keys} while running; restart the daemon for that"
+            ));
+        }
+        let settings = config.settings();
+        self.adopt(settings, Order::Configure(settings), link)
+    }
+
+    fn adopt(&mut self, settings: Settings, order: Order, link: &Link) -> Result<u64, String> {
+        let config = self.config.with_settings(&settings);
+        config.check().map_err(|e| e.to_string())?;
+        let ticket = link
+            .order(order)
+            .ok_or("the queue of orders is full; try again")?;
+        self.config_hash = config.hash();
+        self.config = config;
+        Ok(ticket)
+    }
+}

@@ -1,0 +1,102 @@
+//! The service manager and the signals.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use sd_notify::NotifyState;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::flag;
+
+/// What signals ask for: SIGTERM and SIGINT to stop (a second one at once), SIGHUP to read the configuration again.
+#[derive(Clone, Debug, Default)]
+pub struct Signals {
+    stop: Arc<AtomicBool>,
+    reload: Arc<AtomicBool>,
+}
+
+impl Signals {
+    /// Installs the handlers.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn install() -> io::Result<Self> {
+        let signals = Self::default();
+        for signal in [SIGTERM, SIGINT] {
+            // Registered first, so that the first signal finds the flag unset.
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&signals.stop))?;
+            flag::register(signal, Arc::clone(&signals.stop))?;
+        }
+        flag::register(SIGHUP, Arc::clone(&signals.reload))?;
+        Ok(signals)
+    }
+
+    pub(super) fn stop_requested(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn take_reload_request(&self) -> bool {
+        self.reload.swap(false, Ordering::Relaxed)
+    }
+}
+
+/// The service manager, if there is one.
+#[derive(Debug)]
+pub(super) struct ServiceManager {
+    watchdog: Option<Duration>,
+    fed_at: Instant,
+    fed_ticks: u64,
+}
+
+impl ServiceManager {
+    pub(super) fn from_environment() -> Self {
+        // A third of the period, so that one late round does not matter.
+        let watchdog = sd_notify::watchdog_enabled().map(|period| period / 3);
+        Self {
+            watchdog,
+            fed_at: Instant::now(),
+            fed_ticks: 0,
+        }
+    }
+
+    /// Says READY after the first tick, and feeds the watchdog as long as ticks go on.
+    pub(super) fn attend(&mut self, ticks: u64) {
+        if ticks == self.fed_ticks {
+            return;
+        }
+        if self.fed_ticks == 0 {
+            self.ready();
+        } else if self
+            .watchdog
+            .is_none_or(|period| self.fed_at.elapsed() < period)
+        {
+            return;
+        } else {
+            notify(&[NotifyState::Watchdog]);
+        }
+        (self.fed_at, self.fed_ticks) = (Instant::now(), ticks);
+    }
+
+    pub(super) fn ready(&self) {
+        notify(&[NotifyState::Ready]);
+    }
+
+    pub(super) fn reloading(&self) {
+        match NotifyState::monotonic_usec_now() {
+            Ok(time) => notify(&[NotifyState::Reloading, time]),
+            Err(error) => tracing::warn!(%error, "the service manager did not hear of the reload"),
+        }
+    }
+
+    pub(super) fn stopping(&self) {
+        notify(&[NotifyState::Stopping]);
+    }
+}
+
+/// Does nothing without a service manager.
+fn notify(states: &[NotifyState<'_>]) {
+    if let Err(error) = sd_notify::notify(states) {
+        tracing::warn!(%error, "the service manager could not be told");
+    }
+}

@@ -1,0 +1,82 @@
+//! What observers see: every tick's report, every event, the status fifty times a second.
+
+use std::time::{Duration, Instant};
+
+use shm_bus::{Bus, BusError, Publisher};
+use shm_schemas::{ModuleEvent, Status, Text, TickReport, service};
+
+use super::Knowledge;
+use crate::figures::Figures;
+use crate::link::{Link, TickRecord};
+
+/// Period of the status.
+const STATUS_EVERY: Duration = Duration::from_millis(20);
+
+/// The publishers, and what they publish besides what the ticks left.
+#[derive(Debug)]
+pub(super) struct Telemetry {
+    status: Publisher<Status>,
+    reports: Publisher<TickReport>,
+    events: Publisher<ModuleEvent>,
+    figures: Option<Figures>,
+    snapshot: Status,
+    sequence: u64,
+    due: Instant,
+}
+
+impl Telemetry {
+    pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
+        Ok(Self {
+            status: bus.publisher(service::STATUS)?,
+            reports: bus.publisher(service::TICK_REPORT)?,
+            events: bus.publisher(service::MODULE_EVENT)?,
+            figures: Figures::new(),
+            snapshot: Status::default(),
+            sequence: 0,
+            due: Instant::now(),
+        })
+    }
+
+    pub(super) fn publish_record(&mut self, record: &TickRecord) {
+        if let Some(figures) = &mut self.figures {
+            figures.record(record);
+        }
+        report_failure(self.reports.send(&record.report));
+    }
+
+    pub(super) fn publish_event(&mut self, event: &ModuleEvent) {
+        report_failure(self.events.send(event));
+    }
+
+    /// Publishes the status if it is due.
+    pub(super) fn publish_status(&mut self, knowledge: &Knowledge, link: &Link) {
+        if let Some(snapshot) = link.newest_snapshot() {
+            self.snapshot = snapshot;
+        }
+        if Instant::now() < self.due {
+            return;
+        }
+        self.due = Instant::now() + STATUS_EVERY;
+        let mut status = self.snapshot;
+        status.stamp.sequence = self.sequence;
+        status.stamp.writer_epoch = knowledge.wiring.writer_epoch;
+        status.version = Text::new(env!("CARGO_PKG_VERSION"));
+        status.config_hash = knowledge.config_hash;
+        status.started_ns = knowledge.started_ns;
+        status.pid = std::process::id();
+        status.flags = knowledge.flags;
+        status.rate_hz = knowledge.config.realtime.rate_hz;
+        status.dropped_records = link.dropped();
+        if let Some(figures) = &self.figures {
+            figures.write(&mut status);
+        }
+        self.sequence += 1;
+        report_failure(self.status.send(&status));
+    }
+}
+
+fn report_failure(sent: Result<(), BusError>) {
+    if let Err(error) = sent {
+        tracing::debug!(%error, "an observer missed something");
+    }
+}

@@ -1,0 +1,185 @@
+//! The hot loop: wait, take in, step, publish, record. [`TickLoop::run_once`] is all of it.
+//!
+//! * **In:** frames, joint states and orders. **Out:** one command per tick, and one record for the supervisor.
+//! * **Invariants:** after the first ticks no allocation but the one inside iceoryx2 per published command, no lock, no
+//!   log, no system call but the sleep (`tests/allocation.rs`). A tick publishes in every mode, also after a panic.
+//! * **Absent on purpose:** statistics. The tick only writes down what it measured; the supervisor counts.
+
+use atas::{Controller, Order};
+use shm_bus::{Bus, BusError, Publisher, now_ns};
+use shm_schemas::capacity::STAGES;
+use shm_schemas::{JointCommand, TickReport, service};
+use std::sync::Arc;
+
+use crate::guard::{Guard, Step};
+use crate::inlet::Inlet;
+use crate::link::{Link, TickRecord};
+use crate::pacer::{Beat, Pacer};
+
+/// Places of the stages after the controller's own in [`TickReport::stage_ns`].
+const PUBLISH: usize = 5;
+const REPORT: usize = 6;
+/// How often the status is renewed when nothing happens, Hz.
+const STATUS_HZ: u64 = 50;
+
+/// The tick thread's state.
+#[derive(Debug)]
+pub struct TickLoop {
+    pacer: Pacer,
+    inlet: Inlet,
+    guard: Guard,
+    commands: Publisher<JointCommand>,
+    link: Arc<Link>,
+    watch: Stopwatch,
+    counts: Counts,
+}
+
+#[derive(Debug)]
+struct Counts {
+    ticks: u64,
+    late: u64,
+    unsent: u64,
+    status_every: u64,
+}
+
+impl TickLoop {
+    /// Opens the ports of the tick thread. `rate_hz` is the tick rate.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus refuses.
+    pub fn open(
+        bus: &Bus,
+        controller: Box<Controller>,
+        pacer: Pacer,
+        link: Arc<Link>,
+        rate_hz: u32,
+    ) -> Result<Self, BusError> {
+        let commands = bus.publisher(service::JOINT_COMMAND)?;
+        let status_every = (u64::from(rate_hz) / STATUS_HZ).max(1);
+        let guard = Guard::new(controller);
+        link.leave_snapshot(&guard.status(now_ns()));
+        Ok(Self {
+            pacer,
+            inlet: Inlet::open(bus)?,
+            guard,
+            commands,
+            link,
+            watch: Stopwatch::default(),
+            counts: Counts {
+                ticks: 0,
+                late: 0,
+                unsent: 0,
+                status_every,
+            },
+        })
+    }
+
+    /// Ticks until [`Link::quit`].
+    pub fn run(mut self) {
+        while self.run_once() {}
+    }
+
+    /// One tick; `false` when the loop shall end.
+    pub fn run_once(&mut self) -> bool {
+        let Self {
+            pacer,
+            inlet,
+            guard,
+            commands,
+            link,
+            watch,
+            counts,
+        } = self;
+        let Some(beat) = pacer.wait(inlet, link, guard.pursues_goal()) else {
+            return false;
+        };
+        watch.start();
+        inlet.take_frames();
+        let order = link.take_order(beat.settling);
+        let inputs = inlet.inputs(beat.tick, order.as_ref().map(|o| &o.order));
+        let step = guard.step(&inputs, |stage| watch.passed(stage as usize));
+        watch.passed(REPORT);
+        let sent = commands.send(step.command);
+        watch.passed(PUBLISH);
+        counts.count(&beat, sent.is_ok());
+        let mut record = record_of(&step, &beat, watch);
+        record.ticket = order.map_or(0, |o| o.ticket);
+        record.bus_failures = counts.unsent + inlet.failures();
+        let is_news = record.goal_update.is_some() || !step.events.is_empty();
+        link.leave(&record, step.events);
+        if is_news || counts.ticks.is_multiple_of(counts.status_every) {
+            link.leave_snapshot(&counts.complete(guard.status(beat.tick.now_ns), &beat));
+        }
+        if let (Pacer::LockStep(pacer), Some(Order::Recover)) = (pacer, order.map(|o| o.order)) {
+            pacer.settle();
+        }
+        true
+    }
+}
+
+impl Counts {
+    fn count(&mut self, beat: &Beat, sent: bool) {
+        self.ticks += 1;
+        self.late += u64::from(beat.is_late);
+        self.unsent += u64::from(!sent);
+    }
+
+    fn complete(&self, mut status: shm_schemas::Status, beat: &Beat) -> shm_schemas::Status {
+        status.ticks = self.ticks;
+        status.late_ticks = self.late;
+        status.missed_ticks = beat.missed;
+        status
+    }
+}
+
+fn record_of(step: &Step<'_>, beat: &Beat, watch: &Stopwatch) -> TickRecord {
+    let ages = step.report.hands.iter().map(|hand| hand.frame_age_ns);
+    let frame_age_ns = ages.min().unwrap_or(u64::MAX);
+    let body_ns = watch.total_ns();
+    let report = TickReport {
+        missed_ticks: beat.missed,
+        wake_late_ns: clipped(beat.late_ns),
+        stage_ns: watch.stage_ns,
+        sensor_to_command_ns: clipped(frame_age_ns.saturating_add(u64::from(body_ns))),
+        ..*step.report
+    };
+    TickRecord {
+        report,
+        goal_update: step.goal_update.copied(),
+        ticket: 0,
+        body_ns,
+        frame_age_ns,
+        at_rest: step.command.velocity_rad_s.iter().all(|v| *v == 0.0),
+        bus_failures: 0,
+    }
+}
+
+/// Times the stages of one tick.
+#[derive(Debug, Default)]
+struct Stopwatch {
+    started_ns: u64,
+    last_ns: u64,
+    stage_ns: [u32; STAGES],
+}
+
+impl Stopwatch {
+    fn start(&mut self) {
+        self.started_ns = now_ns();
+        self.last_ns = self.started_ns;
+        self.stage_ns = [0; STAGES];
+    }
+
+    fn passed(&mut self, stage: usize) {
+        let now = now_ns();
+        self.stage_ns[stage] = clipped(now - self.last_ns);
+        self.last_ns = now;
+    }
+
+    fn total_ns(&self) -> u32 {
+        clipped(self.last_ns - self.started_ns)
+    }
+}
+
+fn clipped(ns: u64) -> u32 {
+    u32::try_from(ns).unwrap_or(u32::MAX)
+}

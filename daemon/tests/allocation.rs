@@ -1,0 +1,123 @@
+//! What a tick costs: one allocation, made inside iceoryx2 for the published command, and no more.
+//!
+//! `cargo test -p atasd --test allocation -- --nocapture` prints how long the ticks took.
+
+#[path = "daemon/support.rs"]
+#[expect(dead_code, reason = "only the scripted world is needed here")]
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::io::Write as _;
+use std::sync::Arc;
+
+use atas::{Controller, Order, Settings, Wiring};
+use atasd::figures::Figures;
+use atasd::link::Link;
+use atasd::pacer::{LockStep, Pacer};
+use atasd::tick::TickLoop;
+use robot_model::RobotModel;
+use shm_bus::{Bus, FreshBus, Realtime};
+use shm_schemas::{GoalKind, GoalRequest, Hand, Mode, Status};
+use support::World;
+
+/// Ticks that are counted, all of them in pursuit of a goal.
+const TICKS: u64 = 2_000;
+/// Ticks before: the world settles, the goal starts, connections are made.
+const WARM_UP: u64 = 200;
+const PERIOD_NS: u64 = 1_000_000;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches a thread-local number only.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn grasp() -> Order {
+    Order::Start(GoalRequest {
+        goal_id: 1,
+        kind: GoalKind::GRASP,
+        hand: Hand::RIGHT,
+        from_m: [0.3, -0.1, 0.08],
+        width_m: 0.05,
+        lift_m: 0.03,
+        ..GoalRequest::default()
+    })
+}
+
+#[test]
+fn a_tick_allocates_once_per_published_command() {
+    let name = FreshBus::new("alloc");
+    let mut world = World::on(&name);
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let controller = Box::new(Controller::new(
+        &robot,
+        Wiring::default(),
+        Settings::default(),
+    ));
+    let bus = Bus::open(&name, "atasd", Realtime::Yes).expect("the bus opens");
+    let link = Arc::new(Link::default());
+    let pacer = Pacer::LockStep(LockStep::new());
+    let mut ticks =
+        TickLoop::open(&bus, controller, pacer, Arc::clone(&link), 1000).expect("the ports open");
+    assert!(link.order(grasp()).is_some());
+    let mut figures = Figures::new().expect("valid bounds");
+    for index in 0..WARM_UP + TICKS {
+        world.publish((index + 1) * PERIOD_NS);
+        let before = ALLOCATIONS.get();
+        assert!(ticks.run_once());
+        let allocations = ALLOCATIONS.get() - before;
+        world.listen();
+        let record = link.next_record().expect("every tick leaves a record");
+        while link.next_event().is_some() {}
+        if index >= WARM_UP {
+            assert_eq!(
+                (record.report.mode, allocations),
+                (Mode::RUN, 1),
+                "tick {index}"
+            );
+            figures.record(&record);
+        }
+    }
+    print_figures(&figures);
+}
+
+fn print_figures(figures: &Figures) {
+    let mut status = Status::default();
+    figures.write(&mut status);
+    let tick = status.tick;
+    let us = |ns: u64| ns as f64 * 1e-3;
+    let line = format!(
+        "tick body over {} ticks in RUN: p50 {:.1} µs, p99 {:.1} µs, p99.9 {:.1} µs, max {:.1} µs",
+        tick.count,
+        us(tick.p50_ns),
+        us(tick.p99_ns),
+        us(tick.p999_ns),
+        us(tick.max_ns),
+    );
+    // A closed standard output is no reason to fail.
+    let _ = writeln!(std::io::stdout(), "{line}");
+}

@@ -1,0 +1,86 @@
+//! The commented example configuration says the truth: every key, every default, every range.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use atas::settings::PARAMETERS;
+use atasd::config::{Config, Source, known_keys};
+
+fn path() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("atas.example.toml")
+}
+
+fn text() -> String {
+    std::fs::read_to_string(path()).expect("atas.example.toml is readable")
+}
+
+/// The tunable part of the file, from the controller's own table.
+fn rendered_parameters() -> String {
+    let mut text = String::new();
+    let mut section = "";
+    for parameter in PARAMETERS {
+        let (own_section, key) = parameter.name.split_once('.').expect("section.key");
+        if own_section != section {
+            section = own_section;
+            writeln!(text, "\n[{section}]").expect("writing to a string");
+        }
+        let (doc, lower, upper) = (parameter.doc.trim(), parameter.lower, parameter.upper);
+        writeln!(
+            text,
+            "# {doc}\n# Allowed: {lower} to {upper}.\n{key} = {:?}",
+            parameter.default
+        )
+        .expect("writing to a string");
+    }
+    text
+}
+
+/// Compares line by line, so that a failure shows the line and not the file.
+fn check_lines(have: &str, want: &str) {
+    for (have, want) in have.lines().zip(want.lines()) {
+        assert_eq!(have, want, "run `ATAS_BLESS=1 cargo test -p atasd example`");
+    }
+    assert_eq!(
+        have.lines().count(),
+        want.lines().count(),
+        "run `ATAS_BLESS=1 cargo test -p atasd example`"
+    );
+}
+
+#[test]
+fn parses_to_the_defaults() {
+    let source = Source {
+        files: vec![path()],
+        flags: vec![],
+    };
+    let config = source.load().expect("the example is valid");
+    check_lines(&config.text(), &Config::default().text());
+}
+
+#[test]
+fn names_every_key() {
+    let text = text();
+    for key in known_keys() {
+        let (_, last) = key.rsplit_once('.').expect("section.key");
+        assert!(
+            text.contains(&format!("\n{last} = ")),
+            "atas.example.toml lacks {key}"
+        );
+    }
+}
+
+/// `ATAS_BLESS=1 cargo test -p atasd example` writes the part again after the controller's table has changed.
+#[test]
+fn shows_every_parameter_with_its_meaning_and_range() {
+    let text = text();
+    let at = text
+        .find("\n[intake]")
+        .expect("the tunable part begins with [intake]");
+    let (fixed, rendered) = (&text[..at], rendered_parameters());
+    if std::env::var_os("ATAS_BLESS").is_some() {
+        std::fs::write(path(), format!("{fixed}{rendered}"))
+            .expect("atas.example.toml is writable");
+    } else {
+        check_lines(&text[at..], &rendered);
+    }
+}

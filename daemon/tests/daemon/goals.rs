@@ -1,0 +1,287 @@
+//! Goals and parameters over the bus, in lock-step where time matters.
+
+use shm_bus::{FreshBus, GoalClient, PendingGoal};
+use shm_schemas::{
+    Cause, ControlOp, ControlOutcome, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate,
+    Hand, Mode,
+};
+
+use crate::support::{Daemon, PATIENCE, World, wait_for};
+
+const PERIOD_NS: u64 = 1_000_000;
+
+fn grasp(goal_id: u64) -> GoalRequest {
+    GoalRequest {
+        goal_id,
+        kind: GoalKind::GRASP,
+        hand: Hand::RIGHT,
+        policy: GoalPolicy::DETACHED,
+        from_m: [0.3, -0.1, 0.08],
+        width_m: 0.05,
+        lift_m: 0.03,
+        hold_s: 0.1,
+        ..GoalRequest::default()
+    }
+}
+
+/// A world that answers every command with the next tick.
+struct LockStep {
+    world: World,
+    tick: u64,
+}
+
+impl LockStep {
+    fn on(bus: &FreshBus) -> Self {
+        let mut world = World::on(bus);
+        world.publish(PERIOD_NS);
+        Self { world, tick: 0 }
+    }
+
+    /// Publishes the next state if the daemon has answered the last one.
+    fn turn(&mut self) {
+        self.world.command.answers_sequence = u64::MAX;
+        self.world.listen();
+        if self.world.command.answers_sequence == self.tick {
+            self.tick += 1;
+            self.world.publish((self.tick + 1) * PERIOD_NS);
+        } else {
+            self.world.greet();
+        }
+    }
+
+    fn until_update(
+        &mut self,
+        pending: &mut PendingGoal,
+        wanted: impl Fn(&GoalUpdate) -> bool,
+    ) -> GoalUpdate {
+        let begin = std::time::Instant::now();
+        loop {
+            self.turn();
+            if let Some(update) = pending.next().expect("the daemon lives").filter(&wanted) {
+                return update;
+            }
+            assert!(
+                begin.elapsed() < PATIENCE,
+                "waited in vain for an update in {:?}",
+                self.world.newest
+            );
+            std::thread::yield_now();
+        }
+    }
+
+    fn send(&mut self, goals: &GoalClient, goal: &GoalRequest) -> PendingGoal {
+        wait_for("the goal server", || {
+            self.turn();
+            goals.send(goal).ok()
+        })
+    }
+}
+
+#[test]
+fn goals_that_make_no_sense_are_rejected_with_the_reason() {
+    let bus = FreshBus::new("reject");
+    let mut world = LockStep::on(&bus);
+    let _daemon = Daemon::start(&bus, &["--lockstep"]);
+    let goals = world.world.bus.goal_client().expect("there is room");
+    let good = grasp(1);
+    let mut check = |goal: GoalRequest, cause: Cause, said: &str| {
+        let mut pending = world.send(&goals, &goal);
+        let update = world.until_update(&mut pending, |u| u.state.is_final());
+        assert_eq!(
+            (update.state, update.reason.cause, update.goal_id),
+            (GoalState::REJECTED, cause, goal.goal_id)
+        );
+        assert!(
+            update.reason.to_string().contains(said),
+            "{}",
+            update.reason
+        );
+    };
+    check(
+        GoalRequest {
+            width_m: f64::NAN,
+            ..good
+        },
+        Cause::NOT_FINITE,
+        "width of the goal is not finite",
+    );
+    check(
+        GoalRequest {
+            hold_s: f64::INFINITY,
+            ..good
+        },
+        Cause::NOT_FINITE,
+        "hold",
+    );
+    check(
+        GoalRequest {
+            hold_s: -1.0,
+            ..good
+        },
+        Cause::OUT_OF_RANGE,
+        "hold of the goal is -1",
+    );
+    check(
+        GoalRequest {
+            from_m: [9.0, 0.0, 0.1],
+            ..good
+        },
+        Cause::UNREACHABLE,
+        "from x is 9",
+    );
+    check(
+        GoalRequest {
+            kind: GoalKind(77),
+            ..good
+        },
+        Cause::UNKNOWN_GOAL,
+        "field 0",
+    );
+    check(
+        GoalRequest {
+            hand: Hand(2),
+            ..good
+        },
+        Cause::UNKNOWN_GOAL,
+        "field 1",
+    );
+    check(
+        GoalRequest {
+            policy: GoalPolicy(9),
+            ..good
+        },
+        Cause::UNKNOWN_GOAL,
+        "field 2",
+    );
+}
+
+/// The story of one goal in lock-step: ticks and states of its updates.
+fn story() -> Vec<(u64, GoalState)> {
+    let bus = FreshBus::new("story");
+    let mut world = LockStep::on(&bus);
+    let _daemon = Daemon::start(&bus, &["--lockstep"]);
+    let goals = world.world.bus.goal_client().expect("there is room");
+    let mut pending = world.send(&goals, &grasp(5));
+    let mut story = Vec::new();
+    while !pending.ended() {
+        let update = world.until_update(&mut pending, |_| true);
+        story.push((update.tick, update.state));
+    }
+    story
+}
+
+#[test]
+fn lock_step_depends_on_the_goal_only() {
+    let first = story();
+    assert_eq!(
+        first.first(),
+        Some(&(100, GoalState::ACCEPTED)),
+        "after the world has settled"
+    );
+    assert_eq!(
+        first.last().map(|last| last.1),
+        Some(GoalState::FAILED),
+        "there is nothing to grasp"
+    );
+    assert_eq!(story(), first);
+}
+
+#[test]
+fn busy_cancelled_and_abandoned() {
+    let bus = FreshBus::new("busy");
+    let mut world = LockStep::on(&bus);
+    let _daemon = Daemon::start(&bus, &["--lockstep"]);
+    let goals = world.world.bus.goal_client().expect("there is room");
+    let mut first = world.send(&goals, &grasp(1));
+    world.until_update(&mut first, |u| u.state == GoalState::ACCEPTED);
+    for goal_id in [1, 2] {
+        let mut second = world.send(&goals, &grasp(goal_id));
+        let update = world.until_update(&mut second, |u| u.state.is_final());
+        assert_eq!(
+            (update.state, update.reason.cause),
+            (GoalState::REJECTED, Cause::BUSY)
+        );
+    }
+    first.cancel();
+    let update = world.until_update(&mut first, |u| u.state.is_final());
+    assert_eq!(update.state, GoalState::CANCELLED);
+
+    let attached = GoalRequest {
+        policy: GoalPolicy::ATTACHED,
+        ..grasp(3)
+    };
+    let mut third = world.send(&goals, &attached);
+    world.until_update(&mut third, |u| u.state == GoalState::ACCEPTED);
+    drop(third);
+    wait_for("the goal to end", || {
+        world.turn();
+        (world.world.newest.goal_id == 3 && world.world.newest.goal_state == GoalState::FAILED)
+            .then_some(())
+    });
+}
+
+#[test]
+fn a_flood_of_goals_is_bounded_and_a_stop_gets_through() {
+    let bus = FreshBus::new("flood");
+    let mut world = World::on(&bus);
+    let config = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\n";
+    let _daemon = Daemon::start_with(&bus, config, &[], |_| ());
+    world.until_mode(Mode::READY);
+    let goals = world.bus.goal_client().expect("there is room");
+    for goal_id in 1..200 {
+        drop(goals.send(&grasp(goal_id)));
+    }
+    assert_eq!(
+        world.control(ControlOp::ESTOP, "", 0.0).outcome,
+        ControlOutcome::DONE
+    );
+    world.until_mode(Mode::SAFE_STOP);
+}
+
+#[test]
+fn parameters_are_read_listed_and_set_within_their_range() {
+    let bus = FreshBus::new("params");
+    let mut world = World::on(&bus);
+    let _daemon = Daemon::start(&bus, &[]);
+    let before = world.until("a status", |s| s.ticks > 0).config_hash;
+    let mut ask = |op, name, value| {
+        let reply = world.control(op, name, value);
+        (reply.outcome, reply.value, reply.text.as_str().to_owned())
+    };
+    let default = atas::Settings::default().grasp.dr_n;
+    let (done, refused, unknown) = (
+        ControlOutcome::DONE,
+        ControlOutcome::REFUSED,
+        ControlOutcome::UNKNOWN,
+    );
+    assert_eq!(
+        ask(ControlOp::PARAM_GET, "grasp.dr_n", 0.0),
+        (done, default, "grasp.dr_n".to_owned())
+    );
+    assert_eq!(ask(ControlOp::PARAM_SET, "grasp.dr_n", 0.08).0, done);
+    assert_eq!(ask(ControlOp::PARAM_GET, "grasp.dr_n", 0.0).1, 0.08);
+    for (value, said) in [(99.0, "grasp.dr_n is 99"), (f64::NAN, "grasp.dr_n is NaN")] {
+        let (outcome, now, text) = ask(ControlOp::PARAM_SET, "grasp.dr_n", value);
+        assert_eq!((outcome, now), (refused, 0.08));
+        assert!(text.contains(said), "{text}");
+    }
+    let (outcome, _, text) = ask(ControlOp::PARAM_SET, "grasp.slip_off", 1.0);
+    assert_eq!(outcome, refused);
+    assert!(text.contains("at most grasp.slip_on"), "{text}");
+    let (outcome, _, text) = ask(ControlOp::PARAM_GET, "grasp.drn", 0.0);
+    assert_eq!(
+        (outcome, text.contains("did you mean grasp.dr_n")),
+        (unknown, true)
+    );
+    assert_eq!(
+        ask(ControlOp::PARAM_LIST, "", 0.0).2,
+        atas::settings::PARAMETERS[0].name
+    );
+    for index in [-1.0, 0.5, 1e9, f64::NAN] {
+        assert_eq!(ask(ControlOp::PARAM_LIST, "", index).0, unknown);
+    }
+    assert_eq!(ask(ControlOp::BIAS, "", 1.0).0, done);
+    assert_eq!(ask(ControlOp::BIAS, "", 2.0).0, refused);
+    assert_eq!(ask(ControlOp(99), "", 0.0).0, unknown);
+    world.until("the new configuration", |s| s.config_hash != before);
+}

@@ -1,0 +1,8 @@
+//! The daemon from outside: its configuration, and the real binary on a real bus.
+
+mod config;
+mod example;
+mod goals;
+mod lives;
+mod service;
+mod support;

@@ -1,0 +1,239 @@
+//! A scripted world on a bus of its own, and a daemon process in it.
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus};
+use std::time::{Duration, Instant};
+
+use shm_bus::{Bus, ControlClient, FreshBus, Publisher, Realtime, Subscriber, now_ns};
+use shm_schemas::{
+    ControlOp, ControlReply, ControlRequest, Hand, HandFrame, JointCommand, JointState, Layout,
+    Mode, Stamp, Status, Text, service,
+};
+use tempfile::TempDir;
+
+/// Long enough for any machine; nothing is measured against it.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A daemon process. Killed when dropped, and then its log is shown if the test failed.
+pub(crate) struct Daemon {
+    child: Child,
+    folder: TempDir,
+}
+
+impl Daemon {
+    pub(crate) fn start(bus: &FreshBus, flags: &[&str]) -> Self {
+        Self::start_with(bus, "", flags, |_| ())
+    }
+
+    /// With a configuration, flags, and more to say about the process.
+    pub(crate) fn start_with(
+        bus: &FreshBus,
+        config: &str,
+        flags: &[&str],
+        more: impl FnOnce(&mut Command),
+    ) -> Self {
+        let folder = TempDir::new().expect("a temporary folder");
+        fs::write(folder.path().join("atas.toml"), config).expect("writable");
+        let log = File::create(folder.path().join("log")).expect("writable");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_atasd"));
+        command
+            .arg("--bus")
+            .arg(bus.as_str())
+            .arg("--config")
+            .arg(folder.path().join("atas.toml"));
+        command.args(flags).stderr(log).env_remove("NOTIFY_SOCKET");
+        more(&mut command);
+        Self {
+            child: command.spawn().expect("atasd starts"),
+            folder,
+        }
+    }
+
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    pub(crate) fn config_file(&self) -> PathBuf {
+        self.folder.path().join("atas.toml")
+    }
+
+    pub(crate) fn log(&self) -> String {
+        fs::read_to_string(self.folder.path().join("log")).expect("readable")
+    }
+
+    pub(crate) fn signal(&self, signal: rustix::process::Signal) {
+        let pid = rustix::process::Pid::from_child(&self.child);
+        rustix::process::kill_process(pid, signal).expect("the daemon lives");
+    }
+
+    pub(crate) fn is_running(&mut self) -> bool {
+        self.child.try_wait().expect("waitable").is_none()
+    }
+
+    pub(crate) fn wait(&mut self) -> ExitStatus {
+        wait_for("the daemon to end", || {
+            self.child.try_wait().expect("waitable")
+        })
+    }
+}
+
+impl Drop for Daemon {
+    fn drop(&mut self) {
+        let _already_dead = self.child.kill();
+        let _reaped = self.child.wait();
+        if std::thread::panicking() {
+            let _ = writeln!(std::io::stderr(), "log of the daemon:\n{}", self.log());
+        }
+    }
+}
+
+/// Asks until there is an answer.
+pub(crate) fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(begin.elapsed() < PATIENCE, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Sensors and joints under script: nothing is touched, and the joints do what they are told.
+pub(crate) struct World {
+    pub(crate) bus: Bus,
+    frames: [Publisher<HandFrame>; 2],
+    joints: Publisher<JointState>,
+    commands: Subscriber<JointCommand>,
+    status: Subscriber<Status>,
+    control: Option<ControlClient>,
+    pub(crate) command: JointCommand,
+    pub(crate) newest: Status,
+    pub(crate) sends_frames: bool,
+    /// Goes out in place of the first joint's position.
+    pub(crate) odd_position_rad: Option<f64>,
+    position_rad: [f64; shm_schemas::capacity::JOINTS],
+    sequence: u64,
+}
+
+impl World {
+    pub(crate) fn on(name: &FreshBus) -> Self {
+        let bus = Bus::open(name, "world", Realtime::No).expect("the bus opens");
+        let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let mut position_rad = [0.0; shm_schemas::capacity::JOINTS];
+        for side in robot_model::Side::BOTH {
+            position_rad[side.joint_range()]
+                .copy_from_slice(robot.hand(side).reference_rad().as_slice());
+        }
+        Self {
+            frames: service::HAND_FRAME
+                .map(|name| bus.publisher(name).expect("nobody else publishes")),
+            joints: bus
+                .publisher(service::JOINT_STATE)
+                .expect("nobody else publishes"),
+            commands: bus
+                .subscriber(service::JOINT_COMMAND)
+                .expect("there is room"),
+            status: bus.subscriber(service::STATUS).expect("there is room"),
+            control: None,
+            command: JointCommand::default(),
+            newest: Status::default(),
+            sends_frames: true,
+            odd_position_rad: None,
+            position_rad,
+            sequence: 0,
+            bus,
+        }
+    }
+
+    /// One tick of the world at this time.
+    pub(crate) fn publish(&mut self, captured_ns: u64) {
+        let stamp = Stamp {
+            sequence: self.sequence,
+            captured_ns,
+            writer_epoch: 7,
+        };
+        self.sequence += 1;
+        if self.sends_frames {
+            for (publisher, hand) in self.frames.iter().zip(Hand::BOTH) {
+                publisher.send(&frame(stamp, hand)).expect("sent");
+            }
+        }
+        let mut state = JointState {
+            stamp,
+            joint_count: 22,
+            position_rad: self.position_rad,
+            ..JointState::default()
+        };
+        if let Some(odd_rad) = self.odd_position_rad {
+            state.position_rad[0] = odd_rad;
+        }
+        self.joints.send(&state).expect("sent");
+    }
+
+    /// Lets a daemon that joined since the last tick have that tick.
+    pub(crate) fn greet(&self) {
+        self.frames
+            .iter()
+            .for_each(|publisher| publisher.greet().expect("sent"));
+        self.joints.greet().expect("sent");
+    }
+
+    /// Takes what the daemon said since the last call.
+    pub(crate) fn listen(&mut self) {
+        if self.commands.newest(&mut self.command).expect("readable")
+            && self.command.joint_count > 0
+        {
+            assert!(self.command.is_intact());
+            self.position_rad = self.command.position_rad;
+        }
+        self.status.newest(&mut self.newest).expect("readable");
+    }
+
+    /// Lets real time go by until the status is as wanted, and returns it.
+    pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) -> Status {
+        wait_for(what, || {
+            self.publish(now_ns());
+            self.listen();
+            wanted(&self.newest).then_some(self.newest)
+        })
+    }
+
+    pub(crate) fn until_mode(&mut self, mode: Mode) -> Status {
+        self.until(mode.name(), |status| status.mode == mode)
+    }
+
+    pub(crate) fn control(&mut self, op: ControlOp, name: &str, value: f64) -> ControlReply {
+        let request = ControlRequest {
+            op,
+            name: Text::new(name),
+            value,
+            ..ControlRequest::default()
+        };
+        let client = self
+            .control
+            .get_or_insert_with(|| self.bus.control_client().expect("there is room"));
+        client.call(&request, PATIENCE).expect("the daemon answers")
+    }
+}
+
+/// Nothing but noise on two fingers.
+fn frame(stamp: Stamp, hand: Hand) -> HandFrame {
+    let layout = Layout::dome_41();
+    let mut frame = HandFrame {
+        stamp,
+        layout_hash: layout.hash(),
+        hand,
+        finger_count: 2,
+        ..HandFrame::default()
+    };
+    let noise_n = 1e-4 * (stamp.sequence % 7) as f32;
+    for finger in 0..2 {
+        frame.valid_mask[finger] = (1 << layout.count) - 1;
+        frame.force_n[finger][..layout.count].fill([noise_n, 0.0, 0.0]);
+    }
+    frame.seal();
+    frame
+}
