@@ -197,10 +197,11 @@ impl FrameIntake {
                 .about(index),
             Some(p) => {
                 let age_s = seconds_between(p.captured_ns, tick.now_ns);
-                let cause = if seconds_between(p.received_ns, tick.now_ns) > allowed_s {
-                    Cause::FRAMES_STOPPED
-                } else {
+                // A frame that was old when it came is stale; one that has aged since then is the last of its kind.
+                let cause = if seconds_between(p.captured_ns, p.received_ns) > allowed_s {
                     Cause::FRAME_STALE
+                } else {
+                    Cause::FRAMES_STOPPED
                 };
                 if age_s > allowed_s {
                     Reason::limit(cause, age_s * 1e9, allowed_s * 1e9).about(index)
