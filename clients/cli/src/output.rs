@@ -85,6 +85,16 @@ pub(crate) fn table(header: &[&str]) -> Table {
     table
 }
 
+/// A number with so many digits after the point, and no minus before a zero.
+pub(crate) fn number(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    match text.strip_prefix('-') {
+        Some(zero) if is_zero => zero.to_owned(),
+        _ => text,
+    }
+}
+
 /// The active modules of a bit set, by the short forms of their names.
 pub(crate) fn modules(active: u32) -> String {
     let is_active = |id: &&ModuleId| id.0 < u32::BITS && active & (1 << id.0) != 0;
@@ -97,5 +107,33 @@ pub(crate) fn modules(active: u32) -> String {
         "none".into()
     } else {
         names.join(" + ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_without_minus_zero() {
+        let check = |value, digits, expected| assert_eq!(number(value, digits), expected);
+        check(-0.004, 2, "0.00");
+        check(-0.006, 2, "-0.01");
+        check(-0.0, 0, "0");
+        check(4.126, 2, "4.13");
+        check(f64::NAN, 2, "NaN");
+        check(f64::INFINITY, 2, "inf");
+    }
+
+    #[test]
+    fn modules_by_name() {
+        let check = |active: u32, expected| assert_eq!(modules(active), expected);
+        check(0, "none");
+        check(1 << ModuleId::SLIP.0, "module 2, slip");
+        check(
+            1 << ModuleId::SLIP.0 | 1 << ModuleId::FORCE_LIMIT.0,
+            "module 2, slip + module 3, force limit",
+        );
+        check(1 << 31, "none");
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use shm_schemas::{GraspFigures, Status};
 
-use crate::output::modules;
+use crate::output::{modules, number};
 use crate::story::Story;
 
 /// How often the terminal's line changes at most (ours).
@@ -50,6 +50,9 @@ impl Progress {
     pub(crate) fn show(&mut self, story: &Story, status: Option<&Status>, lifted_m: f64) {
         let last = story.last();
         let step = last.step.as_str();
+        if step.is_empty() {
+            return;
+        }
         let mut line = format!("{step:8} {}", forces(&last.figures));
         if let Some(status) = status {
             let active = status
@@ -58,7 +61,7 @@ impl Progress {
                 .fold(0, |bits, hand| bits | hand.modules_active);
             line += &format!("  {}", modules(active));
         }
-        line += &format!("  lifted {:.1} mm", lifted_m * 1e3);
+        line += &format!("  lifted {} mm", number(lifted_m * 1e3, 1));
         match &self.bar {
             Some(bar) => bar.set_message(line),
             None => self.tell(step, &line),
@@ -87,5 +90,6 @@ impl Drop for Progress {
 fn forces(figures: &GraspFigures) -> String {
     let [first, second, ..] = figures.normal_n;
     let (f1_n, f2_n) = (figures.f1_n, figures.f2_n);
-    format!("F_n {first:.2} {second:.2} N  F_1 {f1_n:.2}  F_2 {f2_n:.2}")
+    let [first, second] = [first, second].map(|force_n| number(force_n.into(), 2));
+    format!("F_n {first} {second} N  F_1 {f1_n:.2}  F_2 {f2_n:.2}")
 }

@@ -1,12 +1,14 @@
 //! A goal's story: its updates, condensed to what a user wants to hear at the end.
 
 use atas::tasks::BACK_OUT;
-use shm_schemas::{GoalState, GoalUpdate, GraspFigures};
+use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
 
 /// What happened to a goal so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Story {
     last: GoalUpdate,
+    /// The last step that was named: the final update of a goal that left the hand at rest names none.
+    step: Text<16>,
     /// The last update of the attempt itself, before the hand backed out of a refused object.
     attempt: GoalUpdate,
 }
@@ -15,16 +17,13 @@ impl Story {
     /// Takes in the next update.
     pub fn add(&mut self, update: &GoalUpdate) {
         self.last = *update;
+        if update.step.as_str().is_empty() {
+            return;
+        }
+        self.step = update.step;
         if !self.is_backing_out() {
             self.attempt = *update;
         }
-    }
-
-    /// Whether the hand is putting a refused object back, or opening.
-    #[must_use]
-    pub fn is_backing_out(&self) -> bool {
-        let step = self.last.step.as_str();
-        BACK_OUT.iter().any(|back_out| back_out.name == step)
     }
 
     /// The last update.
@@ -33,22 +32,31 @@ impl Story {
         &self.last
     }
 
+    /// Whether the hand is putting a refused object back, or opening.
+    #[must_use]
+    pub fn is_backing_out(&self) -> bool {
+        BACK_OUT.iter().any(|step| step.name == self.step.as_str())
+    }
+
     /// What the hand knew and pressed when it last tried.
     #[must_use]
     pub fn figures(&self) -> &GraspFigures {
-        if self.attempt.goal_id == 0 {
-            &self.last.figures
-        } else {
+        if self.was_attempted() {
             &self.attempt.figures
+        } else {
+            &self.last.figures
         }
     }
 
     /// The step that decided: the last one, but for a refused object the one before the hand backed out.
     #[must_use]
     pub fn step(&self) -> &str {
-        let refused = self.last.state == GoalState::REFUSED && self.attempt.goal_id != 0;
-        let update = if refused { &self.attempt } else { &self.last };
-        update.step.as_str()
+        let refused = self.last.state == GoalState::REFUSED && self.was_attempted();
+        if refused {
+            self.attempt.step.as_str()
+        } else {
+            self.step.as_str()
+        }
     }
 
     /// One sentence about an end without success: the step, the cause, the value against its limit, the module.
@@ -72,5 +80,9 @@ impl Story {
         } else {
             "the hand stays where it is"
         }
+    }
+
+    fn was_attempted(&self) -> bool {
+        self.attempt.goal_id != 0
     }
 }

@@ -172,7 +172,8 @@ fn success(kind: GoalKind, story: &Story) -> String {
             figures.hardness_n_m,
             figures.lifted_m * 1e3
         ),
-        _ => "done".into(),
+        GoalKind::RELEASE => "released; the hand is at home".into(),
+        kind => format!("{kind} done"),
     }
 }
 

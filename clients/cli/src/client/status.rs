@@ -9,7 +9,7 @@ use crate::arguments;
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::json;
-use crate::output::{Output, table};
+use crate::output::{Output, modules, number, table};
 
 /// Pause between two pictures of a watched status.
 const PICTURE: Duration = Duration::from_millis(200);
@@ -71,13 +71,13 @@ fn heading(status: &Status) -> String {
     } else {
         format!("mode {}{}", status.mode, hint(status.mode))
     });
-    lines.push(if status.goal_id == 0 {
-        "no goal yet".into()
-    } else {
-        format!(
-            "goal {} {}, step {}",
-            status.goal_kind, status.goal_state, status.step
-        )
+    lines.push(match (status.goal_id, status.step.as_str()) {
+        (0, _) => "no goal yet".into(),
+        (_, "") => format!("goal {} {}", status.goal_kind, status.goal_state),
+        (_, step) => format!(
+            "goal {} {}, step {step}",
+            status.goal_kind, status.goal_state
+        ),
     });
     lines.push(format!(
         "{} ticks, {} missed, {} late, {} records dropped",
@@ -122,7 +122,7 @@ fn hands(status: &Status) -> comfy_table::Table {
             forces(&sensor.normal_n),
             forces(&sensor.tangential_n),
             format!("{} {}", sensor.touches[0], sensor.touches[1]),
-            crate::output::modules(sensor.modules_active),
+            modules(sensor.modules_active),
         ]);
     }
     let joints = &status.joints;
@@ -174,7 +174,7 @@ fn age_ms(age_ns: u64) -> String {
 fn forces(force_n: &[f32]) -> String {
     let shown: Vec<String> = force_n[..robot_model::FINGERS]
         .iter()
-        .map(|force_n| format!("{force_n:.2}"))
+        .map(|force_n| number((*force_n).into(), 2))
         .collect();
     shown.join(" ")
 }

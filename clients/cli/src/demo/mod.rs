@@ -9,6 +9,7 @@
 //! A demo is a client like any other: it uses nothing of the daemon but the bus.
 
 mod child;
+mod logs;
 mod performance;
 mod stage;
 mod table;
@@ -63,7 +64,7 @@ fn verdict(performances: &[Performance]) -> anyhow::Result<()> {
                 "refused"
             };
             format!(
-                "{} was {} and should be {should}",
+                "{}: {}, should be {should}",
                 performance.object,
                 performance.outcome.name()
             )

@@ -161,7 +161,9 @@ fn watch(
         Ok(())
     })?;
     match cancelled {
-        Some(Cancelled::Interrupted) => interrupt.check("the demo was cleaned up")?,
+        Some(Cancelled::Interrupted) => {
+            interrupt.check("the demo ended its processes and wiped its bus")?
+        }
         Some(Cancelled::TimedOut(limit)) => {
             anyhow::bail!("{} took longer than {limit:?}", object.name)
         }

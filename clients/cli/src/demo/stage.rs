@@ -3,21 +3,21 @@
 //! Dropping the stage ends the processes and wipes the bus, on every way out. Whoever joined the bus must have left it
 //! by then: declare the stage first.
 
-use std::fs::DirBuilder;
-use std::os::unix::fs::DirBuilderExt;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use shm_bus::{BusName, FreshBus};
 use shm_schemas::{Mode, Status, service};
 
 use super::child::Child;
+use super::logs::{self, Logs};
 use crate::client::{POLL, Session};
 use crate::interrupt::Interrupt;
 
 /// How long both processes may take until the daemon is ready (ours: it promises 150 ms; a loaded machine takes longer).
 const READY_WITHIN: Duration = Duration::from_secs(15);
+/// How long it must have been ready without a break (ours: ten statuses). While two processes start, the clock hands out
+/// milliseconds unevenly, and the daemon holds in between.
+const STEADY_FOR: Duration = Duration::from_millis(200);
 /// A configuration file without content: the built-in defaults, whatever is installed on this machine.
 const NO_CONFIGURATION: &str = "/dev/null";
 
@@ -32,6 +32,7 @@ pub(super) struct Stage {
 impl Stage {
     /// Starts simulator and daemon.
     pub(super) fn set(object: &str, seed: u64, lockstep: bool) -> anyhow::Result<Self> {
+        logs::sweep();
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
         let (name, seed) = (bus.as_str(), seed.to_string());
@@ -74,7 +75,8 @@ impl Stage {
         let mut statuses = session.bus().subscriber::<Status>(service::STATUS)?;
         let mut status = Status::default();
         let begin = Instant::now();
-        while status.ticks == 0 || status.mode != Mode::READY {
+        let mut unready = begin;
+        while unready.elapsed() < STEADY_FOR {
             self.check()?;
             interrupt.check("the demo was starting")?;
             if begin.elapsed() > READY_WITHIN {
@@ -87,36 +89,11 @@ impl Stage {
                 );
             }
             statuses.newest(&mut status)?;
+            if status.mode != Mode::READY {
+                unready = Instant::now();
+            }
             std::thread::sleep(POLL);
         }
         Ok(())
-    }
-}
-
-/// The folder of the logs: removed at the end unless they are worth reading.
-struct Logs {
-    folder: PathBuf,
-    keep: bool,
-}
-
-impl Logs {
-    fn new(bus: &BusName) -> anyhow::Result<Self> {
-        let folder: &Path = &std::env::temp_dir().join(format!("atas-demo-{bus}"));
-        DirBuilder::new()
-            .mode(0o700)
-            .create(folder)
-            .with_context(|| format!("could not make the log folder {}", folder.display()))?;
-        Ok(Self {
-            folder: folder.to_owned(),
-            keep: false,
-        })
-    }
-}
-
-impl Drop for Logs {
-    fn drop(&mut self) {
-        if !self.keep {
-            let _ = std::fs::remove_dir_all(&self.folder);
-        }
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::performance::Performance;
-use crate::output::{Output, table};
+use crate::output::{Output, number, table};
 
 /// Prints the results in the format asked for.
 pub(super) fn print(performances: &[Performance], output: &mut Output) -> anyhow::Result<()> {
@@ -30,11 +30,11 @@ pub(super) fn print(performances: &[Performance], output: &mut Output) -> anyhow
         let mut cells: Vec<comfy_table::Cell> = vec![
             performance.object.as_str().into(),
             format!("{:.2}", performance.load.needed_n).into(),
-            format!("{:.2}", mean_normal_n(performance)).into(),
+            number(mean_normal_n(performance).into(), 2).into(),
             format!("{:.2}", figures.f2_n).into(),
             format!("{:.0}", figures.hardness_n_m).into(),
             format!("{:.2}", performance.slip_m * 1e3).into(),
-            format!("{:.1}", performance.lifted_m * 1e3).into(),
+            number(performance.lifted_m * 1e3, 1).into(),
         ];
         cells.push(output.verdict(performance.outcome.name(), performance.is_expected()));
         cells.push(performance.reason.as_str().into());
@@ -67,6 +67,7 @@ fn finite(value: f64) -> Value {
     value.is_finite().then_some(value).into()
 }
 
+/// What the fingers press on average, N.
 fn mean_normal_n(performance: &Performance) -> f32 {
     let pressed_n = &performance.figures.normal_n[..robot_model::FINGERS];
     pressed_n.iter().sum::<f32>() / pressed_n.len() as f32
