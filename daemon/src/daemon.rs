@@ -153,9 +153,10 @@ impl Start {
     fn run(self, link: Arc<Link>, started: &Sender<Result<Granted, Failure>>) {
         // The receiver waits for exactly one message.
         match self.begin(link) {
-            Ok((ticks, granted, _bus)) => {
+            Ok((mut ticks, granted, _bus)) => {
                 let _sent = started.send(Ok(granted));
                 ticks.run();
+                realtime::leave();
             }
             Err(failure) => {
                 let _sent = started.send(Err(failure));

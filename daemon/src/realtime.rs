@@ -86,6 +86,12 @@ pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> 
     Ok(())
 }
 
+/// Makes the tick thread an ordinary one again, because closing ports may compute for longer than a tick may.
+pub fn leave() {
+    // Never refused: it asks for less. If it were, closing would only be hurried.
+    let _ = set_scheduler(libc::SCHED_OTHER, 0);
+}
+
 fn mlockall() -> Result<(), Refused> {
     rustix::mm::mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).map_err(|e| Refused {
         what: "lock memory".to_owned(),
@@ -105,10 +111,19 @@ fn pin(core: u32) -> Result<(), Refused> {
 }
 
 fn schedule_fifo(priority: u32) -> Result<(), Refused> {
-    let parameters = libc::sched_param {
-        sched_priority: priority.cast_signed(),
-    };
     let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
+    set_scheduler(policy, priority.cast_signed()).map_err(|source| Refused {
+        what: format!("run the tick thread under SCHED_FIFO at priority {priority}"),
+        source,
+        cure: "raise LimitRTPRIO (ulimit -r) to the priority, or set realtime.mode to \"try\"; \
+               in a container or a kernel with RT_GROUP_SCHED, give its cgroup real-time time",
+    })
+}
+
+fn set_scheduler(policy: i32, priority: i32) -> io::Result<()> {
+    let parameters = libc::sched_param {
+        sched_priority: priority,
+    };
     // SAFETY: the call reads `parameters`, which lives, and changes the calling thread's scheduling, nothing else. It is
     // made raw because rustix has no wrapper and musl's fails always.
     let result = unsafe {
@@ -120,14 +135,10 @@ fn schedule_fifo(priority: u32) -> Result<(), Refused> {
         )
     };
     if result == 0 {
-        return Ok(());
+        Ok(())
+    } else {
+        Err(io::Error::last_os_error())
     }
-    Err(Refused {
-        what: format!("run the tick thread under SCHED_FIFO at priority {priority}"),
-        source: io::Error::last_os_error(),
-        cure: "raise LimitRTPRIO (ulimit -r) to the priority, or set realtime.mode to \"try\"; \
-               in a container or a kernel with RT_GROUP_SCHED, give its cgroup real-time time",
-    })
 }
 
 fn limit_compute_time() {

@@ -75,7 +75,7 @@ impl TickLoop {
     }
 
     /// Ticks until [`Link::quit`].
-    pub fn run(mut self) {
+    pub fn run(&mut self) {
         while self.run_once() {}
     }
 

@@ -1,6 +1,7 @@
 //! Goals and parameters over the bus, in lock-step where time matters.
 
 use shm_bus::{FreshBus, GoalClient, PendingGoal};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{
     Cause, ControlOp, ControlOutcome, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate,
     Hand, Mode,
@@ -28,13 +29,19 @@ fn grasp(goal_id: u64) -> GoalRequest {
 struct LockStep {
     world: World,
     tick: u64,
+    /// FNV-1a over the checksums of all commands so far.
+    commands: u64,
 }
 
 impl LockStep {
     fn on(bus: &FreshBus) -> Self {
         let mut world = World::on(bus);
         world.publish(PERIOD_NS);
-        Self { world, tick: 0 }
+        Self {
+            world,
+            tick: 0,
+            commands: FNV_OFFSET,
+        }
     }
 
     /// Publishes the next state if the daemon has answered the last one.
@@ -43,6 +50,7 @@ impl LockStep {
         self.world.listen();
         if self.world.command.answers_sequence == self.tick {
             self.tick += 1;
+            self.commands = fnv1a(self.commands, &self.world.command.crc32.to_le_bytes());
             self.world.publish((self.tick + 1) * PERIOD_NS);
         } else {
             self.world.greet();
@@ -155,8 +163,8 @@ fn goals_that_make_no_sense_are_rejected_with_the_reason() {
     );
 }
 
-/// The story of one goal in lock-step: ticks and states of its updates.
-fn story() -> Vec<(u64, GoalState)> {
+/// One goal in lock-step: ticks and states of its updates, and a digest of every command.
+fn story() -> (Vec<(u64, GoalState)>, u64) {
     let bus = FreshBus::new("story");
     let mut world = LockStep::on(&bus);
     let _daemon = Daemon::start(&bus, &["--lockstep"]);
@@ -167,23 +175,23 @@ fn story() -> Vec<(u64, GoalState)> {
         let update = world.until_update(&mut pending, |_| true);
         story.push((update.tick, update.state));
     }
-    story
+    (story, world.commands)
 }
 
 #[test]
 fn lock_step_depends_on_the_goal_only() {
-    let first = story();
+    let (updates, commands) = story();
     assert_eq!(
-        first.first(),
+        updates.first(),
         Some(&(100, GoalState::ACCEPTED)),
         "after the world has settled"
     );
     assert_eq!(
-        first.last().map(|last| last.1),
+        updates.last().map(|last| last.1),
         Some(GoalState::FAILED),
         "there is nothing to grasp"
     );
-    assert_eq!(story(), first);
+    assert_eq!(story(), (updates, commands), "bit for bit");
 }
 
 #[test]

@@ -60,7 +60,8 @@ fn a_signal_stops_it_in_order_and_the_next_one_may_start() {
             let mut daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
             world.until("ready", |s| s.pid == daemon.pid() && s.mode == Mode::READY);
             daemon.signal(signal);
-            assert_eq!(daemon.wait().code(), Some(0));
+            let ended = daemon.wait();
+            assert!(ended.success(), "{ended}");
             world.listen();
             assert_eq!(
                 world.command.mode,
@@ -69,6 +70,43 @@ fn a_signal_stops_it_in_order_and_the_next_one_may_start() {
             );
         }
     }
+}
+
+#[test]
+fn a_killed_daemon_leaves_nothing_that_hinders_the_next_one() {
+    let bus = FreshBus::new("killed");
+    let mut world = World::on(&bus);
+    for _ in 0..3 {
+        let mut daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+        world.until("ready", |s| s.pid == daemon.pid() && s.mode == Mode::READY);
+        daemon.signal(Signal::KILL);
+        assert!(!daemon.wait().success());
+    }
+}
+
+#[test]
+fn the_effective_configuration_is_printed_and_reads_back() {
+    let print = |flags: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_atasd"));
+        let output = command
+            .arg("--check-config")
+            .args(flags)
+            .output()
+            .expect("atasd starts");
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let file = folder.path().join("printed.toml").display().to_string();
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/atas.example.toml");
+    let printed = print(&["--config", example, "--set", "grasp.dr_n=0.08"]);
+    assert!(printed.contains("\ndr_n = 0.08\n"), "{printed}");
+    std::fs::write(&file, &printed).expect("writable");
+    assert_eq!(print(&["--config", &file]), printed);
 }
 
 #[test]

@@ -38,7 +38,8 @@ fn the_service_manager_hears_ready_watchdog_and_stopping() {
     wait_for("ready again", || (hear().trim() == "READY=1").then_some(()));
     daemon.signal(Signal::TERM);
     wait_for("stopping", || (hear().trim() == "STOPPING=1").then_some(()));
-    assert_eq!(daemon.wait().code(), Some(0));
+    let ended = daemon.wait();
+    assert!(ended.success(), "{ended}");
 }
 
 #[test]
