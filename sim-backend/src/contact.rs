@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::pad::{DOME_ELEMENTS, LANES, Pad};
+use crate::pad::{BRISTLES, DOME_ELEMENTS, Pad};
 use crate::shape::Shape;
 use bristle::{Bristle, Rub};
 use compression::Compression;
@@ -88,8 +88,8 @@ pub(crate) struct Contact {
 impl Contact {
     pub(crate) fn new() -> Self {
         Self {
-            bristles: vec![(Bristle::default(), 0); LANES],
-            touches: Vec::with_capacity(LANES),
+            bristles: vec![(Bristle::default(), 0); BRISTLES],
+            touches: Vec::with_capacity(BRISTLES),
             step: 1,
             compression: Compression::default(),
             object_from_tip: Matrix3::identity(),
@@ -144,19 +144,17 @@ impl Contact {
         if gap_m >= pad.radius_m {
             return;
         }
-        let depth_m = plane_depths(pad, &approach.object_from_tip.tr_mul(&face.normal), gap_m);
-        for (bristle, _) in depth_m[..pad.count]
-            .iter()
-            .enumerate()
-            .filter(|(_, depth_m)| **depth_m > 0.0)
-        {
-            let [x, y, z] = &pad.direction;
-            let direction =
-                approach.object_from_tip * Vector3::new(x[bristle], y[bristle], z[bristle]);
-            let point_m = approach.centre_m + direction * pad.radius_m;
-            if let Some((depth_m, normal)) = face.depth_at(&point_m) {
+        let normal_in_tip = approach.object_from_tip.tr_mul(&face.normal);
+        let touches = &mut self.touches;
+        pad.below_plane(&normal_in_tip, gap_m, |bristle, direction| {
+            let arm_m = approach.object_from_tip * direction * pad.radius_m;
+            let point_m = approach.centre_m + arm_m;
+            if let Some((depth_m, normal)) = face
+                .depth_at(&point_m)
+                .filter(|(depth_m, _)| *depth_m > 0.0)
+            {
                 let force_n = Vector3::zeros();
-                self.touches.push(Touch {
+                touches.push(Touch {
                     bristle,
                     depth_m,
                     point_m,
@@ -164,7 +162,7 @@ impl Contact {
                     force_n,
                 });
             }
-        }
+        });
     }
 
     /// Lets the object give way, and forgets the bristles that no longer press.
@@ -173,6 +171,9 @@ impl Contact {
         self.compression
             .step(depths_m, pad.stiffness_n_m, surface.stiffness_n_m, dt_s);
         let compression_m = self.compression.depth_m;
+        if compression_m == 0.0 {
+            return;
+        }
         self.touches.retain_mut(|touch| {
             touch.depth_m -= compression_m;
             touch.depth_m > 0.0
@@ -244,13 +245,6 @@ impl Approach {
         let velocity = self.velocity_m_s + self.angular_rad_s.cross(&touch.point_m);
         (velocity, velocity.dot(&touch.normal))
     }
-}
-
-/// Depth of every bristle under a plane, m: radius·(−n·d) − gap.
-fn plane_depths(pad: &Pad, normal_in_tip: &Vector3<f64>, gap_m: f64) -> [f64; LANES] {
-    let scale = -normal_in_tip * pad.radius_m;
-    let [x, y, z] = &pad.direction;
-    core::array::from_fn(|i| x[i] * scale.x + y[i] * scale.y + z[i] * scale.z - gap_m)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! element is wrong: new elements then enter the contact in jumps, and the force rises too slowly with the indentation
 //! (slope 524 instead of 844 N/m in the hardness probe).
 
+use nalgebra::Vector3;
 use shm_schemas::Layout;
 
 /// Bristles per element (tactile design; 1 is measurably wrong, 19 changes nothing more).
@@ -12,8 +13,10 @@ pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
 pub(crate) const BRISTLES: usize = DOME_ELEMENTS * BRISTLES_PER_ELEMENT;
 /// Elements of the simulated dome, layout `dome-41`.
 pub(crate) const DOME_ELEMENTS: usize = 41;
-/// Length of the bristle arrays: [`BRISTLES`] rounded up to whole vectors.
-pub(crate) const LANES: usize = BRISTLES.next_multiple_of(8);
+/// Bristles that are tested for contact together: a whole number of vectors on every machine.
+pub(crate) const BLOCK: usize = 8;
+/// Blocks of a full dome.
+const BLOCKS: usize = BRISTLES.div_ceil(BLOCK);
 
 /// Winkler foundation stiffness of the skin, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
 pub(crate) const FOUNDATION_N_M3: f64 = 1.7e8;
@@ -23,14 +26,14 @@ const RING_RADIUS: f64 = 0.66;
 /// The bristles of one dome, tip frame; the same for every fingertip.
 #[derive(Clone, Debug)]
 pub(crate) struct Pad {
-    /// Outward unit vectors of the bristles, by component; bristle b belongs to element b / 7. Padding is zero.
-    pub(crate) direction: [[f64; LANES]; 3],
+    /// Outward unit vectors of the bristles: block, component, place in the block. Padding is zero.
+    blocks: [[[f64; BLOCK]; 3]; BLOCKS],
     /// Distance of the bristles from the dome's centre, m.
     pub(crate) radius_m: f64,
     /// Normal stiffness of one bristle, N/m.
     pub(crate) stiffness_n_m: f64,
     /// Bristles in use.
-    pub(crate) count: usize,
+    count: usize,
     /// Bristles per element in use.
     per_element: usize,
 }
@@ -47,7 +50,7 @@ impl Pad {
         let ring_rad = RING_RADIUS * libm::sqrt(layout.element_area_m2 / core::f64::consts::PI)
             / layout.radius_m;
         let mut pad = Self {
-            direction: [[0.0; LANES]; 3],
+            blocks: [[[0.0; BLOCK]; 3]; BLOCKS],
             radius_m: layout.radius_m,
             stiffness_n_m: FOUNDATION_N_M3 * layout.element_area_m2 / per_element as f64,
             count: layout.count * per_element,
@@ -71,8 +74,30 @@ impl Pad {
         let leaning = [0, 1, 2].map(|axis| d[axis] + t1[axis] * offset1 + t2[axis] * offset2);
         let length = libm::sqrt(leaning.iter().map(|x| x * x).sum());
         let bristle = element * self.per_element + sub;
-        for (component, leaning) in self.direction.iter_mut().zip(leaning) {
-            component[bristle] = leaning / length;
+        for (component, leaning) in self.blocks[bristle / BLOCK].iter_mut().zip(leaning) {
+            component[bristle % BLOCK] = leaning / length;
+        }
+    }
+
+    /// Shows every bristle that lies below a plane: its index and its direction, tip frame. The plane has this outward
+    /// normal, tip frame, and this distance from the dome's centre.
+    #[inline]
+    pub(crate) fn below_plane(
+        &self,
+        normal: &Vector3<f64>,
+        gap_m: f64,
+        mut show: impl FnMut(usize, Vector3<f64>),
+    ) {
+        let reach_m = -normal * self.radius_m;
+        for (index, [x, y, z]) in self.blocks.iter().enumerate() {
+            let depth_m: [f64; BLOCK] = core::array::from_fn(|i| {
+                x[i] * reach_m.x + y[i] * reach_m.y + z[i] * reach_m.z - gap_m
+            });
+            if depth_m.iter().all(|depth_m| *depth_m <= 0.0) {
+                continue;
+            }
+            let below = (0..BLOCK).filter(|i| depth_m[*i] > 0.0 && index * BLOCK + i < self.count);
+            below.for_each(|i| show(index * BLOCK + i, Vector3::new(x[i], y[i], z[i])));
         }
     }
 

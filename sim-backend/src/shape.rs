@@ -26,13 +26,22 @@ pub enum Shape {
 /// One face of a shape, as a dome sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
-    shape: Shape,
-    /// Axis that the face is normal to; 2 is an end of a cylinder, 0 its side.
-    axis: usize,
+    extent: Extent,
     /// Outward normal of the supporting plane.
     pub(crate) normal: Vector3<f64>,
     /// Distance of the supporting plane from the origin, m.
     pub(crate) offset_m: f64,
+}
+
+/// How far a face reaches.
+#[derive(Clone, Copy, Debug)]
+enum Extent {
+    /// A flat face within these half edges, m; infinite along its own normal.
+    Rectangle(Vector3<f64>),
+    /// An end of a cylinder with this radius, m.
+    Disc(f64),
+    /// The side of a cylinder with this radius and half height, m.
+    Side(f64, f64),
 }
 
 impl Shape {
@@ -40,9 +49,15 @@ impl Shape {
     pub(crate) fn face_towards(&self, point_m: &Vector3<f64>) -> Face {
         match *self {
             Self::Box { half_m } => {
-                let beyond = point_m.abs() - half_m;
-                let axis = beyond.imax();
-                self.flat_face(axis, point_m[axis], half_m[axis])
+                let axis = (point_m.abs() - half_m).imax();
+                let mut edges_m = half_m;
+                edges_m[axis] = f64::INFINITY;
+                Face::flat(
+                    axis,
+                    point_m[axis],
+                    half_m[axis],
+                    Extent::Rectangle(edges_m),
+                )
             }
             Self::Cylinder {
                 radius_m,
@@ -50,7 +65,7 @@ impl Shape {
             } => {
                 let radial_m = radial_distance_m(point_m);
                 if point_m.z.abs() - half_height_m > radial_m - radius_m {
-                    return self.flat_face(2, point_m.z, half_height_m);
+                    return Face::flat(2, point_m.z, half_height_m, Extent::Disc(radius_m));
                 }
                 // On the axis every direction is as good as another.
                 let normal = if radial_m > 0.0 {
@@ -59,23 +74,11 @@ impl Shape {
                     Vector3::x()
                 };
                 Face {
-                    shape: *self,
-                    axis: 0,
+                    extent: Extent::Side(radius_m, half_height_m),
                     normal,
                     offset_m: radius_m,
                 }
             }
-        }
-    }
-
-    fn flat_face(&self, axis: usize, side: f64, offset_m: f64) -> Face {
-        let mut normal = Vector3::zeros();
-        normal[axis] = 1.0_f64.copysign(side);
-        Face {
-            shape: *self,
-            axis,
-            normal,
-            offset_m,
         }
     }
 
@@ -158,29 +161,36 @@ impl Shape {
 }
 
 impl Face {
+    /// The face normal to an axis, on the side of a coordinate's sign.
+    fn flat(axis: usize, side: f64, offset_m: f64, extent: Extent) -> Self {
+        let mut normal = Vector3::zeros();
+        normal[axis] = 1.0_f64.copysign(side);
+        Self {
+            extent,
+            normal,
+            offset_m,
+        }
+    }
+
     /// How deep a point lies under the face, m, and the face's outward normal there; `None` outside of the face's edges.
     /// The depth is negative above the face.
+    #[inline]
     pub(crate) fn depth_at(&self, point_m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-        match self.shape {
-            Shape::Box { half_m } => {
-                let (a, b) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
-                let inside = point_m[a].abs() <= half_m[a] && point_m[b].abs() <= half_m[b];
+        match self.extent {
+            Extent::Rectangle(edges_m) => {
+                let inside = point_m.x.abs() <= edges_m.x
+                    && point_m.y.abs() <= edges_m.y
+                    && point_m.z.abs() <= edges_m.z;
                 inside.then(|| self.flat_depth(point_m))
             }
-            Shape::Cylinder {
-                radius_m,
-                half_height_m,
-            } => {
+            Extent::Disc(radius_m) => {
+                (radial_distance_m(point_m) <= radius_m).then(|| self.flat_depth(point_m))
+            }
+            Extent::Side(radius_m, half_height_m) => {
                 let radial_m = radial_distance_m(point_m);
-                if self.axis == 2 {
-                    return (radial_m <= radius_m).then(|| self.flat_depth(point_m));
-                }
-                (point_m.z.abs() <= half_height_m && radial_m > 0.0).then(|| {
-                    (
-                        radius_m - radial_m,
-                        Vector3::new(point_m.x / radial_m, point_m.y / radial_m, 0.0),
-                    )
-                })
+                let outward = Vector3::new(point_m.x, point_m.y, 0.0);
+                (point_m.z.abs() <= half_height_m && radial_m > 0.0)
+                    .then(|| (radius_m - radial_m, outward / radial_m))
             }
         }
     }

@@ -10,7 +10,7 @@ mod channel;
 mod spec;
 mod spoil;
 
-pub use spec::{Fault, FaultError, FaultKind, Target};
+pub use spec::{Fault, FaultError, FaultInfo, FaultKind, Target};
 
 use robot_model::Side;
 use shm_schemas::{HandFrame, JointState};

@@ -9,7 +9,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(
     missing_docs,
-    reason = "each kind is explained by its line of the table below"
+    reason = "each kind is explained by its line of FaultKind::all"
 )]
 pub enum FaultKind {
     Drop,
@@ -34,29 +34,34 @@ pub enum FaultKind {
 }
 
 /// Where a fault can strike.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Strikes {
     Any,
     Hands,
     Joints,
 }
 
-/// One line per kind: its name, what its value means, the value's default and range, where it strikes.
-struct Entry {
+/// What there is to know of a kind of fault.
+#[derive(Debug)]
+pub struct FaultInfo {
     kind: FaultKind,
-    name: &'static str,
-    about: &'static str,
-    value: f64,
-    range: [f64; 2],
+    /// Its name in a fault's text.
+    pub name: &'static str,
+    /// What happens, and what the value means.
+    pub about: &'static str,
+    /// The value if none is given.
+    pub value: f64,
+    /// Lowest and highest value; both zero if it takes none.
+    pub range: [f64; 2],
     strikes: Strikes,
 }
 
 #[rustfmt::skip]
-const TABLE: &[Entry] = {
+const TABLE: &[FaultInfo] = {
     use FaultKind::*;
     use Strikes::*;
-    const fn line(kind: FaultKind, name: &'static str, about: &'static str, value: f64, range: [f64; 2], strikes: Strikes) -> Entry {
-        Entry { kind, name, about, value, range, strikes }
+    const fn line(kind: FaultKind, name: &'static str, about: &'static str, value: f64, range: [f64; 2], strikes: Strikes) -> FaultInfo {
+        FaultInfo { kind, name, about, value, range, strikes }
     }
     &[
         line(Drop, "drop", "payloads are lost with this probability", 1.0, [0.0, 1.0], Any),
@@ -163,9 +168,10 @@ pub enum FaultError {
 const TIME_MAX_S: f64 = 86_400.0;
 
 impl FaultKind {
-    /// Every kind: its name, and what its value means.
-    pub fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
-        TABLE.iter().map(|entry| (entry.name, entry.about))
+    /// Every kind.
+    #[must_use]
+    pub fn all() -> &'static [FaultInfo] {
+        TABLE
     }
 }
 
@@ -183,6 +189,14 @@ impl Target {
             "joints" if strikes != Strikes::Hands => Some(Self::Joints),
             _ => None,
         }
+    }
+}
+
+impl FaultInfo {
+    /// The targets that it can have.
+    #[must_use]
+    pub fn targets(&self) -> &'static str {
+        self.strikes.names()
     }
 }
 
@@ -229,7 +243,7 @@ impl FromStr for Fault {
             .map_or((when, None), |(start, length)| (start, Some(length)));
         let entry = TABLE
             .iter()
-            .find(|entry| entry.name == name)
+            .find(|info| info.name == name)
             .ok_or_else(|| unknown_kind(text, name))?;
         let seconds = |what, value| number(text, what, value, [0.0, TIME_MAX_S]);
         let first_tick = ticks(seconds("start", start)?);
@@ -252,7 +266,7 @@ impl FromStr for Fault {
 }
 
 fn unknown_kind(text: &str, kind: &str) -> FaultError {
-    let known: Vec<&str> = FaultKind::all().map(|(name, _)| name).collect();
+    let known: Vec<&str> = TABLE.iter().map(|info| info.name).collect();
     FaultError::Kind {
         text: text.into(),
         kind: kind.into(),

@@ -121,10 +121,25 @@ fn list_objects() -> Result<(), Failure> {
 
 fn list_faults() {
     println!(
-        "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, TARGET left, right, hands or joints"
+        "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, for example drop=0.3@2+0.5:right"
     );
-    for (name, about) in FaultKind::all() {
-        println!("{name:10} {about}");
+    println!(
+        "{:10} {:>9}  {:26}  what happens",
+        "kind", "usually", "targets"
+    );
+    for fault in FaultKind::all() {
+        let takes_value = fault.range != [0.0, 0.0];
+        let usually = if takes_value {
+            fault.value.to_string()
+        } else {
+            String::new()
+        };
+        println!(
+            "{:10} {usually:>9}  {:26}  {}",
+            fault.name,
+            fault.targets(),
+            fault.about
+        );
     }
 }
 
