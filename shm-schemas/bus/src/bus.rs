@@ -68,12 +68,12 @@ impl Bus {
     /// refuses.
     pub fn open(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         quiet();
+        require_space("the bus", 0)?;
         let place = Place::of(name)?;
         let config = config(&place, realtime)?;
         let _startup = StartupLock::take(&place, role)?;
         place.check_shared_memory()?;
         clear_if_deserted(&place, &config)?;
-        require_space("the bus", 0)?;
         let node = create_node(&place, &config, role)?;
         place.close_shared_memory()?;
         clean::remove_dead(&place, &node);

@@ -14,6 +14,7 @@ use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
 
 use crate::bus::Ipc;
+use crate::recover;
 use crate::root::{Place, entries};
 
 /// Folder of the notes, below the bus's folder.
@@ -27,33 +28,59 @@ const OTHER_CLEANER: Duration = Duration::from_millis(100);
 
 /// Removes what dead nodes left; returns how many nodes. Call under the start-up lock only.
 pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
+    let (nodes, notes) = (place.root.join("nodes"), place.root.join(NOTES));
     let dead = dead_nodes(node);
     if dead.is_empty() {
         return 0;
     }
-    let notes = place.root.join(NOTES);
-    for folder in dead.iter().map(|id| place.root.join("nodes").join(id)) {
-        put_back(&notes, &folder);
-        note_down(&notes, &folder);
+    for Dead { id, described } in &dead {
+        let folder = nodes.join(id);
+        if *described {
+            put_back(&notes, &folder);
+            note_down(&notes, &folder);
+        } else {
+            remove_remains(&nodes, id);
+        }
     }
     let state = node.blocking_cleanup_dead_nodes(OTHER_CLEANER);
     if state.failed_cleanups == 0 {
         // What cannot be removed now is removed next time; notes about nodes that are gone do no harm.
         let _ = fs::remove_dir_all(&notes);
     }
-    state.cleanups as usize
+    dead.len().saturating_sub(state.failed_cleanups as usize)
 }
 
-fn dead_nodes(node: &Node<Ipc>) -> Vec<String> {
+struct Dead {
+    id: String,
+    /// Whether its description is there. Removing it is the last but one step of a cleaner.
+    described: bool,
+}
+
+fn dead_nodes(node: &Node<Ipc>) -> Vec<Dead> {
     let mut dead = Vec::new();
     // A list that breaks off is continued next time.
     let _ = Node::<Ipc>::list(node.config(), |state| {
         if let NodeState::Dead(view) = state {
-            dead.push(view.id().value().to_string());
+            dead.push(Dead {
+                id: view.id().value().to_string(),
+                described: view.details().is_some(),
+            });
         }
         CallbackProgression::Continue
     });
     dead
+}
+
+/// The last step of a cleaner that was killed before it; iceoryx2 would look for the node on its default bus.
+fn remove_remains(nodes: &Path, id: &str) {
+    let (folder, file) = (id, format!("_{id}."));
+    let of_node = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name == folder || name.contains(&file)
+    };
+    for (path, _) in entries(nodes).filter(|(path, _)| of_node(path)) {
+        recover::remove(&path);
+    }
 }
 
 /// Notes are second names (hard links) of the tags, in a folder named like the node's.

@@ -1,9 +1,9 @@
 //! Advisory locks in the bus's folder. They end with the process that holds them, however it ends.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::Read;
+use std::io::{self, Read};
 use std::os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rustix::fs::{FlockOperation, flock};
@@ -17,8 +17,10 @@ use crate::{BusError, now_ns};
 const STARTUP_WAIT: Duration = Duration::from_secs(2);
 /// Pause between two attempts.
 const STARTUP_POLL: Duration = Duration::from_millis(1);
-/// Files in the bus's folder that are locks; recovery leaves them alone.
-pub(crate) const LOCK_FILES: [&str; 2] = ["owner.lock", "startup.lock"];
+/// File in the bus's folder by which one process at a time sets something up.
+pub(crate) const STARTUP_LOCK: &str = "startup.lock";
+/// File in the bus's folder by which one daemon owns the bus.
+pub(crate) const OWNER_LOCK: &str = "owner.lock";
 
 /// Who holds a lock, as written into its file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -30,7 +32,7 @@ pub(crate) struct Holder {
 }
 
 impl Holder {
-    pub(crate) fn this(role: &str) -> Self {
+    fn this(role: &str) -> Self {
         Self {
             pid: std::process::id(),
             since_ns: now_ns(),
@@ -72,24 +74,34 @@ impl Drop for FileLock {
 
 impl FileLock {
     /// Takes the lock if nobody has it; otherwise says who has.
-    pub(crate) fn try_take(path: &Path, holder: &Holder) -> Result<Result<Self, Holder>, BusError> {
+    pub(crate) fn try_take(
+        place: &Place,
+        name: &str,
+        role: &str,
+    ) -> Result<Result<Self, Holder>, BusError> {
+        let path = place.root.join(name);
         loop {
-            let mut file = open(path)?;
+            place.make()?;
+            let mut file = match open(&path) {
+                // Another process wiped the bus just now.
+                Err(e) if e.kind() == io::ErrorKind::NotFound => continue,
+                opened => opened.map_err(BusError::io("open", &path))?,
+            };
             match flock(&file, FlockOperation::NonBlockingLockExclusive) {
                 Ok(()) => {}
                 Err(Errno::WOULDBLOCK) => return Ok(Err(read(&mut file))),
-                Err(e) => return Err(BusError::io("lock", path)(e.into())),
+                Err(e) => return Err(BusError::io("lock", &path)(e.into())),
             }
             // Between open and lock a wipe may have removed the file: then the lock guards nothing.
-            if is_at(&file, path) {
-                write(&file, holder).map_err(BusError::io("write", path))?;
+            if is_at(&file, &path) {
+                write(&file, &Holder::this(role)).map_err(BusError::io("write", &path))?;
                 return Ok(Ok(Self { file }));
             }
         }
     }
 }
 
-fn open(path: &Path) -> Result<File, BusError> {
+fn open(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options
         .read(true)
@@ -98,7 +110,7 @@ fn open(path: &Path) -> Result<File, BusError> {
         .truncate(false)
         .mode(0o600)
         .custom_flags(O_NOFOLLOW);
-    options.open(path).map_err(BusError::io("open", path))
+    options.open(path)
 }
 
 /// The last component must not be a link, although the folder is private anyway.
@@ -120,7 +132,7 @@ fn read(file: &mut File) -> Holder {
 }
 
 /// Always the same length and in place: truncating and writing anew costs milliseconds on a disk's file system.
-fn write(file: &File, holder: &Holder) -> std::io::Result<()> {
+fn write(file: &File, holder: &Holder) -> io::Result<()> {
     let text = format!("{} {} {:.64}", holder.pid, holder.since_ns, holder.role);
     file.write_all_at(format!("{text:<127}\n").as_bytes(), 0)
 }
@@ -159,17 +171,12 @@ impl StartupLock {
     }
 
     fn attempt(place: &Place, role: &str) -> Result<Result<Self, Holder>, BusError> {
-        place.make()?;
-        let taken = FileLock::try_take(&path_of(place, LOCK_FILES[1]), &Holder::this(role))?;
+        let taken = FileLock::try_take(place, STARTUP_LOCK, role)?;
         Ok(taken.map(|lock| {
             recover::sweep(place);
             Self { _lock: lock }
         }))
     }
-}
-
-pub(crate) fn path_of(place: &Place, name: &str) -> PathBuf {
-    place.root.join(name)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! One daemon per bus.
 
-use crate::lock::{FileLock, Holder, LOCK_FILES, path_of};
+use crate::lock::{FileLock, OWNER_LOCK};
 use crate::root::Place;
 use crate::{BusError, BusName, now_ns};
 
@@ -20,7 +20,7 @@ impl OwnerLock {
     }
 
     pub(crate) fn take_at(place: &Place, role: &str) -> Result<Self, BusError> {
-        match FileLock::try_take(&path_of(place, LOCK_FILES[0]), &Holder::this(role))? {
+        match FileLock::try_take(place, OWNER_LOCK, role)? {
             Ok(lock) => Ok(Self { _lock: lock }),
             Err(owner) => Err(BusError::Owned {
                 bus: place.bus.to_string(),

@@ -1,12 +1,11 @@
 //! What killed processes leave behind, and how it goes away.
 //!
-//! * **Dead nodes** hold places at services. iceoryx2 finds and removes them: [`crate::Bus::clean_dead`], and by
-//!   itself when a node is created.
+//! * **Dead nodes** hold places at services: [`crate::clean`] removes them.
 //! * **Half-made files**: a process killed between creating and finishing a file leaves it empty or unreadable.
 //!   iceoryx2 0.10 waits for such a file to be finished, for an empty shared memory without end. [`sweep`] removes
 //!   them. It runs under the start-up lock, so nobody of ours can be making them.
 //! * **Half-made services**: a description without its shared memory, or one whose last user died while removing it.
-//!   They are recognised by the error they give: [`crate::bus::Bus`] removes and makes them again.
+//!   They are recognised by the error they give: [`crate::bus::Member::persist`] has them removed and makes them again.
 //! * **Nobody left**: the first process on a bus begins on clean ground: [`clear`].
 
 use std::fs::{self, Metadata};
@@ -18,7 +17,7 @@ use iceoryx2::prelude::{MessagingPattern, ServiceName, ipc};
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
-use crate::lock::LOCK_FILES;
+use crate::lock::{OWNER_LOCK, STARTUP_LOCK};
 use crate::root::{Place, entries};
 
 /// A file that is still unfinished after this time has no maker. Processes of ours are excluded by the lock; this is
@@ -51,7 +50,7 @@ fn is_half_made(meta: &Metadata) -> bool {
 
 /// Removes everything but the locks; returns how many entries. Call under the start-up lock, when nobody is alive.
 pub(crate) fn clear(place: &Place) -> usize {
-    let is_lock = |path: &Path| LOCK_FILES.iter().any(|lock| path.ends_with(lock));
+    let is_lock = |path: &Path| path.ends_with(OWNER_LOCK) || path.ends_with(STARTUP_LOCK);
     let files = entries(&place.root)
         .map(|(path, _)| path)
         .filter(|path| !is_lock(path));
@@ -60,7 +59,7 @@ pub(crate) fn clear(place: &Place) -> usize {
 }
 
 /// Removes a file or a folder with all that is in it; links are not followed.
-fn remove(path: &Path) -> bool {
+pub(crate) fn remove(path: &Path) -> bool {
     let removed = match fs::symlink_metadata(path) {
         Ok(meta) if meta.is_dir() => fs::remove_dir_all(path),
         _ => fs::remove_file(path),

@@ -48,6 +48,11 @@ fn peer() {
             ready();
             std::thread::sleep(Duration::from_secs(60));
         }
+        "member" => {
+            let _bus = open(&name, "member");
+            ready();
+            std::thread::sleep(Duration::from_secs(60));
+        }
         other => panic!("no role {other}"),
     }
 }
@@ -219,6 +224,28 @@ fn places_are_not_lost_when_a_cleaner_is_killed() {
         !observer.folder().join("cleaning").exists(),
         "the notes are gone"
     );
+}
+
+#[test]
+fn a_cleaner_killed_at_its_last_step_is_completed() {
+    let name = FreshBus::new("laststep");
+    let observer = open(&name, "observer");
+    let nodes = observer.folder().join("nodes");
+    let before = files(&nodes, "");
+    let member = Peer::start(&name, "member");
+    let new = files(&nodes, "")
+        .into_iter()
+        .filter(|path| !before.contains(path));
+    let (folders, monitors): (Vec<_>, Vec<_>) = new.partition(|path| path.is_dir());
+    member.kill();
+    fs::remove_dir_all(&folders[0]).expect("removed");
+    assert!(
+        monitors.iter().all(|path| path.exists()),
+        "this is what is left"
+    );
+    assert_eq!((observer.clean_dead(), observer.clean_dead()), (1, 0));
+    assert!(!monitors.iter().any(|path| path.exists()));
+    assert_eq!(observer.peers().expect("listed").len(), 1);
 }
 
 #[test]
