@@ -1,1 +1,38 @@
-//! (under construction)
+//! EBTS: behaviour tables for teams of mobile robots, evolved by a genetic algorithm (paper section III).
+//!
+//! **In**: a [`condition::Condition`] (field preset, team size, scoring), a seed. **Out**: the best table found, with its
+//! provenance ([`table_file`]), and, over many seeds, what of the paper holds ([`experiment`], [`analysis`], [`plot`]).
+//!
+//! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
+//! select; [`evaluate`] turns genomes into fitness with the `field` crate's simulators; [`run`] puts these together for one
+//! seed; [`checkpoint`] and [`experiment`] keep runs on disk.
+//!
+//! Invariants:
+//!
+//! * A run's bits depend on its condition, settings and seed alone: not on SIMD width, threads, the runs beside it,
+//!   interruption or sharding (tests `tests/same_bits.rs` and `tests/commands.rs`).
+//! * A run that finished is on the disk before anybody is told so, and nothing finished is ever lost or overwritten.
+//! * Nothing from outside is believed: files carry hashes, numbers are checked, and what is wrong is said.
+//!
+//! Deliberately absent: clocks and unseeded randomness; the field itself; anything the agents would have to share besides
+//! their table.
+
+pub mod analysis;
+pub mod checkpoint;
+pub mod condition;
+pub mod error;
+pub mod evaluate;
+pub mod experiment;
+pub mod files;
+pub mod fitness;
+pub mod ga;
+pub mod genome;
+pub mod islands;
+pub mod plot;
+pub mod replay;
+pub mod rng;
+pub mod run;
+pub mod sensors;
+pub mod stats;
+pub mod table;
+pub mod table_file;

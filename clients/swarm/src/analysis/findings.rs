@@ -1,0 +1,223 @@
+//! The paper's findings (III.c), each with an estimate, an interval and a verdict.
+
+use std::fmt;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::trace::trace;
+use super::wandering::{pushers, wandering};
+use crate::condition::Condition;
+use crate::error::Result;
+use crate::experiment::Plan;
+use crate::fitness::solved;
+use crate::genome::Genome;
+use crate::run::Record;
+use crate::stats::{Estimate, bootstrap, median, p_greater};
+
+/// All findings of one experiment.
+#[derive(Clone, Debug, Serialize)]
+pub struct Findings {
+    /// The smallest median of several agents over the median of one (paper: more than five times).
+    pub ratio: Estimate,
+    /// Probabilities of the paper's orderings between two runs.
+    pub order: Order,
+    /// What single agents do.
+    pub single: Single,
+    /// What four agents do.
+    pub redundancy: Redundancy,
+}
+
+/// Probabilities that one random run exceeds another; ties count half.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Order {
+    /// A run with three agents exceeds one with four (paper III.c.1).
+    pub three_gt_four: Estimate,
+    /// A run with two agents exceeds one with four.
+    pub two_gt_four: Estimate,
+    /// A run with three agents exceeds one with two ("three agents are optimum").
+    pub three_gt_two: Estimate,
+    /// A run with several agents reaches five times a run with one.
+    pub multi_ge_5x_single: Estimate,
+}
+
+/// Single agents over all their trials (paper Fig. 15).
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Single {
+    /// Solved trials per run, of eight.
+    pub solved_per_run: f64,
+    /// Trials in which the agent circles.
+    pub circling: Estimate,
+    /// Trials in which the agent circles, stands still or ends in the object's light.
+    pub trapped: Estimate,
+}
+
+/// Solved trials of four agents (paper Fig. 17).
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Redundancy {
+    /// Solved trials of all runs.
+    pub solved: usize,
+    /// How many of them were solved by 0, 1, 2, 3 and 4 pushing agents.
+    pub by_pushers: [usize; 5],
+    /// The part in which two or three agents pushed and the others kept out.
+    pub keep_out: Estimate,
+}
+
+/// Whether a finding holds at the 95 % level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The whole interval is on the paper's side.
+    Reproduces,
+    /// The whole interval is on the other side.
+    DoesNotReproduce,
+    /// The interval contains the border.
+    Undecided,
+}
+
+impl Verdict {
+    /// Whether a quantity is above a border.
+    #[must_use]
+    pub fn above(border: f64, Estimate { low, high, .. }: Estimate) -> Self {
+        match (low > border, high < border) {
+            (true, _) => Self::Reproduces,
+            (_, true) => Self::DoesNotReproduce,
+            _ => Self::Undecided,
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Reproduces => "reproduces",
+            Self::DoesNotReproduce => "DOES NOT REPRODUCE",
+            Self::Undecided => "not decided",
+        })
+    }
+}
+
+/// What the trials of one run showed.
+#[derive(Clone, Copy, Default)]
+struct Trials {
+    trials: usize,
+    solved: usize,
+    circling: usize,
+    trapped: usize,
+    by_pushers: [usize; 5],
+}
+
+/// Analyses the finished runs of a Fig. 14 experiment.
+///
+/// # Errors
+/// The plan is out of range.
+pub fn findings(plan: &Plan, records: &[Record]) -> Result<Findings> {
+    let conditions = plan.conditions()?;
+    let fitness = |agents: usize| -> Vec<f32> {
+        records
+            .iter()
+            .filter(|record| record.agents == agents)
+            .map(Record::fitness)
+            .collect()
+    };
+    let [one, two, three, four] = [1, 2, 3, 4].map(fitness);
+    let greater =
+        |a: &[f32], b: &[f32]| bootstrap(&[a, b], |groups| p_greater(&groups[0], &groups[1]));
+    let all = [&one[..], &two, &three, &four];
+    Ok(Findings {
+        ratio: bootstrap(&all, ratio),
+        order: Order {
+            three_gt_four: greater(&three, &four),
+            two_gt_four: greater(&two, &four),
+            three_gt_two: greater(&three, &two),
+            multi_ge_5x_single: bootstrap(&all, multi_ge_5x_single),
+        },
+        single: single(&trials_of(&conditions, records, 1)),
+        redundancy: redundancy(&trials_of(&conditions, records, 4)),
+    })
+}
+
+/// The smallest of the multi-agent medians over the single-agent median.
+fn ratio(groups: &[Vec<f32>]) -> f64 {
+    let smallest = groups[1..]
+        .iter()
+        .map(|group| median(group))
+        .fold(f32::MAX, f32::min);
+    f64::from(smallest / median(&groups[0]).max(1.0))
+}
+
+/// The probability that a random run with several agents reaches five times a random run with one.
+fn multi_ge_5x_single(groups: &[Vec<f32>]) -> f64 {
+    let five_times: Vec<f32> = groups[0].iter().map(|fitness| 5.0 * fitness).collect();
+    groups[1..]
+        .iter()
+        .map(|group| p_greater(group, &five_times))
+        .sum::<f64>()
+        / (groups.len() - 1) as f64
+}
+
+fn trials_of(conditions: &[Condition], records: &[Record], agents: usize) -> Vec<Trials> {
+    let Some(condition) = conditions
+        .iter()
+        .find(|condition| condition.team.get() == agents)
+    else {
+        return Vec::new();
+    };
+    records
+        .par_iter()
+        .filter(|record| record.agents == agents)
+        .filter_map(|record| trials(condition, record))
+        .collect()
+}
+
+fn trials(condition: &Condition, record: &Record) -> Option<Trials> {
+    let genome = Genome::from_hex(condition.genome_bits(), &record.genome)?;
+    let responses = condition.responses(&genome);
+    let mut sum = Trials::default();
+    for (layout, &points) in condition.layouts().iter().zip(&record.points) {
+        let trace = trace(condition, responses, layout);
+        let first = wandering(condition, &trace, 0);
+        sum.trials += 1;
+        sum.circling += usize::from(first.circling);
+        sum.trapped += usize::from(first.trapped());
+        if solved(points) {
+            sum.solved += 1;
+            sum.by_pushers[pushers(&trace)] += 1;
+        }
+    }
+    Some(sum)
+}
+
+/// The part of trials, over resampled runs.
+fn share(
+    runs: &[Trials],
+    part: impl Fn(&Trials) -> usize,
+    whole: impl Fn(&Trials) -> usize,
+) -> Estimate {
+    bootstrap(&[runs], |groups| {
+        let count = |of: &dyn Fn(&Trials) -> usize| groups[0].iter().map(of).sum::<usize>() as f64;
+        count(&part) / count(&whole).max(1.0)
+    })
+}
+
+fn single(runs: &[Trials]) -> Single {
+    let solved: usize = runs.iter().map(|run| run.solved).sum();
+    Single {
+        solved_per_run: solved as f64 / runs.len().max(1) as f64,
+        circling: share(runs, |run| run.circling, |run| run.trials),
+        trapped: share(runs, |run| run.trapped, |run| run.trials),
+    }
+}
+
+fn redundancy(runs: &[Trials]) -> Redundancy {
+    let by_pushers = std::array::from_fn(|k| runs.iter().map(|run| run.by_pushers[k]).sum());
+    Redundancy {
+        solved: runs.iter().map(|run| run.solved).sum(),
+        by_pushers,
+        keep_out: share(
+            runs,
+            |run| run.by_pushers[2] + run.by_pushers[3],
+            |run| run.solved,
+        ),
+    }
+}

@@ -1,0 +1,81 @@
+//! Generalisation: what a team is worth with goals and starts that it was not evolved on.
+
+use serde::Serialize;
+
+use field::{Engine, Layout, MAX_AGENTS, Model, Point, Pose};
+
+use super::points_in;
+use crate::condition::Condition;
+use crate::genome::Genome;
+use crate::rng::SplitMix64;
+
+/// Sets of held-out starts.
+const START_SETS: usize = 8;
+/// Names the stream of held-out starts, so that they are the same for every team.
+const STARTS_STREAM: u64 = 0x5741_5254;
+
+/// Fitness out of 800, as in training and with what was held out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeldOut {
+    /// The eight training goals from the preset's starts.
+    pub training: f32,
+    /// The eight goals halfway between them.
+    pub goals: f32,
+    /// The training goals from random starts; the mean over eight sets of starts.
+    pub starts: f32,
+    /// Both.
+    pub goals_and_starts: f32,
+}
+
+/// Evaluates a team on what was held out.
+#[must_use]
+pub fn held_out(condition: &Condition, engine: Engine, genome: &Genome) -> HeldOut {
+    let model = &condition.model;
+    let between: Vec<Point> = (0..8).map(|k| model.goal_towards(k * 8 + 4)).collect();
+    let training = model.training_goals();
+    let elsewhere = random_starts(model);
+    let from_preset = |goals: &[Point]| {
+        goals
+            .iter()
+            .map(|&goal| model.training_layout(goal))
+            .collect::<Vec<_>>()
+    };
+    let from_elsewhere = |goals: &[Point]| -> Vec<Layout> {
+        let layouts = elsewhere
+            .iter()
+            .flat_map(|&starts| goals.iter().map(move |&goal| (starts, goal)));
+        // Starts and goals that were checked one by one are valid together.
+        layouts
+            .filter_map(|(starts, goal)| model.layout(starts, goal).ok())
+            .collect()
+    };
+    let responses = condition.responses(genome);
+    let points = |layouts: &[Layout]| points_in(condition, engine, responses, layouts);
+    HeldOut {
+        training: points(&from_preset(&training)),
+        goals: points(&from_preset(&between)),
+        starts: points(&from_elsewhere(&training)) / START_SETS as f32,
+        goals_and_starts: points(&from_elsewhere(&between)) / START_SETS as f32,
+    }
+}
+
+/// Random valid starts: any place that touches nothing, any heading.
+fn random_starts(model: &Model) -> Vec<[Pose; MAX_AGENTS]> {
+    /// A crowded field may have no free place; then fewer sets come back.
+    const ATTEMPTS: usize = 100_000;
+    let mut rng = SplitMix64::stream(&[STARTS_STREAM]);
+    let limit = f64::from(400.0 - model.preset().agent_radius_px);
+    let mut place = || (limit * (2.0 * rng.unit() - 1.0)) as f32;
+    let goal = model.training_goals()[0];
+    let drawn = (0..ATTEMPTS).map(|_| {
+        [(); MAX_AGENTS].map(|()| Pose {
+            x_px: place(),
+            y_px: place(),
+            heading: (place().to_bits() % 64) as u8,
+        })
+    });
+    drawn
+        .filter(|&starts| model.layout(starts, goal).is_ok())
+        .take(START_SETS)
+        .collect()
+}

@@ -1,0 +1,38 @@
+//! What evolved teams do, and which of the paper's findings hold (paper III.c), with intervals.
+
+mod baseline;
+mod findings;
+mod held_out;
+mod trace;
+mod wandering;
+
+pub use baseline::{Baselines, baselines, hand_written};
+pub use findings::{Findings, Order, Redundancy, Single, Verdict, findings};
+pub use held_out::{HeldOut, held_out};
+pub use trace::{Frame, Trace, trace};
+pub use wandering::{Wandering, pushers, wandering};
+
+use field::{Engine, Layout, MAX_AGENTS, Responses, Trial};
+
+use crate::condition::Condition;
+
+/// The points of the same responses in many layouts, summed.
+fn points_in(
+    condition: &Condition,
+    engine: Engine,
+    responses: [Responses; MAX_AGENTS],
+    layouts: &[Layout],
+) -> f32 {
+    let trials: Vec<Trial> = layouts
+        .iter()
+        .map(|&layout| Trial {
+            layout,
+            tables: responses,
+        })
+        .collect();
+    let mut outcomes = Vec::new();
+    engine.run(&condition.model, condition.team, &trials, &mut outcomes);
+    outcomes
+        .iter()
+        .fold(0.0, |sum, outcome| sum + condition.points(outcome))
+}

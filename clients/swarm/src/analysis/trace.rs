@@ -1,0 +1,58 @@
+//! One trial, frame by frame, with the scalar reference.
+
+use field::{Layout, MAX_AGENTS, Point, Pose, Responses, TRIAL_FRAMES, Wheels, World};
+
+use crate::condition::Condition;
+
+/// The field at one instant.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The agents that take part.
+    pub agents: Vec<Pose>,
+    /// The object's centre.
+    pub object: Point,
+    /// Per agent the table row that its sensors select now.
+    pub rows: Vec<usize>,
+    /// Per agent its wheel levels now.
+    pub wheels: Vec<Wheels>,
+    /// Per agent whether it pressed against the object to get here.
+    pub touching: Vec<bool>,
+}
+
+/// A whole trial: frame 0 is the start, frame 270 the end.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Where the object should go.
+    pub goal: Point,
+    /// 271 instants.
+    pub frames: Vec<Frame>,
+}
+
+/// Follows a team through one trial.
+#[must_use]
+pub fn trace(condition: &Condition, responses: [Responses; MAX_AGENTS], layout: &Layout) -> Trace {
+    let mut world = World::new(&condition.model, condition.team, layout);
+    let mut frames = Vec::with_capacity(TRIAL_FRAMES as usize + 1);
+    for number in 0..=TRIAL_FRAMES {
+        let field_rows = world.sense();
+        let wheels = std::array::from_fn(|i| responses[i].get(field_rows[i]));
+        let n = condition.team.get();
+        frames.push(Frame {
+            agents: world.agents().to_vec(),
+            object: world.object(),
+            rows: field_rows[..n]
+                .iter()
+                .map(|&row| condition.sensors.table_row(row))
+                .collect(),
+            wheels: wheels[..n].to_vec(),
+            touching: world.touching()[..n].to_vec(),
+        });
+        if number < TRIAL_FRAMES {
+            world.advance(&wheels);
+        }
+    }
+    Trace {
+        goal: layout.goal(),
+        frames,
+    }
+}

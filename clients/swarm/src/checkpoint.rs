@@ -1,0 +1,195 @@
+//! Checkpoints: a run under way, kept so that it continues to the same bits.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::condition::{Condition, Setup};
+use crate::error::{Error, Result};
+use crate::evaluate::{GoalPoints, Individual};
+use crate::files::{read_text, sha256, write_atomically};
+use crate::ga::{Population, Settings};
+use crate::genome::Genome;
+use crate::islands::{Archipelago, IslandSettings};
+use crate::rng::SplitMix64;
+use crate::run::{Rise, Run};
+
+/// Version of the layout of the file.
+const FORMAT: &str = "ebts-checkpoint-1";
+
+/// A run with all that continuing it needs.
+#[derive(Clone, Debug)]
+pub struct Checkpoint {
+    /// What the fitness depends on.
+    pub condition: Condition,
+    /// The numbers of the genetic algorithm.
+    pub settings: Settings,
+    /// Islands and migration.
+    pub islands: IslandSettings,
+    /// Where the run should end.
+    pub generations: u32,
+    /// The run, after at least its random population.
+    pub run: Run,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sealed {
+    sha256: String,
+    content: Content,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Content {
+    format: String,
+    code_version: String,
+    condition: Setup,
+    settings: Settings,
+    islands: IslandSettings,
+    generations: u32,
+    seed: u64,
+    generation: u32,
+    rises: Vec<Rise>,
+    routes: SplitMix64,
+    populations: Vec<Island>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Island {
+    rng: SplitMix64,
+    members: Vec<Member>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Member {
+    genome: String,
+    points: GoalPoints,
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint in one step; nothing before the random population is evaluated.
+    ///
+    /// # Errors
+    /// The system refused; an older checkpoint is still there.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let Some(generation) = self.run.generation() else {
+            return Ok(());
+        };
+        let archipelago = self.run.archipelago();
+        let member = |individual: &Individual| Member {
+            genome: individual.genome.to_hex(),
+            points: individual.points,
+        };
+        let island = |population: &Population| Island {
+            rng: population.rng().clone(),
+            members: population.members().iter().map(member).collect(),
+        };
+        let content = Content {
+            format: FORMAT.to_owned(),
+            code_version: env!("CARGO_PKG_VERSION").to_owned(),
+            condition: Setup::from(&self.condition),
+            settings: self.settings,
+            islands: self.islands,
+            generations: self.generations,
+            seed: self.run.seed,
+            generation,
+            rises: self.run.rises().to_vec(),
+            routes: archipelago.routes().clone(),
+            populations: archipelago.islands().iter().map(island).collect(),
+        };
+        let sealed = Sealed {
+            sha256: hash(&content),
+            content,
+        };
+        let text = serde_json::to_string_pretty(&sealed).map_err(Error::from_part)?;
+        write_atomically(path, text.as_bytes())
+    }
+
+    /// Reads a checkpoint.
+    ///
+    /// # Errors
+    /// It is damaged, or another version of this program wrote it, whose bits might differ.
+    pub fn read(path: &Path) -> Result<Self> {
+        let refuse = |why: String| {
+            Error::refused(
+                format_args!("continue from {}", path.display()),
+                why,
+                "an intact checkpoint of this version",
+                "start the run again without --resume",
+            )
+        };
+        let sealed: Sealed = serde_json::from_str(&read_text(path)?)
+            .map_err(|error| refuse(format!("it was damaged ({error})")))?;
+        let content = sealed.content;
+        if sealed.sha256 != hash(&content) {
+            return Err(refuse("its hash did not match its content".to_owned()));
+        }
+        let version = env!("CARGO_PKG_VERSION");
+        if (content.format.as_str(), content.code_version.as_str()) != (FORMAT, version) {
+            return Err(refuse(format!(
+                "it was {} of version {}",
+                content.format, content.code_version
+            )));
+        }
+        content
+            .restore()
+            .ok_or_else(|| refuse("a genome or a setting was out of range".to_owned()))
+    }
+}
+
+impl Content {
+    fn restore(self) -> Option<Checkpoint> {
+        let condition = self.condition.build().ok()?;
+        let bits = condition.genome_bits();
+        let member = |member: Member| {
+            Some(Individual {
+                genome: Genome::from_hex(bits, &member.genome)?,
+                points: member.points,
+            })
+        };
+        let population = |island: Island| {
+            let members = island
+                .members
+                .into_iter()
+                .map(member)
+                .collect::<Option<Vec<_>>>()?;
+            Population::resume(self.settings, island.rng, members).ok()
+        };
+        let populations = self
+            .populations
+            .into_iter()
+            .map(population)
+            .collect::<Option<Vec<_>>>()?;
+        let whole = populations
+            .iter()
+            .all(|population| population.members().len() == self.settings.population);
+        if !whole || populations.len() != self.islands.islands {
+            return None;
+        }
+        let archipelago = Archipelago::resume(
+            populations,
+            self.islands,
+            self.settings.population,
+            self.routes,
+        );
+        Some(Checkpoint {
+            condition,
+            settings: self.settings,
+            islands: self.islands,
+            generations: self.generations,
+            run: Run::resume(self.seed, archipelago, self.generation, self.rises),
+        })
+    }
+}
+
+fn hash(content: &Content) -> String {
+    // Numbers, strings and lists always have a JSON form.
+    sha256(
+        serde_json::to_string(content)
+            .unwrap_or_default()
+            .as_bytes(),
+    )
+}

@@ -1,0 +1,160 @@
+//! Options that several commands share.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+
+use ebts::condition::Sharing;
+use ebts::error::{Error, Result};
+use ebts::files::read_text;
+use ebts::fitness::FitnessRule;
+use ebts::ga::Settings;
+use ebts::islands::IslandSettings;
+use ebts::sensors::SensorOrder;
+use field::{Engine, Model, Preset};
+
+/// The field, the scoring and the genetic algorithm.
+#[derive(Debug, Args)]
+pub(super) struct EvolutionArgs {
+    /// Field: R3, N, LB, LB2, paper, or a TOML file with every number of a preset.
+    #[arg(long, default_value = "R3")]
+    preset: String,
+    /// Generations after the random population.
+    #[arg(long, default_value_t = 2000)]
+    pub(super) generations: u32,
+    /// How trials are scored [default: anti-accident; literal for the preset "paper"].
+    #[arg(long, value_enum)]
+    fitness: Option<Fitness>,
+    /// Individuals per population, an even number.
+    #[arg(long, default_value_t = Settings::default().population)]
+    population: usize,
+    /// Individuals that survive whatever their children do.
+    #[arg(long, default_value_t = Settings::default().elite)]
+    elite: usize,
+    /// Probability of a flip per bit of a child.
+    #[arg(long, default_value_t = Settings::default().mutation_rate)]
+    mutation_rate: f64,
+    /// Populations that evolve apart and exchange their best.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    islands: u16,
+    /// Generations between two exchanges.
+    #[arg(long, default_value_t = IslandSettings::default().migrate_every, value_parser = clap::value_parser!(u32).range(1..))]
+    migrate_every: u32,
+    /// Give every agent a table of its own instead of one for the team.
+    #[arg(long)]
+    table_per_agent: bool,
+    /// What S1 to S5 are: five of ir-left, ir-front, ir-right, photo-left, photo-right.
+    #[arg(long, default_value_t, value_name = "ORDER")]
+    sensors: SensorOrder,
+}
+
+/// How trials are scored.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Fitness {
+    /// 100 points for a carried object at the goal, else E1 at most as on the goal's edge.
+    AntiAccident,
+    /// E1 + E2 as the paper prints them, at most 100 points.
+    Literal,
+}
+
+impl EvolutionArgs {
+    /// The preset, by name or from a file, checked.
+    pub(super) fn preset(&self) -> Result<Preset> {
+        let preset = match Preset::named(&self.preset) {
+            Some(preset) => preset,
+            None if Path::new(&self.preset).exists() => preset_file(Path::new(&self.preset))?,
+            None => {
+                let names = Preset::ALL
+                    .map(|preset| preset.name.into_owned())
+                    .join(", ");
+                return Err(Error::refused(
+                    "choose a preset",
+                    format_args!("{:?} is neither a preset nor a file", self.preset),
+                    format_args!("one of {names}, or a TOML file"),
+                    "correct --preset",
+                ));
+            }
+        };
+        Model::new(preset)
+            .map(|model| model.preset().clone())
+            .map_err(Error::from_part)
+    }
+
+    pub(super) fn fitness_rule(&self, preset: &Preset) -> FitnessRule {
+        match self.fitness {
+            Some(Fitness::Literal) => FitnessRule::Literal,
+            None if *preset == Preset::PAPER => FitnessRule::Literal,
+            Some(Fitness::AntiAccident) | None => FitnessRule::AntiAccident,
+        }
+    }
+
+    pub(super) fn settings(&self) -> Result<Settings> {
+        let Self {
+            population,
+            elite,
+            mutation_rate,
+            ..
+        } = *self;
+        let settings = Settings {
+            population,
+            elite,
+            mutation_rate,
+        };
+        settings.check().map(|_| settings).map_err(Error::from_part)
+    }
+
+    pub(super) fn islands(&self) -> IslandSettings {
+        IslandSettings {
+            islands: usize::from(self.islands),
+            migrate_every: self.migrate_every,
+        }
+    }
+
+    pub(super) fn sharing(&self) -> Sharing {
+        if self.table_per_agent {
+            Sharing::PerAgent
+        } else {
+            Sharing::Shared
+        }
+    }
+
+    pub(super) fn sensors(&self) -> SensorOrder {
+        self.sensors
+    }
+}
+
+fn preset_file(path: &Path) -> Result<Preset> {
+    toml::from_str(&read_text(path)?).map_err(|error| {
+        Error::refused(
+            format_args!("use preset {}", path.display()),
+            error.message(),
+            "every number of a preset, as in the [condition.preset] section of a table file",
+            "correct the file",
+        )
+    })
+}
+
+/// What simulates.
+#[derive(Debug, Args)]
+pub(super) struct EngineArgs {
+    /// Simulator: scalar, portable, avx2 or avx512 [default: the fastest here]. All give the same bits.
+    #[arg(long)]
+    engine: Option<String>,
+    /// Threads [default: one per core]. The number changes no bit.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl EngineArgs {
+    pub(super) fn engine(&self) -> Result<Engine> {
+        self.engine.as_deref().map_or_else(
+            || Ok(Engine::fastest()),
+            |name| Engine::named(name).map_err(Error::from_part),
+        )
+    }
+
+    pub(super) fn threads(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.threads.map_or_else(cores, usize::from)
+    }
+}

@@ -1,0 +1,189 @@
+//! From genomes to fitness: paper steps 2 and 7.
+//!
+//! Trials of several runs are simulated together, because full vectors are fast vectors. Each run has a memo: a trial whose
+//! goal was already simulated with tables that agree in every row that was read then cannot come out differently, and is not
+//! simulated again. Neither changes a bit of any fitness.
+
+use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
+
+use crate::condition::{Condition, GOALS};
+use crate::genome::Genome;
+
+/// Points per goal, goal 1 first.
+pub type GoalPoints = [f32; GOALS];
+
+/// A genome with what it is worth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Individual {
+    /// The genotype.
+    pub genome: Genome,
+    /// Points per goal.
+    pub points: GoalPoints,
+}
+
+impl Individual {
+    /// The fitness: the sum of the points in the order of the goals, at most 800.
+    #[must_use]
+    pub fn fitness(&self) -> f32 {
+        self.points.iter().fold(0.0, |sum, points| sum + points)
+    }
+}
+
+/// Evaluates the genomes of several runs of one condition.
+#[derive(Debug)]
+pub struct Evaluator {
+    condition: Condition,
+    engine: Engine,
+    layouts: [field::Layout; GOALS],
+    memos: Vec<Memo>,
+    pending: Vec<Pending>,
+    trials: Vec<Trial>,
+    outcomes: Vec<Outcome>,
+}
+
+/// A trial that has to be simulated.
+#[derive(Debug)]
+struct Pending {
+    run: usize,
+    genome: usize,
+    goal: usize,
+    tables: Tables,
+}
+
+type Tables = [u128; MAX_AGENTS];
+
+impl Evaluator {
+    /// An evaluator of `runs` independent runs.
+    #[must_use]
+    pub fn new(condition: Condition, engine: Engine, runs: usize) -> Self {
+        let layouts = condition.layouts();
+        let memos = (0..runs).map(|_| Memo::default()).collect();
+        Self {
+            condition,
+            engine,
+            layouts,
+            memos,
+            pending: Vec::new(),
+            trials: Vec::new(),
+            outcomes: Vec::new(),
+        }
+    }
+
+    /// The condition it evaluates.
+    #[must_use]
+    pub fn condition(&self) -> &Condition {
+        &self.condition
+    }
+
+    /// Evaluates the genomes of every run, `batches[run]`.
+    pub fn evaluate(&mut self, batches: Vec<Vec<Genome>>) -> Vec<Vec<Individual>> {
+        let mut evaluated: Vec<Vec<Individual>> = batches
+            .into_iter()
+            .map(|batch| {
+                batch
+                    .into_iter()
+                    .map(|genome| Individual {
+                        genome,
+                        points: [0.0; GOALS],
+                    })
+                    .collect()
+            })
+            .collect();
+        for (run, batch) in evaluated.iter_mut().enumerate() {
+            for (genome, individual) in batch.iter_mut().enumerate() {
+                self.recall(run, genome, individual);
+            }
+        }
+        self.engine.run(
+            &self.condition.model,
+            self.condition.team,
+            &self.trials,
+            &mut self.outcomes,
+        );
+        for (pending, outcome) in self.pending.drain(..).zip(&self.outcomes) {
+            let points = self.condition.points(outcome);
+            evaluated[pending.run][pending.genome].points[pending.goal] = points;
+            self.memos[pending.run].learn(pending.goal, &pending.tables, outcome.rows_read, points);
+        }
+        self.trials.clear();
+        evaluated
+    }
+
+    /// Fills in the points that the memo knows, and queues a trial for each of the others.
+    fn recall(&mut self, run: usize, genome: usize, individual: &mut Individual) {
+        let responses = self.condition.responses(&individual.genome);
+        let tables = responses.map(Responses::bits);
+        for goal in 0..GOALS {
+            match self.memos[run].recall(goal, &tables) {
+                Some(points) => individual.points[goal] = points,
+                None => {
+                    self.pending.push(Pending {
+                        run,
+                        genome,
+                        goal,
+                        tables,
+                    });
+                    self.trials.push(Trial {
+                        layout: self.layouts[goal],
+                        tables: responses,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Trials remembered per goal: enough for a population, its parents and their near kin (measured: more finds little more).
+const MEMO_TRIALS: usize = 64;
+
+/// The last trials of every goal.
+#[derive(Debug, Default)]
+struct Memo([Ring; GOALS]);
+
+#[derive(Debug, Default)]
+struct Ring {
+    known: Vec<Known>,
+    oldest: usize,
+}
+
+#[derive(Debug)]
+struct Known {
+    /// The bits of the rows that were read.
+    mask: u128,
+    /// Those bits, per agent.
+    tables: Tables,
+    points: f32,
+}
+
+impl Memo {
+    fn recall(&self, goal: usize, tables: &Tables) -> Option<f32> {
+        let agrees = |known: &&Known| {
+            known
+                .tables
+                .iter()
+                .zip(tables)
+                .all(|(known_bits, bits)| bits & known.mask == *known_bits)
+        };
+        self.0[goal]
+            .known
+            .iter()
+            .find(agrees)
+            .map(|known| known.points)
+    }
+
+    fn learn(&mut self, goal: usize, tables: &Tables, rows_read: u32, points: f32) {
+        let mask = Responses::row_mask(rows_read);
+        let known = Known {
+            mask,
+            tables: tables.map(|bits| bits & mask),
+            points,
+        };
+        let ring = &mut self.0[goal];
+        if ring.known.len() < MEMO_TRIALS {
+            ring.known.push(known);
+        } else {
+            ring.known[ring.oldest] = known;
+            ring.oldest = (ring.oldest + 1) % MEMO_TRIALS;
+        }
+    }
+}

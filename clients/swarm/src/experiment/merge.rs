@@ -1,0 +1,82 @@
+//! Puts the shards of an experiment together.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::plan::{Job, Plan};
+use super::store::{Store, read_folder, same_plan};
+use crate::error::{Error, Result};
+use crate::run::Record;
+
+/// What a merged folder holds.
+#[derive(Debug)]
+pub struct Merged {
+    /// The plan of every shard.
+    pub plan: Plan,
+    /// All runs, sorted.
+    pub records: Vec<Record>,
+    /// Runs of the plan that no shard has.
+    pub missing: usize,
+}
+
+/// Collects the runs of `shards` in `folder`, which may already hold some.
+///
+/// # Errors
+/// The shards are of different experiments, two of them disagree on a run, or a folder cannot be read or written.
+pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
+    let Some(first) = shards.first() else {
+        return Err(Error::refused(
+            "merge",
+            "no shard was named",
+            "at least one folder",
+            "name the shards' folders",
+        ));
+    };
+    let (plan, _) = read_folder(first)?;
+    let (mut store, present) = Store::open(folder, &plan)?;
+    let mut merged: BTreeMap<Job, Record> = present
+        .into_iter()
+        .map(|record| (job(&record), record))
+        .collect();
+    for shard in shards {
+        let (found, records) = read_folder(shard)?;
+        same_plan(shard, &plan, &found)?;
+        for record in records {
+            match merged.get(&job(&record)) {
+                None => {
+                    store.append(&record)?;
+                    merged.insert(job(&record), record);
+                }
+                Some(known) if *known == record => {}
+                Some(_) => {
+                    return Err(Error::refused(
+                        format_args!("merge {}", shard.display()),
+                        format_args!(
+                            "its run of {} agents, seed {} was not that of another shard",
+                            record.agents, record.seed
+                        ),
+                        "equal results of equal runs",
+                        "find out which of the two was damaged and run its shard again",
+                    ));
+                }
+            }
+        }
+    }
+    let missing = plan
+        .jobs()
+        .iter()
+        .filter(|job| !merged.contains_key(job))
+        .count();
+    Ok(Merged {
+        plan,
+        records: merged.into_values().collect(),
+        missing,
+    })
+}
+
+fn job(record: &Record) -> Job {
+    Job {
+        agents: record.agents,
+        seed: record.seed,
+    }
+}

@@ -1,0 +1,141 @@
+//! What an experiment consists of.
+
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use field::{Model, Preset, TeamSize};
+
+use crate::condition::{Condition, Sharing};
+use crate::error::{Error, Result};
+use crate::fitness::FitnessRule;
+use crate::ga::Settings;
+use crate::islands::IslandSettings;
+use crate::sensors::SensorOrder;
+
+/// The paper's Fig. 14 and its variations: team sizes × seeds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// Version of this crate; another version's runs might have other bits.
+    pub code_version: String,
+    /// Team sizes.
+    pub agents: Vec<usize>,
+    /// The first seed; the others follow it.
+    pub first_seed: u64,
+    /// Runs per team size.
+    pub seeds: u64,
+    /// Generations of every run.
+    pub generations: u32,
+    /// How the agents share tables.
+    pub sharing: Sharing,
+    /// What S1–S5 are.
+    pub sensors: SensorOrder,
+    /// How trials are scored.
+    pub fitness_rule: FitnessRule,
+    /// The genetic algorithm.
+    pub settings: Settings,
+    /// Islands and migration.
+    pub islands: IslandSettings,
+    /// The field.
+    pub preset: Preset,
+}
+
+/// One run of an experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Job {
+    /// Team size.
+    pub agents: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Plan {
+    /// Fig. 14: one to four agents (paper III.c.1).
+    #[must_use]
+    pub fn fig14(preset: Preset, fitness_rule: FitnessRule, seeds: u64, generations: u32) -> Self {
+        Self {
+            code_version: env!("CARGO_PKG_VERSION").to_owned(),
+            agents: TeamSize::ALL.map(TeamSize::get).to_vec(),
+            first_seed: 1,
+            seeds,
+            generations,
+            sharing: Sharing::Shared,
+            sensors: SensorOrder::default(),
+            fitness_rule,
+            settings: Settings::default(),
+            islands: IslandSettings::default(),
+            preset,
+        }
+    }
+
+    /// The conditions, checked, in the order of the team sizes.
+    ///
+    /// # Errors
+    /// The first value of the plan that is out of range.
+    pub fn conditions(&self) -> Result<Vec<Condition>> {
+        self.settings.check().map_err(Error::from_part)?;
+        let model = Arc::new(Model::new(self.preset.clone()).map_err(Error::from_part)?);
+        let condition = |&agents: &usize| {
+            Ok(Condition {
+                model: Arc::clone(&model),
+                team: TeamSize::new(agents).map_err(Error::from_part)?,
+                sharing: self.sharing,
+                sensors: self.sensors,
+                fitness: self.fitness_rule,
+            })
+        };
+        self.agents.iter().map(condition).collect()
+    }
+
+    /// Every run, team size by team size, seed by seed.
+    #[must_use]
+    pub fn jobs(&self) -> Vec<Job> {
+        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
+        self.agents
+            .iter()
+            .flat_map(|&agents| seeds.clone().map(move |seed| Job { agents, seed }))
+            .collect()
+    }
+}
+
+/// Part `index` of `count` of an experiment: every count-th run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1.
+    pub index: usize,
+    /// How many parts there are.
+    pub count: usize,
+}
+
+impl Shard {
+    /// The whole experiment.
+    pub const WHOLE: Self = Self { index: 1, count: 1 };
+
+    /// The runs of this part.
+    #[must_use]
+    pub fn select(self, jobs: Vec<Job>) -> Vec<Job> {
+        jobs.into_iter()
+            .skip(self.index - 1)
+            .step_by(self.count)
+            .collect()
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// `i/n` with 1 ≤ i ≤ n.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let parts = text
+            .split_once('/')
+            .and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match parts {
+            Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
+            _ => Err(format!(
+                "a shard was {text:?}, needs i/n with i from 1 to n, as in 3/16"
+            )),
+        }
+    }
+}

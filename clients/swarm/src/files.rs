@@ -1,0 +1,92 @@
+//! Files that are either there in full or not at all, and folders that one process at a time writes.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use crate::error::{Error, Result};
+
+/// Replaces a file in one step: whoever reads it sees the old content or the new one.
+///
+/// # Errors
+/// The system refused; the old content is still there.
+pub fn write_atomically(path: &Path, content: &[u8]) -> Result<()> {
+    let temporary = sibling(path, ".tmp");
+    let written = File::create(&temporary)
+        .and_then(|mut file| file.write_all(content).and_then(|()| file.sync_all()))
+        .and_then(|()| std::fs::rename(&temporary, path))
+        .and_then(|()| sync_folder(path));
+    written.map_err(|error| {
+        // The temporary file holds nothing that anybody needs; if it cannot be removed either, the error below says why.
+        let _ = std::fs::remove_file(&temporary);
+        Error::io("write", path)(error)
+    })
+}
+
+/// The file of the same name with something added.
+#[must_use]
+pub fn sibling(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(suffix);
+    path.with_file_name(name)
+}
+
+/// Makes a rename in the file's folder survive a power cut.
+fn sync_folder(path: &Path) -> std::io::Result<()> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+}
+
+/// Reads a text file.
+///
+/// # Errors
+/// It is not there, not readable or not text.
+pub fn read_text(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|error| {
+        Error::refused(
+            format_args!("read {}", path.display()),
+            format_args!("the system said {error}"),
+            "a readable text file",
+            "check the path",
+        )
+    })
+}
+
+/// A folder that only this process writes; the lock ends with the process, however it ends.
+#[derive(Debug)]
+pub struct FolderLock(#[expect(dead_code, reason = "held for its lock")] File);
+
+impl FolderLock {
+    /// Creates the folder if need be and locks it.
+    ///
+    /// # Errors
+    /// [`Error::Busy`] if another process holds it.
+    pub fn take(folder: &Path) -> Result<Self> {
+        std::fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
+        let path = folder.join(".lock");
+        let file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(&path)
+            .map_err(Error::io("open", &path))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Self(file)),
+            Err(TryLockError::WouldBlock) => Err(Error::Busy(folder.to_owned())),
+            Err(TryLockError::Error(error)) => Err(Error::io("lock", &path)(error)),
+        }
+    }
+}
+
+/// SHA-256 in hexadecimal.
+#[must_use]
+pub fn sha256(content: &[u8]) -> String {
+    Sha256::digest(content)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}

@@ -1,0 +1,148 @@
+//! What a trial is worth (paper III.b.2): up to 100 points per goal, 800 for the eight goals of an evaluation.
+
+use serde::{Deserialize, Serialize};
+
+use field::{Outcome, Preset, Snapshot, TeamSize};
+
+/// K₁ of Eq. (2), points · px.
+const K1: f32 = 1000.0;
+/// K₂ of Eq. (3), points · frames.
+const K2: f32 = 600.0;
+/// Points of one goal (paper III.b.3).
+const GOAL_POINTS: f32 = 100.0;
+/// Distances below this count as this, so that a perfect trial has a finite E₁ (ours: it makes K₁ / d the 100 points).
+const NEAREST_PX: f32 = 10.0;
+/// An agent this much further than contact is still with the object (ours; the paper "compared the positioning").
+const WITH_OBJECT_PX: f32 = 20.0;
+
+/// How a trial is scored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FitnessRule {
+    /// The 100 points if the object is at the goal and some agent was with it at the end of the execution time and still is
+    /// at the end of the evaluation time; else E₁, at most what it is on the goal's edge. An object that was pushed by
+    /// accident and left alone earns no more than a near miss. The default.
+    AntiAccident,
+    /// E₁ + E₂ as printed, Eqs. (2) and (3), at most 100 points.
+    Literal,
+}
+
+impl FitnessRule {
+    /// The points of one trial.
+    #[must_use]
+    pub fn points(self, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
+        match self {
+            Self::AntiAccident => {
+                let distance = outcome.evaluated.goal_px;
+                if distance <= preset.goal_radius_px && carried(preset, team, outcome) {
+                    GOAL_POINTS
+                } else {
+                    accuracy(distance).min(accuracy(preset.goal_radius_px))
+                }
+            }
+            Self::Literal => (accuracy(outcome.evaluated.goal_px)
+                + efficiency(outcome.reached_frame))
+            .min(GOAL_POINTS),
+        }
+    }
+}
+
+/// E₁, Eq. (2).
+fn accuracy(distance_px: f32) -> f32 {
+    K1 / distance_px.max(NEAREST_PX)
+}
+
+/// E₂, Eq. (3); nothing if the object never reached the goal.
+fn efficiency(reached_frame: u32) -> f32 {
+    if reached_frame == 0 {
+        0.0
+    } else {
+        K2 / reached_frame as f32
+    }
+}
+
+/// Whether one and the same agent is with the object at both instants.
+fn carried(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
+    let near = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
+    let with = |snapshot: &Snapshot, agent: usize| snapshot.agents_px[agent] <= near;
+    (0..team.get()).any(|agent| with(&outcome.executed, agent) && with(&outcome.evaluated, agent))
+}
+
+/// Whether these points are a goal solved.
+#[must_use]
+pub fn solved(points: f32) -> bool {
+    points >= GOAL_POINTS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(
+        rule: FitnessRule,
+        goal_px: f32,
+        executed_px: f32,
+        evaluated_px: f32,
+        reached: u32,
+        expected: f32,
+    ) {
+        let at = |goal_px, agent_px| Snapshot {
+            goal_px,
+            agents_px: [agent_px, 0.0, 0.0, 0.0],
+        };
+        let outcome = Outcome {
+            rows_read: 0,
+            reached_frame: reached,
+            executed: at(goal_px, executed_px),
+            evaluated: at(goal_px, evaluated_px),
+        };
+        let team = TeamSize::new(1).expect("one agent");
+        let points = rule.points(&Preset::N, team, &outcome);
+        assert_eq!(
+            points, expected,
+            "{rule:?} goal {goal_px} agents {executed_px} {evaluated_px} reached {reached}"
+        );
+    }
+
+    #[test]
+    fn accidents_earn_no_more_than_the_goals_edge() {
+        let edge = 1000.0 / 60.0;
+        let rows = [
+            (30.0, 80.0, 80.0, 100.0), // carried in
+            (30.0, 95.0, 95.0, 100.0), // just near enough
+            (30.0, 96.0, 80.0, edge),  // nobody with it at frame 180
+            (30.0, 80.0, 300.0, edge), // left alone at frame 270
+            (5.0, 300.0, 300.0, edge), // an accident, right on the goal
+            (100.0, 80.0, 80.0, 10.0), // not there yet
+        ];
+        for (goal_px, executed, evaluated, expected) in rows {
+            check(
+                FitnessRule::AntiAccident,
+                goal_px,
+                executed,
+                evaluated,
+                0,
+                expected,
+            );
+        }
+    }
+
+    #[test]
+    fn the_literal_rule_is_equations_2_and_3_capped() {
+        let rows = [
+            (100.0, 0, 10.0),
+            (100.0, 60, 20.0),
+            (5.0, 0, 100.0),
+            (20.0, 6, 100.0),
+            (250.0, 0, 4.0),
+        ];
+        for (goal_px, reached, expected) in rows {
+            check(FitnessRule::Literal, goal_px, 0.0, 0.0, reached, expected);
+        }
+    }
+
+    #[test]
+    fn the_largest_score_is_solved() {
+        assert!(solved(100.0) && !solved(99.9));
+    }
+}

@@ -1,0 +1,187 @@
+//! The simple genetic algorithm of paper III.b.1, steps 1–10.
+//!
+//! A generation is two calls: [`Population::propose`] makes genomes (step 1, or steps 3–6), somebody evaluates them (steps 2
+//! and 7), [`Population::select`] keeps the best (step 8). A population never looks at a clock or a simulator.
+
+use serde::{Deserialize, Serialize};
+
+use crate::evaluate::Individual;
+use crate::genome::Genome;
+use crate::rng::{Probability, SplitMix64};
+
+/// The numbers of the algorithm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Individuals, an even number.
+    pub population: usize,
+    /// Individuals that survive whatever their children do, fewer than the population.
+    pub elite: usize,
+    /// Probability of a flip per bit of a child.
+    pub mutation_rate: f64,
+}
+
+impl Default for Settings {
+    /// Paper III.b.3: 10 individuals, 2 elites, 1 % per bit.
+    fn default() -> Self {
+        Self {
+            population: 10,
+            elite: 2,
+            mutation_rate: 0.01,
+        }
+    }
+}
+
+/// Settings that make no algorithm.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("could not use {key} because it was {value}, needs {needs}; correct it")]
+pub struct SettingsError {
+    key: &'static str,
+    value: f64,
+    needs: &'static str,
+}
+
+impl Settings {
+    /// Checks the numbers; returns the mutation rate as a probability.
+    ///
+    /// # Errors
+    /// An odd or empty population, an elite that leaves no room, a rate that is no probability.
+    pub fn check(&self) -> Result<Probability, SettingsError> {
+        let refuse = |key, value, needs| Err(SettingsError { key, value, needs });
+        if !(2..=10_000).contains(&self.population) || self.population % 2 == 1 {
+            return refuse(
+                "population",
+                self.population as f64,
+                "an even number from 2 to 10000",
+            );
+        }
+        if self.elite >= self.population {
+            return refuse("elite", self.elite as f64, "fewer than the population");
+        }
+        Probability::new(self.mutation_rate).ok_or(SettingsError {
+            key: "mutation_rate",
+            value: self.mutation_rate,
+            needs: "a probability from 0 to 1",
+        })
+    }
+}
+
+/// One population with its stream of random numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Population {
+    settings: Settings,
+    mutation: Probability,
+    rng: SplitMix64,
+    genome_bits: usize,
+    /// Best first; empty before the first selection.
+    members: Vec<Individual>,
+}
+
+impl Population {
+    /// A population about to be born.
+    ///
+    /// # Errors
+    /// See [`Settings::check`].
+    pub fn new(
+        settings: Settings,
+        genome_bits: usize,
+        rng: SplitMix64,
+    ) -> Result<Self, SettingsError> {
+        Ok(Self {
+            settings,
+            mutation: settings.check()?,
+            rng,
+            genome_bits,
+            members: Vec::new(),
+        })
+    }
+
+    /// A population as it was after a selection, to continue from a checkpoint. `members` in their order then.
+    ///
+    /// # Errors
+    /// See [`Settings::check`].
+    pub fn resume(
+        settings: Settings,
+        rng: SplitMix64,
+        members: Vec<Individual>,
+    ) -> Result<Self, SettingsError> {
+        let genome_bits = members.first().map_or(0, |member| member.genome.len());
+        Ok(Self {
+            settings,
+            mutation: settings.check()?,
+            rng,
+            genome_bits,
+            members,
+        })
+    }
+
+    /// The individuals, best first.
+    #[must_use]
+    pub fn members(&self) -> &[Individual] {
+        &self.members
+    }
+
+    /// The state of the random numbers.
+    #[must_use]
+    pub fn rng(&self) -> &SplitMix64 {
+        &self.rng
+    }
+
+    /// The genomes to evaluate next: random ones at first (step 1), then children (steps 3–6).
+    pub fn propose(&mut self) -> Vec<Genome> {
+        let Settings { population, .. } = self.settings;
+        if self.members.is_empty() {
+            return (0..population)
+                .map(|_| Genome::random(self.genome_bits, &mut self.rng))
+                .collect();
+        }
+        let total = self
+            .members
+            .iter()
+            .map(|member| f64::from(member.fitness()))
+            .sum();
+        (0..population / 2).flat_map(|_| self.pair(total)).collect()
+    }
+
+    /// Steps 4–6: two parents by roulette, two complementary children, mutation.
+    fn pair(&mut self, total: f64) -> [Genome; 2] {
+        let (mother, father) = (self.roulette(total), self.roulette(total));
+        let (mother, father) = (&self.members[mother].genome, &self.members[father].genome);
+        let mut children = mother.crossover(father, &mut self.rng);
+        for child in &mut children {
+            child.mutate(self.mutation, &mut self.rng);
+        }
+        children
+    }
+
+    /// Step 4: a member with probability proportional to its fitness, in population order.
+    fn roulette(&mut self, total: f64) -> usize {
+        let mut left = self.rng.unit() * total;
+        let spent = |member: &Individual| {
+            left -= f64::from(member.fitness());
+            left < 0.0
+        };
+        self.members
+            .iter()
+            .position(spent)
+            .unwrap_or(self.members.len() - 1)
+    }
+
+    /// Step 8: elites and children in descending order of fitness; ties keep the elite first, then the earlier child.
+    pub fn select(&mut self, children: Vec<Individual>) {
+        self.members.truncate(self.settings.elite);
+        self.members.extend(children);
+        self.members
+            .sort_by(|a, b| b.fitness().total_cmp(&a.fitness()));
+        self.members.truncate(self.settings.population);
+    }
+
+    /// Replaces the worst individual by an immigrant and restores the order; the immigrant stands behind its equals.
+    pub fn admit(&mut self, immigrant: Individual) {
+        self.members.pop();
+        let place = self
+            .members
+            .partition_point(|member| member.fitness() >= immigrant.fitness());
+        self.members.insert(place, immigrant);
+    }
+}

@@ -1,0 +1,190 @@
+//! The genotype: a one-dimensional array of bits (paper Fig. 9) and the two operators on it.
+
+use crate::rng::{Probability, SplitMix64};
+
+/// Bits of one word of a genome.
+const WORD: usize = u128::BITS as usize;
+
+/// A genotype array. Bit g lives in word g / 128, counted from its lowest bit; bits beyond the length are zero.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Genome {
+    words: Box<[u128]>,
+    bits: usize,
+}
+
+impl Genome {
+    /// All bits zero.
+    #[must_use]
+    pub fn zero(bits: usize) -> Self {
+        Self {
+            words: vec![0; bits.div_ceil(WORD)].into(),
+            bits,
+        }
+    }
+
+    /// Every bit drawn evenly (paper step 1).
+    pub fn random(bits: usize, rng: &mut SplitMix64) -> Self {
+        let mut genome = Self::zero(bits);
+        for word in &mut genome.words {
+            *word = rng.next_u128();
+        }
+        genome.cleared_beyond_length()
+    }
+
+    /// Number of bits.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bits
+    }
+
+    /// Whether there are no bits at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.bits == 0
+    }
+
+    /// Bit `index`; false beyond the length.
+    #[must_use]
+    pub fn get(&self, index: usize) -> bool {
+        self.words
+            .get(index / WORD)
+            .is_some_and(|word| word >> (index % WORD) & 1 == 1)
+    }
+
+    /// Sets bit `index`, if there is one.
+    pub fn set(&mut self, index: usize, value: bool) {
+        if index < self.bits {
+            let word = &mut self.words[index / WORD];
+            *word = *word & !(1 << (index % WORD)) | u128::from(value) << (index % WORD);
+        }
+    }
+
+    /// `count` ≤ 32 bits from `first` on, the first lowest.
+    #[must_use]
+    pub fn field(&self, first: usize, count: usize) -> u32 {
+        (0..count).fold(0, |value, k| value | u32::from(self.get(first + k)) << k)
+    }
+
+    /// The bits in words of 128, the first bit lowest.
+    #[must_use]
+    pub fn words(&self) -> &[u128] {
+        &self.words
+    }
+
+    /// Uniform crossover (paper step 5): one random mask says from which parent each bit of the first child comes; the
+    /// second child has the other one.
+    pub fn crossover(&self, other: &Self, rng: &mut SplitMix64) -> [Self; 2] {
+        let mut children = [self.clone(), other.clone()];
+        for (word, (a, b)) in self.words.iter().zip(&other.words).enumerate() {
+            let mask = rng.next_u128();
+            children[0].words[word] = a & mask | b & !mask;
+            children[1].words[word] = b & mask | a & !mask;
+        }
+        children
+    }
+
+    /// Flips every bit with this probability (paper step 6).
+    pub fn mutate(&mut self, rate: Probability, rng: &mut SplitMix64) {
+        for (index, word) in self.words.iter_mut().enumerate() {
+            let mut flips = 0;
+            for bit in 0..WORD.min(self.bits - index * WORD) {
+                flips |= u128::from(rng.happens(rate)) << bit;
+            }
+            *word ^= flips;
+        }
+    }
+
+    /// The bits in hexadecimal, 32 digits per word, word 0 first.
+    #[must_use]
+    pub fn to_hex(&self) -> String {
+        self.words
+            .iter()
+            .map(|word| format!("{word:032x}"))
+            .collect()
+    }
+
+    /// Reads back [`Genome::to_hex`]; `None` if the text is not a genome of that many bits.
+    #[must_use]
+    pub fn from_hex(bits: usize, text: &str) -> Option<Self> {
+        let mut genome = Self::zero(bits);
+        let digits = text.as_bytes().chunks_exact(WORD / 4);
+        if text.len() != genome.words.len() * WORD / 4
+            || !text.bytes().all(|b| b.is_ascii_hexdigit())
+        {
+            return None;
+        }
+        for (word, digits) in genome.words.iter_mut().zip(digits) {
+            *word = u128::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
+        }
+        let cleared = genome.clone().cleared_beyond_length();
+        (cleared == genome).then_some(genome)
+    }
+
+    fn cleared_beyond_length(mut self) -> Self {
+        if let (Some(last), used @ 1..) = (self.words.last_mut(), self.bits % WORD) {
+            *last &= (1 << used) - 1;
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hex_reads_back_and_refuses_what_is_not_a_genome() {
+        let mut rng = SplitMix64::stream(&[1]);
+        for bits in [4, 64, 127, 128, 129, 512] {
+            let genome = Genome::random(bits, &mut rng);
+            assert_eq!(
+                Genome::from_hex(bits, &genome.to_hex()),
+                Some(genome),
+                "{bits} bits"
+            );
+        }
+        for text in [
+            "",
+            "0",
+            &"g".repeat(32),
+            &"+".repeat(32),
+            &"0".repeat(64),
+            &"f".repeat(31),
+        ] {
+            assert_eq!(Genome::from_hex(128, text), None, "{text:?}");
+        }
+        assert_eq!(
+            Genome::from_hex(4, &"f".repeat(32)),
+            None,
+            "bits beyond the length"
+        );
+    }
+
+    #[test]
+    fn children_share_out_the_parents_bits() {
+        let mut rng = SplitMix64::stream(&[2]);
+        let (a, b) = (Genome::random(300, &mut rng), Genome::random(300, &mut rng));
+        let [c, d] = a.crossover(&b, &mut rng);
+        for k in 0..300 {
+            let (mut parents, mut children) = ([a.get(k), b.get(k)], [c.get(k), d.get(k)]);
+            parents.sort_unstable();
+            children.sort_unstable();
+            assert_eq!(parents, children, "bit {k}");
+        }
+        assert!(c != a && c != b);
+    }
+
+    #[test]
+    fn mutation_flips_about_its_rate_and_nothing_beyond_the_length() {
+        let mut rng = SplitMix64::stream(&[3]);
+        let rate = Probability::new(0.01).expect("a probability");
+        let mut flipped = 0;
+        for _ in 0..1000 {
+            let mut genome = Genome::zero(130);
+            genome.mutate(rate, &mut rng);
+            flipped += (0..256).filter(|&k| genome.get(k)).count();
+            assert_eq!(genome.clone().cleared_beyond_length(), genome);
+        }
+        assert!((1100..1500).contains(&flipped), "{flipped} of 130 000 bits");
+    }
+}

@@ -1,0 +1,147 @@
+//! Islands: several populations that evolve apart and now and then send their best to each other (ours, beyond the paper).
+//! One island is the paper's algorithm.
+
+use serde::{Deserialize, Serialize};
+
+use crate::evaluate::Individual;
+use crate::ga::{Population, Settings, SettingsError};
+use crate::genome::Genome;
+use crate::rng::SplitMix64;
+
+/// How many islands and how often they exchange.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IslandSettings {
+    /// Populations, each of the full size.
+    pub islands: usize,
+    /// Generations between two migrations; unused with one island.
+    pub migrate_every: u32,
+}
+
+impl Default for IslandSettings {
+    fn default() -> Self {
+        Self {
+            islands: 1,
+            migrate_every: 50,
+        }
+    }
+}
+
+/// The populations of one run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Archipelago {
+    islands: Vec<Population>,
+    settings: IslandSettings,
+    population: usize,
+    /// Draws the routes of migrants.
+    routes: SplitMix64,
+}
+
+impl Archipelago {
+    /// Islands about to be settled. `stream(i)` is the random stream of island i; `stream(islands)` that of migration.
+    ///
+    /// # Errors
+    /// See [`Settings::check`].
+    pub fn new(
+        settings: Settings,
+        islands: IslandSettings,
+        genome_bits: usize,
+        stream: impl Fn(usize) -> SplitMix64,
+    ) -> Result<Self, SettingsError> {
+        let populations: Result<Vec<_>, _> = (0..islands.islands)
+            .map(|i| Population::new(settings, genome_bits, stream(i)))
+            .collect();
+        Ok(Self {
+            islands: populations?,
+            settings: islands,
+            population: settings.population,
+            routes: stream(islands.islands),
+        })
+    }
+
+    /// Islands as they were after a generation.
+    #[must_use]
+    pub fn resume(
+        islands: Vec<Population>,
+        settings: IslandSettings,
+        population: usize,
+        routes: SplitMix64,
+    ) -> Self {
+        Self {
+            islands,
+            settings,
+            population,
+            routes,
+        }
+    }
+
+    /// The populations.
+    #[must_use]
+    pub fn islands(&self) -> &[Population] {
+        &self.islands
+    }
+
+    /// The state of the routes' random numbers.
+    #[must_use]
+    pub fn routes(&self) -> &SplitMix64 {
+        &self.routes
+    }
+
+    /// The best individual of all islands; of equals, the one on the first island.
+    #[must_use]
+    pub fn best(&self) -> Option<&Individual> {
+        let firsts = self
+            .islands
+            .iter()
+            .filter_map(|island| island.members().first());
+        firsts.reduce(|best, other| {
+            if other.fitness() > best.fitness() {
+                other
+            } else {
+                best
+            }
+        })
+    }
+
+    /// The genomes of all islands to evaluate next, island by island.
+    pub fn propose(&mut self) -> Vec<Genome> {
+        self.islands
+            .iter_mut()
+            .flat_map(Population::propose)
+            .collect()
+    }
+
+    /// Ends generation `generation` with the evaluated proposals, in the order of [`Archipelago::propose`].
+    pub fn select(&mut self, mut evaluated: Vec<Individual>, generation: u32) {
+        for island in &mut self.islands {
+            let rest = evaluated.split_off(self.population.min(evaluated.len()));
+            island.select(std::mem::replace(&mut evaluated, rest));
+        }
+        let IslandSettings {
+            islands,
+            migrate_every,
+        } = self.settings;
+        if islands > 1 && generation > 0 && generation.is_multiple_of(migrate_every.max(1)) {
+            self.migrate();
+        }
+    }
+
+    /// The best of every island goes to the next one on a ring whose order is drawn anew.
+    fn migrate(&mut self) {
+        let n = self.islands.len();
+        let mut ring: Vec<usize> = (0..n).collect();
+        for last in (1..n).rev() {
+            ring.swap(last, self.routes.below(last + 1));
+        }
+        let migrants: Vec<Option<Individual>> = self
+            .islands
+            .iter()
+            .map(|i| i.members().first().cloned())
+            .collect();
+        for (place, &from) in ring.iter().enumerate() {
+            if let Some(migrant) = &migrants[from] {
+                self.islands[ring[(place + 1) % n]].admit(migrant.clone());
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Replay: a web page that shows a team at work, in one file that needs nothing else.
+
+use serde::Serialize;
+
+use crate::analysis::Trace;
+use crate::condition::Condition;
+use crate::error::{Error, Result};
+
+/// The page; the data go where the marker is.
+const PAGE: &str = include_str!("replay.html");
+const MARKER: &str = "/*DATA*/null";
+
+#[derive(Serialize)]
+struct Data<'a> {
+    title: &'a str,
+    agent_radius: f32,
+    object_radius: f32,
+    goal_radius: f32,
+    object_light: f32,
+    goal_light: f32,
+    trials: Vec<Trial>,
+}
+
+#[derive(Serialize)]
+struct Trial {
+    goal: [f32; 2],
+    points: f32,
+    /// Per frame: object x, y; then per agent x, y, heading, table row, left and right level.
+    frames: Vec<Vec<f32>>,
+}
+
+/// Builds the page.
+///
+/// # Errors
+/// A coordinate was not finite; the simulator produces none.
+pub fn replay(
+    condition: &Condition,
+    title: &str,
+    traces: &[Trace],
+    points: &[f32],
+) -> Result<String> {
+    let preset = condition.model.preset();
+    let data = Data {
+        title,
+        agent_radius: preset.agent_radius_px,
+        object_radius: preset.object_radius_px,
+        goal_radius: preset.goal_radius_px,
+        object_light: preset.object_light_px,
+        goal_light: preset.goal_light_px,
+        trials: traces
+            .iter()
+            .zip(points)
+            .map(|(trace, &points)| trial(trace, points))
+            .collect(),
+    };
+    let json = serde_json::to_string(&data).map_err(Error::from_part)?;
+    // A script ends at the first "</", wherever it stands.
+    Ok(PAGE.replace(MARKER, &json.replace("</", "<\\/")))
+}
+
+fn trial(trace: &Trace, points: f32) -> Trial {
+    let tenth = |px: f32| (px * 10.0).round() / 10.0;
+    let frame = |frame: &crate::analysis::Frame| {
+        let mut numbers = vec![tenth(frame.object.x_px), tenth(frame.object.y_px)];
+        for ((agent, row), wheels) in frame.agents.iter().zip(&frame.rows).zip(&frame.wheels) {
+            numbers.extend([
+                tenth(agent.x_px),
+                tenth(agent.y_px),
+                f32::from(agent.heading),
+                *row as f32,
+            ]);
+            numbers.extend([f32::from(wheels.left), f32::from(wheels.right)]);
+        }
+        numbers
+    };
+    Trial {
+        goal: [trace.goal.x_px, trace.goal.y_px],
+        points,
+        frames: trace.frames.iter().map(frame).collect(),
+    }
+}

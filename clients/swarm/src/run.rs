@@ -1,0 +1,188 @@
+//! Runs: one seed each, evolved together in lock-step so that their trials fill the SIMD lanes.
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+use crate::condition::{Condition, GOALS};
+use crate::evaluate::{Evaluator, GoalPoints, Individual};
+use crate::ga::{Settings, SettingsError};
+use crate::islands::{Archipelago, IslandSettings};
+use crate::rng::SplitMix64;
+use field::Engine;
+
+/// A generation in which the best fitness rose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rise {
+    /// 0 is the random population.
+    pub generation: u32,
+    /// The best fitness from then on.
+    pub fitness: f32,
+}
+
+/// One run under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Names the random stream, together with the number of agents.
+    pub seed: u64,
+    archipelago: Archipelago,
+    /// Generations done; `None` before the random population is evaluated.
+    generation: Option<u32>,
+    rises: Vec<Rise>,
+}
+
+impl Run {
+    /// A run about to start.
+    ///
+    /// # Errors
+    /// See [`Settings::check`].
+    pub fn new(
+        condition: &Condition,
+        settings: Settings,
+        islands: IslandSettings,
+        seed: u64,
+    ) -> Result<Self, SettingsError> {
+        let agents = condition.team.get() as u64;
+        let stream = |island: usize| SplitMix64::stream(&[seed, agents, island as u64]);
+        let archipelago = Archipelago::new(settings, islands, condition.genome_bits(), stream)?;
+        Ok(Self {
+            seed,
+            archipelago,
+            generation: None,
+            rises: Vec::new(),
+        })
+    }
+
+    /// A run as it was after `generation`.
+    #[must_use]
+    pub fn resume(seed: u64, archipelago: Archipelago, generation: u32, rises: Vec<Rise>) -> Self {
+        Self {
+            seed,
+            archipelago,
+            generation: Some(generation),
+            rises,
+        }
+    }
+
+    /// The generation that is done.
+    #[must_use]
+    pub fn generation(&self) -> Option<u32> {
+        self.generation
+    }
+
+    /// The populations.
+    #[must_use]
+    pub fn archipelago(&self) -> &Archipelago {
+        &self.archipelago
+    }
+
+    /// When the best fitness rose, and to what.
+    #[must_use]
+    pub fn rises(&self) -> &[Rise] {
+        &self.rises
+    }
+
+    /// The best individual so far.
+    #[must_use]
+    pub fn best(&self) -> Option<&Individual> {
+        self.archipelago.best()
+    }
+
+    fn accept(&mut self, evaluated: Vec<Individual>) {
+        let generation = self.generation.map_or(0, |generation| generation + 1);
+        self.archipelago.select(evaluated, generation);
+        self.generation = Some(generation);
+        let Some(best) = self.archipelago.best() else {
+            return;
+        };
+        let fitness = best.fitness();
+        if self.rises.last().is_none_or(|last| fitness > last.fitness) {
+            self.rises.push(Rise {
+                generation,
+                fitness,
+            });
+        }
+    }
+
+    /// What the run came to.
+    #[must_use]
+    pub fn record(&self, condition: &Condition) -> Option<Record> {
+        let best = self.best()?;
+        Some(Record {
+            agents: condition.team.get(),
+            seed: self.seed,
+            genome: best.genome.to_hex(),
+            points: best.points,
+            rises: self.rises.clone(),
+        })
+    }
+}
+
+/// What a finished run came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// The condition.
+    pub agents: usize,
+    /// The run.
+    pub seed: u64,
+    /// The best genome, see [`crate::genome::Genome::to_hex`].
+    pub genome: String,
+    /// Its points per goal.
+    pub points: GoalPoints,
+    /// The best fitness over the generations.
+    pub rises: Vec<Rise>,
+}
+
+impl Record {
+    /// The best fitness at the end.
+    #[must_use]
+    pub fn fitness(&self) -> f32 {
+        self.rises.last().map_or(0.0, |rise| rise.fitness)
+    }
+
+    /// The best fitness at a generation.
+    #[must_use]
+    pub fn fitness_at(&self, generation: u32) -> f32 {
+        let until = self
+            .rises
+            .partition_point(|rise| rise.generation <= generation);
+        until
+            .checked_sub(1)
+            .map_or(0.0, |last| self.rises[last].fitness)
+    }
+
+    /// Goals solved by the best genome.
+    #[must_use]
+    pub fn goals_solved(&self) -> usize {
+        (0..GOALS)
+            .filter(|&goal| crate::fitness::solved(self.points[goal]))
+            .count()
+    }
+}
+
+/// Evolves runs of one condition, all at the same generation, up to `generations`; `watch` sees them after every generation
+/// and may stop them.
+pub fn evolve(
+    condition: &Condition,
+    engine: Engine,
+    runs: &mut [Run],
+    generations: u32,
+    mut watch: impl FnMut(&[Run]) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut evaluator = Evaluator::new(condition.clone(), engine, runs.len());
+    while runs.iter().any(|run| {
+        run.generation
+            .is_none_or(|generation| generation < generations)
+    }) {
+        let proposals = runs
+            .iter_mut()
+            .map(|run| run.archipelago.propose())
+            .collect();
+        for (run, evaluated) in runs.iter_mut().zip(evaluator.evaluate(proposals)) {
+            run.accept(evaluated);
+        }
+        watch(runs)?;
+    }
+    ControlFlow::Continue(())
+}

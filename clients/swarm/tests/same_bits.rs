@@ -1,0 +1,189 @@
+//! A run's bits depend on its condition, settings and seed alone.
+
+use std::ops::ControlFlow;
+
+use ebts::checkpoint::Checkpoint;
+use ebts::condition::{Condition, Setup, Sharing};
+use ebts::evaluate::Evaluator;
+use ebts::fitness::FitnessRule;
+use ebts::ga::Settings;
+use ebts::islands::IslandSettings;
+use ebts::rng::SplitMix64;
+use ebts::run::{Record, Run, evolve};
+use ebts::sensors::SensorOrder;
+use ebts::{genome::Genome, run};
+use field::{Engine, Preset, Trial, run_trial};
+
+const GENERATIONS: u32 = 18;
+const ISLANDS: IslandSettings = IslandSettings {
+    islands: 3,
+    migrate_every: 4,
+};
+
+/// Conditions that take every path: presets, team sizes, sharing, scoring, sensor order.
+fn conditions() -> Vec<Condition> {
+    let paper_team = |preset: Preset, agents| Setup {
+        agents,
+        sharing: Sharing::Shared,
+        sensors: SensorOrder::default(),
+        fitness_rule: FitnessRule::AntiAccident,
+        preset,
+    };
+    let mut setups: Vec<Setup> = [Preset::R3, Preset::N, Preset::LB]
+        .into_iter()
+        .flat_map(|p| (1..=4).map(move |n| paper_team(p.clone(), n)))
+        .collect();
+    setups.push(Setup {
+        sharing: Sharing::PerAgent,
+        ..paper_team(Preset::N, 3)
+    });
+    setups.push(Setup {
+        fitness_rule: FitnessRule::Literal,
+        ..paper_team(Preset::PAPER, 2)
+    });
+    let sensors = "photo-right,ir-left,ir-front,photo-left,ir-right"
+        .parse()
+        .expect("an order");
+    setups.push(Setup {
+        sensors,
+        ..paper_team(Preset::R3, 2)
+    });
+    setups
+        .into_iter()
+        .map(|setup| setup.build().expect("a valid setup"))
+        .collect()
+}
+
+fn start(condition: &Condition, islands: IslandSettings, seed: u64) -> Run {
+    Run::new(condition, Settings::default(), islands, seed).expect("valid settings")
+}
+
+fn evolved(condition: &Condition, engine: Engine, mut runs: Vec<Run>) -> Vec<Record> {
+    assert!(
+        evolve(condition, engine, &mut runs, GENERATIONS, |_| {
+            ControlFlow::Continue(())
+        })
+        .is_continue()
+    );
+    runs.iter()
+        .map(|run| run.record(condition).expect("an evolved run"))
+        .collect()
+}
+
+#[test]
+fn every_engine_and_any_company_give_the_same_run() {
+    for condition in conditions() {
+        let runs = || {
+            (1..=3)
+                .map(|seed| start(&condition, IslandSettings::default(), seed))
+                .collect::<Vec<_>>()
+        };
+        let alone: Vec<Record> = runs()
+            .into_iter()
+            .flat_map(|run| evolved(&condition, Engine::fastest(), vec![run]))
+            .collect();
+        for engine in Engine::all() {
+            let together = evolved(&condition, engine, runs());
+            let setup = Setup::from(&condition);
+            assert_eq!(
+                together,
+                alone,
+                "{} {:?}",
+                engine.name(),
+                (setup.preset.name, setup.agents, setup.sharing)
+            );
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_run_resumes_to_the_same_bits() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("run.checkpoint");
+    for condition in conditions() {
+        for islands in [IslandSettings::default(), ISLANDS] {
+            let straight = evolved(
+                &condition,
+                Engine::fastest(),
+                vec![start(&condition, islands, 5)],
+            );
+            for stop_at in [0, 7, 16] {
+                let mut runs = [start(&condition, islands, 5)];
+                let watch = |runs: &[Run]| match runs[0].generation() {
+                    Some(generation) if generation == stop_at => ControlFlow::Break(()),
+                    _ => ControlFlow::Continue(()),
+                };
+                assert!(
+                    evolve(&condition, Engine::fastest(), &mut runs, GENERATIONS, watch).is_break()
+                );
+                let [run] = runs;
+                let saved = Checkpoint {
+                    condition: condition.clone(),
+                    settings: Settings::default(),
+                    islands,
+                    generations: GENERATIONS,
+                    run,
+                };
+                saved.write(&path).expect("a writable folder");
+                let resumed = Checkpoint::read(&path).expect("an intact checkpoint");
+                assert_eq!(resumed.run, saved.run, "stopped at {stop_at}");
+                assert_eq!(
+                    evolved(&resumed.condition, Engine::fastest(), vec![resumed.run]),
+                    straight,
+                    "stopped at {stop_at}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_memo_changes_no_points() {
+    for condition in conditions() {
+        let mut rng = SplitMix64::stream(&[4]);
+        let mut evaluator = Evaluator::new(condition.clone(), Engine::fastest(), 1);
+        let rate = ebts::rng::Probability::new(0.01).expect("a probability");
+        let mut genome = Genome::random(condition.genome_bits(), &mut rng);
+        for _ in 0..60 {
+            genome.mutate(rate, &mut rng);
+            let evaluated = evaluator
+                .evaluate(vec![vec![genome.clone(); 2]])
+                .remove(0)
+                .remove(1);
+            let tables = condition.responses(&genome);
+            let direct = condition.layouts().map(|layout| {
+                condition.points(&run_trial(
+                    &condition.model,
+                    condition.team,
+                    &Trial { layout, tables },
+                ))
+            });
+            assert_eq!(evaluated.points, direct);
+        }
+    }
+}
+
+#[test]
+fn fitness_only_rises_and_islands_hold_their_populations() {
+    let condition = conditions().remove(1);
+    let mut runs = [start(&condition, ISLANDS, 9)];
+    let watch = |runs: &[Run]| {
+        for island in runs[0].archipelago().islands() {
+            let fitness: Vec<f32> = island
+                .members()
+                .iter()
+                .map(|member| member.fitness())
+                .collect();
+            assert_eq!(fitness.len(), Settings::default().population);
+            assert!(fitness.is_sorted_by(|a, b| a >= b), "{fitness:?}");
+        }
+        ControlFlow::Continue(())
+    };
+    assert!(evolve(&condition, Engine::fastest(), &mut runs, GENERATIONS, watch).is_continue());
+    let rises: &[run::Rise] = runs[0].rises();
+    assert!(
+        rises.windows(2).all(
+            |pair| pair[0].fitness < pair[1].fitness && pair[0].generation < pair[1].generation
+        )
+    );
+}

@@ -1,0 +1,159 @@
+//! Table files: what is written reads back; what is damaged is refused.
+
+use std::ops::ControlFlow;
+
+use ebts::condition::{Condition, Setup, Sharing};
+use ebts::fitness::FitnessRule;
+use ebts::ga::Settings;
+use ebts::islands::IslandSettings;
+use ebts::run::{Run, evolve};
+use ebts::sensors::SensorOrder;
+use ebts::table_file::{Hash, TableFile};
+use field::{Engine, Preset};
+
+fn table_file(sharing: Sharing) -> TableFile {
+    let setup = Setup {
+        agents: 2,
+        sharing,
+        sensors: SensorOrder::default(),
+        fitness_rule: FitnessRule::AntiAccident,
+        preset: Preset::R3,
+    };
+    let condition: Condition = setup.build().expect("a valid setup");
+    let run = Run::new(
+        &condition,
+        Settings::default(),
+        IslandSettings::default(),
+        7,
+    )
+    .expect("valid settings");
+    let mut runs = [run];
+    assert!(
+        evolve(&condition, Engine::fastest(), &mut runs, 30, |_| {
+            ControlFlow::Continue(())
+        })
+        .is_continue()
+    );
+    let record = runs[0].record(&condition).expect("an evolved run");
+    let file = TableFile::from_record(&condition, &record, 30).expect("a record of this condition");
+    TableFile {
+        code_version: "0.1.0".to_owned(),
+        ..file
+    }
+}
+
+#[test]
+fn a_file_reads_back_whatever_its_comments_and_row_order() {
+    for sharing in [Sharing::Shared, Sharing::PerAgent] {
+        let file = table_file(sharing);
+        let text = file.to_text();
+        let read = TableFile::parse(&text, Hash::Required).expect("an intact file");
+        assert_eq!(read.to_text(), text);
+        assert_eq!(read.individual, file.individual);
+        let mut lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+        let first_row = lines
+            .iter()
+            .position(|line| line.contains("\"00000 "))
+            .expect("the first row");
+        lines.swap(first_row, first_row + 5);
+        let shuffled = TableFile::parse(&lines.join("\n"), Hash::Required).expect("the same rows");
+        assert_eq!(shuffled.individual, file.individual);
+    }
+}
+
+/// The layout of the file is a promise to every file that exists.
+#[test]
+fn the_layout_is_the_one_on_record() {
+    let text = table_file(Sharing::Shared).to_text();
+    let golden = include_str!("golden/table.toml");
+    assert_eq!(
+        text, golden,
+        "if the layout changed on purpose, change its version and this record"
+    );
+    TableFile::parse(golden, Hash::Required).expect("files of this version stay readable");
+}
+
+#[test]
+fn a_file_cut_off_anywhere_is_refused() {
+    let text = table_file(Sharing::Shared).to_text();
+    let end = text.trim_end().len();
+    for cut in (0..end).filter(|&cut| text.is_char_boundary(cut)) {
+        assert!(
+            TableFile::parse(&text[..cut], Hash::Required).is_err(),
+            "cut at byte {cut}"
+        );
+    }
+}
+
+#[test]
+fn damage_is_named() {
+    let text = table_file(Sharing::Shared).to_text();
+    let row = text
+        .lines()
+        .find(|line| line.contains("\"00000 "))
+        .expect("the first row")
+        .to_owned();
+    let spoil = |from: &str, to: &str| text.replacen(from, to, 1);
+    let output = &row[row.find(' ').map_or(0, |_| 11)..16];
+    let flipped = if output.starts_with("00") { "01" } else { "00" };
+    let rows = [
+        (spoil("ebts-table-1", "ebts-table-2"), "format was"),
+        (
+            spoil("agents = 2", "agents = 5"),
+            "could not place 5 agents",
+        ),
+        (
+            spoil("agents = 2", "agents = 2\nspeed = 3"),
+            "unknown field",
+        ),
+        (
+            spoil("agent_radius_px = 40.0", "agent_radius_px = nan"),
+            "agent_radius_px was NaN",
+        ),
+        (
+            spoil(
+                "medium_speed_px_per_frame = 6.0",
+                "medium_speed_px_per_frame = 1e9",
+            ),
+            "medium_speed_px_per_frame was 1000000000",
+        ),
+        (
+            spoil("points = [", "points = [nan, "),
+            "it is no table file",
+        ),
+        (spoil(&row, ""), "a table had 31 rows"),
+        (
+            spoil(&row, &row.replace("00000", "00001")),
+            "was there twice",
+        ),
+        (
+            spoil(&row, &row.replace("00000", "0000x")),
+            "was not of the form",
+        ),
+        (
+            spoil(&row, &row.replace("00000", "000000")),
+            "was not of the form",
+        ),
+        (
+            spoil(
+                &row,
+                &row.replacen(
+                    &format!("00000 {}", &output[..2]),
+                    &format!("00000 {flipped}"),
+                    1,
+                ),
+            ),
+            "integrity.sha256 was",
+        ),
+        (spoil("seed = 7", "seed = 8"), "integrity.sha256 was"),
+        (spoil("seed = 7", "seed = -7"), "it is no table file"),
+        (spoil("sha256 = \"", "sha256 = \"0"), "integrity.sha256 was"),
+        (spoil("[integrity]", "[integrityx]"), "unknown field"),
+        (String::new(), "it is no table file"),
+        ("\u{0}\u{1}garbage".to_owned(), "it is no table file"),
+    ];
+    for (text, expected) in rows {
+        let why = TableFile::parse(&text, Hash::Required).expect_err(expected);
+        assert!(why.contains(expected), "{why:?} does not say {expected:?}");
+    }
+}
