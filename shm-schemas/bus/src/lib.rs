@@ -18,8 +18,8 @@
 //!   * Cleaning up after the dead may itself be killed at any moment (`clean.rs`, `tests/crash.rs`).
 //!   * Sending and receiving never wait for a peer. A full buffer loses its oldest content.
 //! * **Threads:** ports are not `Send`. Each thread opens its own [`Bus`]; the compiler holds it to that.
-//! * **Cost:** [`Publisher::send`] allocates once (48 bytes, inside iceoryx2 0.10), receiving never; (`tests/allocation.rs`);
-//!   neither makes a system call while the set of peers stays the same (measured with strace).
+//! * **Cost:** [`Publisher::send`] allocates once (48 bytes, inside iceoryx2 0.10), receiving never
+//!   (`tests/allocation.rs`). Neither makes a system call while the set of peers stays the same (measured, strace).
 //! * **Absent on purpose:** wake-ups (readers poll on their own clock), iceoryx2's blackboard (a restarted writer
 //!   cannot take it over) and its `dev_permissions` (they would open the bus to every user).
 #![forbid(unsafe_code)]
