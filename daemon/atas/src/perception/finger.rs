@@ -2,6 +2,7 @@
 
 use super::friction::Friction;
 use super::increment::Increment;
+use super::noise::Noise;
 use super::patch::{ElementAxes, Patch};
 use crate::intake::CheckedFrame;
 use crate::settings::Perception as Settings;
@@ -60,6 +61,7 @@ pub struct Finger {
     axes: ElementAxes,
     filtered_n: [[f64; 3]; ELEMENTS],
     bias_n: [[f64; 3]; ELEMENTS],
+    noise: Noise,
     increment: Increment,
     friction: Friction,
     percept: FingerPercept,
@@ -73,6 +75,7 @@ impl Finger {
             axes: ElementAxes::new(layout),
             filtered_n: [[0.0; 3]; ELEMENTS],
             bias_n: [[0.0; 3]; ELEMENTS],
+            noise: Noise::default(),
             increment: Increment::default(),
             friction: Friction::default(),
             percept: FingerPercept::default(),
@@ -87,7 +90,10 @@ impl Finger {
         settings: &Settings,
     ) -> FingerPercept {
         self.filter(finger, frame, settings);
-        let patch = Patch::of(&self.axes, &self.filtered_n, settings.element_floor_n);
+        let patch = Patch::of(&self.axes, &self.filtered_n, self.noise.variance_n2(), settings.element_floor_n);
+        if !self.percept.in_contact {
+            self.noise.listen(&self.filtered_n[..self.axes.count], frame.step_s());
+        }
         self.touch(&patch, settings);
         let slipping = self.friction.update(&patch, frame.step_s(), settings);
         self.percept = FingerPercept {

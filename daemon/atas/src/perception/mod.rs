@@ -11,6 +11,7 @@ mod finger;
 mod friction;
 mod hardness;
 mod increment;
+mod noise;
 mod patch;
 
 pub use finger::{Finger, FingerPercept};

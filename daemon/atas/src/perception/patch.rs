@@ -5,6 +5,9 @@ use nalgebra::Vector3;
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
 
+/// How far an element's normal force must stand out of the noise to take part in the friction estimate (ours).
+const NOISE_CLEARANCE: f64 = 6.0;
+
 /// The axes of every element in tip coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct ElementAxes {
@@ -48,7 +51,12 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    pub(super) fn of(axes: &ElementAxes, elements_n: &[[f64; 3]; ELEMENTS], floor_n: f64) -> Self {
+    pub(super) fn of(
+        axes: &ElementAxes,
+        elements_n: &[[f64; 3]; ELEMENTS],
+        noise_n2: f64,
+        floor_n: f64,
+    ) -> Self {
         let mut force_n = Vector3::zeros();
         let mut lean = Vector3::zeros();
         for element in 0..axes.count {
@@ -73,7 +81,7 @@ impl Patch {
             ratios: [(0.0, 0.0); ELEMENTS],
             pressed: 0,
         };
-        patch.collect_ratios(axes, elements_n, floor_n);
+        patch.collect_ratios(axes, elements_n, noise_n2, floor_n);
         patch
     }
 
@@ -81,8 +89,11 @@ impl Patch {
         &mut self,
         axes: &ElementAxes,
         elements_n: &[[f64; 3]; ELEMENTS],
+        noise_n2: f64,
         floor_n: f64,
     ) {
+        let clear_n = NOISE_CLEARANCE * libm::sqrt(noise_n2);
+        let floor_n = if clear_n > floor_n { clear_n } else { floor_n };
         for element in 0..axes.count {
             if elements_n[element][0] <= NORMAL_FLOOR_N {
                 continue;
@@ -90,7 +101,8 @@ impl Patch {
             let force_n = axes.force(element, elements_n[element]);
             let normal_n = -force_n.dot(&self.normal);
             if normal_n > floor_n {
-                let tangential_n = (force_n + self.normal * normal_n).norm();
+                let squared_n2 = (force_n + self.normal * normal_n).norm_squared() - 2.0 * noise_n2;
+                let tangential_n = if squared_n2 > 0.0 { libm::sqrt(squared_n2) } else { 0.0 };
                 self.ratios[self.pressed] = (tangential_n / normal_n, normal_n);
                 self.pressed += 1;
             }
