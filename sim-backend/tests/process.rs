@@ -292,3 +292,14 @@ fn lists() {
     );
     assert!(listed("faults").contains("payloads are lost with this probability"));
 }
+
+/// As in `atas-sim faults | head -1`.
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    for what in ["objects", "faults"] {
+        let mut child = atas_sim(what).spawn().expect("atas-sim starts");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("it ends");
+        assert!(output.status.success(), "{what}: {output:?}");
+    }
+}

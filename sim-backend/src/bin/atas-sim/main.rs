@@ -3,11 +3,6 @@
 //! Two ways to run: [`free_run`] follows the machine's clock at 1 kHz, [`lockstep`] waits for the daemon's answer to every
 //! tick and so repeats bit for bit. Both drive the same [`session::Session`].
 
-#![expect(
-    clippy::print_stdout,
-    reason = "the lists of objects and faults are what the user asked for"
-)]
-
 mod args;
 mod failure;
 mod free_run;
@@ -99,10 +94,10 @@ fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
 }
 
 fn list_objects() -> Result<(), Failure> {
-    println!(
+    let mut lines = vec![format!(
         "{:18} {:>7} {:>8} {:>8} {:>13} {:>8}",
         "name", "mass kg", "friction", "needed N", "stiffness N/m", "crush N"
-    );
+    )];
     for name in Object::names() {
         let object = Object::built_in(name)?;
         let (mass_kg, friction, needed_n) = (object.mass_kg, object.friction, object.needed_n());
@@ -114,33 +109,44 @@ fn list_objects() -> Result<(), Failure> {
             }
         };
         let (stiffness, crush) = (or_none(object.stiffness_n_m), or_none(object.crush_n));
-        println!("{name:18} {mass_kg:7} {friction:8} {needed_n:8.2} {stiffness:>13} {crush:>8}");
+        lines.push(format!(
+            "{name:18} {mass_kg:7} {friction:8} {needed_n:8.2} {stiffness:>13} {crush:>8}"
+        ));
     }
+    print(&lines);
     Ok(())
 }
 
 fn list_faults() {
-    println!(
+    let mut lines = vec![
         "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, for example drop=0.3@2+0.5:right"
-    );
-    println!(
-        "{:10} {:>9}  {:26}  what happens",
-        "kind", "usually", "targets"
-    );
+            .to_owned(),
+        format!(
+            "{:10} {:>7}  {:26}  what happens",
+            "kind", "usually", "targets"
+        ),
+    ];
     for fault in FaultKind::all() {
         let takes_value = fault.range != [0.0, 0.0];
         let usually = if takes_value {
-            fault.value.to_string()
+            format!("{:?}", fault.value)
         } else {
             String::new()
         };
-        println!(
-            "{:10} {usually:>9}  {:26}  {}",
+        lines.push(format!(
+            "{:10} {usually:>7}  {:26}  {}",
             fault.name,
             fault.targets(),
             fault.about
-        );
+        ));
     }
+    print(&lines);
+}
+
+/// Writes lines to standard output. A reader that has seen enough closes it; that is no failure.
+fn print(lines: &[String]) {
+    let mut stdout = io::stdout().lock();
+    let _ = lines.iter().try_for_each(|line| writeln!(stdout, "{line}"));
 }
 
 fn start_log() {
