@@ -19,7 +19,7 @@ use shm_schemas::{
 
 /// One hand of the controller.
 #[derive(Clone, Debug)]
-pub struct HandControl {
+pub(crate) struct HandControl {
     hand: Hand,
     model: HandModel,
     required: bool,
@@ -39,7 +39,7 @@ pub struct HandControl {
 impl HandControl {
     /// A hand that feels nothing yet and stands nowhere.
     #[must_use]
-    pub fn new(hand: Hand, model: HandModel, wiring: &Wiring) -> Self {
+    pub(crate) fn new(hand: Hand, model: HandModel, wiring: &Wiring) -> Self {
         let own = &wiring.hands[model.side().index()];
         Self {
             hand,
@@ -60,7 +60,7 @@ impl HandControl {
     }
 
     /// Takes in this tick's frames.
-    pub fn feel(
+    pub(crate) fn feel(
         &mut self,
         frames: &[HandFrame],
         tick: Tick,
@@ -68,6 +68,7 @@ impl HandControl {
         events: &mut Events,
     ) {
         let before = *self.perception.percept();
+        self.intent = None;
         self.intake.begin();
         self.perception.begin();
         self.frames = frames.len() as u32;
@@ -87,23 +88,23 @@ impl HandControl {
 
     /// What the hand must be held for.
     #[must_use]
-    pub fn doubt(&self, tick: Tick, settings: &Settings) -> Reason {
+    pub(crate) fn doubt(&self, tick: Tick, settings: &Settings) -> Reason {
         self.intake.doubt(tick, &settings.intake)
     }
 
     /// Takes in where the joints are.
-    pub fn locate(&mut self, measured: &HandPose) {
+    pub(crate) fn locate(&mut self, measured: &HandPose) {
         self.measured_gap_m = gap_m(measured);
     }
 
     /// Stands at these joint positions, rad, at rest.
-    pub fn anchor(&mut self, q_rad: HandVector, wiring: &Wiring) {
+    pub(crate) fn anchor(&mut self, q_rad: HandVector, wiring: &Wiring) {
         self.carrier = Some(Carrier::at(&self.model, q_rad, wiring.stiffness_n_m_rad));
         self.arbiter.rest();
     }
 
     /// One tick of the task: modules in parallel, arbitration, kinematics, and what became of it.
-    pub fn act(
+    pub(crate) fn act(
         &mut self,
         settings: &Settings,
         step_s: f64,
@@ -134,15 +135,14 @@ impl HandControl {
     }
 
     /// Where the joints shall go: towards this tick's intent if the hand moves, else where they are.
-    pub fn follow(&mut self, moves: bool, step_s: f64) -> HandCommand {
-        let intent = self.intent.take();
+    pub(crate) fn follow(&mut self, moves: bool, step_s: f64) -> HandCommand {
         let Some(carrier) = self.carrier.as_mut() else {
             return HandCommand {
                 q_rad: HandVector::zeros(),
                 closing_m_s: [0.0; FINGERS],
             };
         };
-        match intent {
+        match self.intent {
             Some(intent) if moves => {
                 carrier.follow(&self.model, &intent, self.perception.percept(), step_s)
             }
@@ -151,14 +151,14 @@ impl HandControl {
     }
 
     /// Takes over what the safety gate let through.
-    pub fn adopt(&mut self, q_rad: HandVector) {
+    pub(crate) fn adopt(&mut self, q_rad: HandVector) {
         if let Some(carrier) = self.carrier.as_mut() {
             carrier.adopt(q_rad);
         }
     }
 
     /// Starts the task of a checked goal.
-    pub fn start(&mut self, goal: &GoalRequest, settings: &Settings) {
+    pub(crate) fn start(&mut self, goal: &GoalRequest, settings: &Settings) {
         let Some(carrier) = self.carrier.as_ref() else {
             return;
         };
@@ -183,7 +183,7 @@ impl HandControl {
     }
 
     /// Ends the task; what the hand holds, it keeps holding and watching.
-    pub fn end(&mut self, settings: &Settings) {
+    pub(crate) fn end(&mut self, settings: &Settings) {
         let keeps = self.runner.as_mut().is_some_and(|r| {
             r.grips()
                 && self
@@ -198,7 +198,7 @@ impl HandControl {
     }
 
     /// Ends the task and lets the modules rest, whatever the hand holds.
-    pub fn abandon(&mut self) {
+    pub(crate) fn abandon(&mut self) {
         self.runner = None;
         self.active = 0;
         self.arbiter.rest();
@@ -206,25 +206,25 @@ impl HandControl {
 
     /// Whether a task, or what remains of one, is in force.
     #[must_use]
-    pub fn is_busy(&self) -> bool {
+    pub(crate) fn is_busy(&self) -> bool {
         self.runner.is_some()
     }
 
     /// Whether the hand holds an object.
     #[must_use]
-    pub fn grips(&self) -> bool {
+    pub(crate) fn grips(&self) -> bool {
         self.runner.as_ref().is_some_and(Runner::grips)
     }
 
     /// The task, if one is in force.
     #[must_use]
-    pub fn runner(&self) -> Option<&Runner> {
+    pub(crate) fn runner(&self) -> Option<&Runner> {
         self.runner.as_ref()
     }
 
     /// What the gate must know of the grip.
     #[must_use]
-    pub fn grip(&self) -> Grip {
+    pub(crate) fn grip(&self) -> Grip {
         let percept = self.perception.percept();
         Grip {
             normal_n: core::array::from_fn(|f| percept.fingers[f].normal_n),
@@ -237,19 +237,19 @@ impl HandControl {
     }
 
     /// Takes the present reading as zero.
-    pub fn bias(&mut self) {
+    pub(crate) fn bias(&mut self) {
         self.perception.bias();
     }
 
     /// The model of this hand.
     #[must_use]
-    pub fn model(&self) -> &HandModel {
+    pub(crate) fn model(&self) -> &HandModel {
         &self.model
     }
 
     /// What the hand has learnt, for the goal's client.
     #[must_use]
-    pub fn figures(&self) -> GraspFigures {
+    pub(crate) fn figures(&self) -> GraspFigures {
         let percept = self.perception.percept();
         let mut figures = GraspFigures::default();
         for (i, finger) in percept.fingers.iter().enumerate() {
@@ -275,7 +275,7 @@ impl HandControl {
 
     /// What the tick saw and did.
     #[must_use]
-    pub fn report(&self, tick: Tick) -> HandReport {
+    pub(crate) fn report(&self, tick: Tick) -> HandReport {
         let percept = self.perception.percept();
         let closing = self.intent_closing();
         let mut report = HandReport {
@@ -312,7 +312,7 @@ impl HandControl {
 
     /// Counts and present readings, as [`shm_schemas::Status`] shows them.
     #[must_use]
-    pub fn status(&self, tick: Tick) -> HandStatus {
+    pub(crate) fn status(&self, tick: Tick) -> HandStatus {
         let counts = self.intake.counts();
         let fingers = &self.perception.percept().fingers;
         HandStatus {
@@ -412,7 +412,7 @@ impl HandControl {
 
     /// The event that announces a step.
     #[must_use]
-    pub fn step_event(&self, step: &Step) -> ModuleEvent {
+    pub(crate) fn step_event(&self, step: &Step) -> ModuleEvent {
         ModuleEvent {
             text: shm_schemas::Text::new(step.name),
             ..self.event(EventKind::STEP)
