@@ -120,7 +120,7 @@ pub struct DemoGrasp {
     /// Tick by tick as fast as the machine goes, and the same bits every time
     #[arg(long, conflicts_with = "realtime")]
     pub lockstep: bool,
-    /// By the clock at 1 kHz [default]
+    /// By the clock at 1 kHz; the default
     #[arg(long)]
     pub realtime: bool,
 }

@@ -75,13 +75,17 @@ impl Output {
     }
 }
 
-/// A table in the one style of this program.
+/// Columns below which a terminal's width is not believed: nothing could be read there.
+const COLUMNS_MIN: u16 = 40;
+
+/// A table in the one style of this program, wrapped to the terminal's width.
 pub(crate) fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
-    table
-        .load_style(TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─')))
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_header(header);
+    let lines = TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
+    table.load_style(lines).set_header(header);
+    if table.width().is_none_or(|columns| columns >= COLUMNS_MIN) {
+        table.set_content_arrangement(ContentArrangement::Dynamic);
+    }
     table
 }
 

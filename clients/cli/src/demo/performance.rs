@@ -39,6 +39,8 @@ pub(super) struct Performance {
     pub(super) lifted_m: f64,
     /// Why it did not succeed; empty if it did.
     pub(super) reason: String,
+    /// Share of the milliseconds in which daemon or simulator did not get to run in time. Zero in lock-step.
+    pub(super) starved: f64,
 }
 
 impl Performance {
@@ -59,8 +61,11 @@ impl Performance {
         let watched = watch(&mut stage, &session, &object, interrupt, &mut progress);
         // If a process died, its own words explain more than what its death led to.
         stage.check()?;
-        let (story, truths) = watched?;
-        Ok(Self::judge(&object, &story, &truths))
+        let (story, truths, starved) = watched?;
+        Ok(Self {
+            starved,
+            ..Self::judge(&object, &story, &truths)
+        })
     }
 
     fn judge(object: &Object, story: &Story, truths: &Truths) -> Self {
@@ -83,6 +88,7 @@ impl Performance {
             } else {
                 String::new()
             },
+            starved: 0.0,
         }
     }
 
@@ -140,7 +146,7 @@ fn watch(
     object: &Object,
     interrupt: &Interrupt,
     progress: &mut Progress,
-) -> anyhow::Result<(Story, Truths)> {
+) -> anyhow::Result<(Story, Truths, f64)> {
     let scene = Scene::grasp(object.clone(), SIDE);
     let hint = scene
         .grasp_hint(0)
@@ -148,6 +154,7 @@ fn watch(
     let goal = grasp_goal(&hint, SIDE, LIFT_MM * 1e-3, HOLD_S);
     let mut statuses = session.bus().subscriber::<Status>(service::STATUS)?;
     let (mut status, mut truths) = (Status::default(), Truths::watch(session)?);
+    let mut first = None;
     let pursuit = Pursuit {
         session,
         interrupt,
@@ -155,7 +162,9 @@ fn watch(
     };
     let (story, cancelled) = pursuit.run(&goal, |story| {
         stage.check()?;
-        statuses.newest(&mut status)?;
+        if statuses.newest(&mut status)? {
+            first.get_or_insert(status);
+        }
         truths.look(story)?;
         progress.show(story, Some(&status), truths.now.objects[0].lifted_m);
         Ok(())
@@ -170,7 +179,18 @@ fn watch(
         None => {}
     }
     truths.settle(&story)?;
-    Ok((story, truths))
+    Ok((story, truths, starved(&first.unwrap_or(status), &status)))
+}
+
+/// Share of the milliseconds between two statuses that the daemon missed, or for which no joint state arrived.
+fn starved(first: &Status, last: &Status) -> f64 {
+    let count = |of: fn(&Status) -> u64| of(last).saturating_sub(of(first)) as f64;
+    let missed = count(|status| status.missed_ticks);
+    let all = count(|status| status.ticks) + missed;
+    if all == 0.0 {
+        return 0.0;
+    }
+    (missed + count(|status| status.joints.lost)) / all
 }
 
 fn farthest(slip_m: &[f64]) -> f64 {

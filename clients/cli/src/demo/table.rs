@@ -5,6 +5,9 @@ use serde_json::{Value, json};
 use super::performance::Performance;
 use crate::output::{Output, number, table};
 
+/// Share of missed milliseconds above which the results may be the machine's fault (ours: an idle machine misses none).
+const STARVED_SHARE: f64 = 0.002;
+
 /// Prints the results in the format asked for.
 pub(super) fn print(performances: &[Performance], output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
@@ -40,7 +43,16 @@ pub(super) fn print(performances: &[Performance], output: &mut Output) -> anyhow
         cells.push(performance.reason.as_str().into());
         rows.add_row(cells);
     }
-    output.line(rows)
+    output.line(rows)?;
+    let starved = performances.iter().map(|p| p.starved).fold(0.0, f64::max);
+    if starved > STARVED_SHARE {
+        output.line(format!(
+            "This machine was too busy for real time: up to {:.1} % of the milliseconds were missed, and what is held may \
+             slip. End other programs, or use --lockstep.",
+            starved * 100.0
+        ))?;
+    }
+    Ok(())
 }
 
 fn value(performance: &Performance) -> Value {
@@ -59,6 +71,7 @@ fn value(performance: &Performance) -> Value {
         "outcome": performance.outcome.name(),
         "as_expected": performance.is_expected(),
         "reason": performance.reason,
+        "starved": performance.starved,
     })
 }
 

@@ -170,7 +170,9 @@ fn failures(records: &[Record]) -> BTreeMap<String, u64> {
     let mut failures = BTreeMap::new();
     let unexpected = |r: &&Record| !r.outcome.is_expected(r.load.is_feasible());
     for record in records.iter().filter(unexpected) {
-        *failures.entry(record.outcome.key()).or_default() += 1;
+        *failures
+            .entry(record.outcome.key(record.step.as_str()))
+            .or_default() += 1;
     }
     failures
 }

@@ -3,6 +3,7 @@
 use anyhow::Context;
 use robot_model::{RobotModel, Side};
 use rustix::time::{ClockId, clock_gettime};
+use shm_schemas::Text;
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use sim_backend::Scene;
 use sim_backend::random::split_mix;
@@ -26,6 +27,8 @@ pub struct Record {
     pub load: Load,
     /// What truly became of it.
     pub outcome: Outcome,
+    /// The controller's step at the end.
+    pub step: Text<16>,
     /// Mean true normal force of the fingers at the end over the force needed; of held objects only.
     pub over_grip: Option<f64>,
     /// F_2 that the controller measured over F_2 at the true stiffness; `None` if it never got so far.
@@ -81,6 +84,7 @@ pub(super) fn run(
         object,
         load,
         outcome,
+        step: trial.end.step,
         over_grip: is_held.then_some(mean_n / load.needed_n),
         f2_ratio: measured_f2.then(|| f64::from(trial.end.figures.f2_n) / load.f2_n),
         slip_m: is_held.then_some(slip_m),
