@@ -38,6 +38,7 @@ macro_rules! code {
 
             /// Whether this version knows the value. Check before acting on a value from the bus.
             #[must_use]
+            #[allow(clippy::manual_range_patterns, reason = "the macro cannot know whether the values are consecutive")]
             pub const fn is_known(self) -> bool {
                 matches!(self.0, $($number)|*)
             }

@@ -45,7 +45,11 @@ impl Arbiter {
         for finger in 0..FINGERS {
             let wishes = || proposals.iter().map(|p| p.closing_m_s[finger]);
             let closing = highest(wishes(), 0.0);
-            let wanted = if closing > 0.0 { closing } else { lowest(wishes(), 0.0) };
+            let wanted = if closing > 0.0 {
+                closing
+            } else {
+                lowest(wishes(), 0.0)
+            };
             let ceiling = lowest(
                 proposals.iter().map(|p| p.closing_ceiling_m_s[finger]),
                 f64::INFINITY,

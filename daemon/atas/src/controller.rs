@@ -243,6 +243,10 @@ impl Controller {
     }
 
     fn recover(&mut self) {
+        // Anywhere else anchoring would give up the grip and the task.
+        if self.mode.mode() != Mode::SAFE_STOP {
+            return;
+        }
         self.mode_change(ModeMachine::recover);
         if let Some(measured_rad) = self.joints.position_rad().copied() {
             self.anchor(&measured_rad);

@@ -6,7 +6,7 @@
 use crate::Tick;
 use crate::limits;
 use crate::settings::Intake as Limits;
-use crate::tick::seconds_between;
+use crate::tick::{nanoseconds, seconds_between};
 use crate::wiring::HandWiring;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Cause, Hand, HandFrame, Reason};
@@ -101,7 +101,7 @@ struct Pinned {
     sequence: u64,
     captured_ns: u64,
     received_ns: u64,
-    force_n: [[[f32; 3]; ELEMENTS]; FINGERS],
+    force_n: Forces,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -238,11 +238,12 @@ impl FrameIntake {
         if frame.stamp.writer_epoch != pinned.epoch {
             return self.consider_writer(frame, pinned, tick, limits);
         }
-        match frame.stamp.sequence {
-            s if s == pinned.sequence => Err(Refusal::Duplicate),
-            s if s < pinned.sequence => Err(Refusal::Reordered),
+        // Wrapping: a counter that begins again at 0 after its last value is no gap.
+        match frame.stamp.sequence.wrapping_sub(pinned.sequence) {
+            0 => Err(Refusal::Duplicate),
+            ahead if ahead > u64::MAX / 2 => Err(Refusal::Reordered),
             _ if frame.stamp.captured_ns <= pinned.captured_ns => Err(Refusal::Mistimed),
-            s => Ok(s - pinned.sequence - 1),
+            ahead => Ok(ahead - 1),
         }
     }
 
@@ -254,7 +255,8 @@ impl FrameIntake {
         tick: Tick,
         limits: &Limits,
     ) -> Result<u64, Refusal> {
-        if tick.now_ns.saturating_sub(pinned.received_ns) < limits::WRITER_SILENT_NS {
+        let silent_ns = limits::WRITER_SILENT_NS.max(nanoseconds(self.longest_silence_s()));
+        if tick.now_ns.saturating_sub(pinned.received_ns) < silent_ns {
             return Err(Refusal::Foreign);
         }
         let (epoch, sequence) = (frame.stamp.writer_epoch, frame.stamp.sequence);
@@ -270,7 +272,6 @@ impl FrameIntake {
         if f64::from(good) < limits.resync_frames {
             return Err(Refusal::Resyncing);
         }
-        self.candidate = None;
         self.counts.restarts += 1;
         self.worsen(Reason::of(Cause::SENSOR_RESTARTED));
         Ok(0)
@@ -284,7 +285,8 @@ impl FrameIntake {
         limits: &Limits,
     ) -> CheckedFrame<'a> {
         self.counts.frames += 1;
-        self.counts.lost += gap;
+        self.candidate = None;
+        self.counts.lost = self.counts.lost.saturating_add(gap);
         if gap as f64 > limits.gap_frames {
             self.worsen(Reason::limit(
                 Cause::FRAMES_LOST,
@@ -318,7 +320,7 @@ impl FrameIntake {
     fn mask(&mut self, frame: &HandFrame, limits: &Limits) -> [u64; FINGERS] {
         let mut mask = [0; FINGERS];
         let mut invalid = 0;
-        for finger in 0..self.fingers {
+        for (finger, mask) in mask.iter_mut().enumerate().take(self.fingers) {
             for element in 0..self.elements as usize {
                 let flagged = frame.valid_mask[finger] >> element & 1 == 1;
                 let force = frame.force_n[finger][element];
@@ -327,7 +329,7 @@ impl FrameIntake {
                     .iter()
                     .all(|f| f64::from(f.abs()) <= limits.element_force_n);
                 if flagged && believable {
-                    mask[finger] |= 1 << element;
+                    *mask |= 1 << element;
                 } else {
                     invalid += 1;
                 }
@@ -350,7 +352,7 @@ impl FrameIntake {
         let same = self
             .pinned
             .as_ref()
-            .is_some_and(|p| p.force_n == frame.force_n);
+            .is_some_and(|p| same_bits(&p.force_n, &frame.force_n));
         self.identical = if same {
             self.identical.saturating_add(1)
         } else {
@@ -401,6 +403,17 @@ impl FrameIntake {
             self.warning = reason.about(self.hand.0 as usize);
         }
     }
+}
+
+type Forces = [[[f32; 3]; ELEMENTS]; FINGERS];
+
+/// Bit by bit, because a NaN would make frozen frames look different from each other.
+fn same_bits(a: &Forces, b: &Forces) -> bool {
+    let (a, b) = (a.as_flattened(), b.as_flattened());
+    a.as_flattened()
+        .iter()
+        .zip(b.as_flattened())
+        .all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 fn mistimed(frame: &HandFrame, tick: Tick, limits: &Limits) -> Reason {

@@ -21,6 +21,10 @@ pub struct Inputs<'a> {
 
 /// What the supervisor asks of the controller. At most one per tick, so that the order of effects is defined.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "an order travels by value to a loop that must not touch the heap"
+)]
 pub enum Order {
     /// Start a goal.
     Start(GoalRequest),

@@ -1,7 +1,7 @@
 //! Joint feedback: decides which joint states are believed.
 
 use crate::Tick;
-use crate::limits::FEEDBACK_JUMP_FACTOR;
+use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD};
 use crate::settings::Intake as Limits;
 use crate::tick::seconds_between;
 use robot_model::{HandVector, Joint, ROBOT_JOINTS, RobotModel, Side};
@@ -54,7 +54,7 @@ impl JointIntake {
         match self.admit(state, tick, limits) {
             Ok(lost) => {
                 self.status.states += 1;
-                self.status.lost += lost;
+                self.status.lost = self.status.lost.saturating_add(lost);
                 let mut position_rad = [0.0; ROBOT_JOINTS];
                 position_rad.copy_from_slice(&state.position_rad[..ROBOT_JOINTS]);
                 self.newest = Some(Newest {
@@ -134,12 +134,21 @@ impl JointIntake {
                 ROBOT_JOINTS as f64,
             ));
         }
-        if let Some(joint) = state.position_rad[..ROBOT_JOINTS]
+        let positions_rad = &state.position_rad[..ROBOT_JOINTS];
+        // The comparisons are false for NaN, so a NaN is out of range.
+        let believable = |(joint, &q_rad): (&Joint, &f64)| {
+            q_rad >= joint.lower_rad - FEEDBACK_MARGIN_RAD
+                && q_rad <= joint.upper_rad + FEEDBACK_MARGIN_RAD
+        };
+        if let Some(joint) = self
+            .joints
             .iter()
-            .position(|q| !q.is_finite())
+            .zip(positions_rad)
+            .position(|j| !believable(j))
         {
             let last_rad = self.newest.map_or(0.0, |n| n.position_rad[joint]);
-            return Err(Reason::limit(Cause::JOINTS_INVALID, f64::NAN, last_rad).about(joint));
+            let reason = Reason::limit(Cause::JOINTS_INVALID, positions_rad[joint], last_rad);
+            return Err(reason.about(joint));
         }
         let age_s = seconds_between(state.stamp.captured_ns, tick.now_ns);
         if age_s > limits.reject_age_s || -age_s > limits.future_s {

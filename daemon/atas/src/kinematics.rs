@@ -9,7 +9,8 @@ use crate::limits::{COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M, SECONDARY_BUILD_UP_S}
 use crate::perception::Percept;
 use nalgebra::{SVector, Vector2, Vector3};
 use robot_model::{
-    ARM_JOINTS, FINGERS, GraspFrame, HandModel, HandPose, HandVector, HandJacobian, IkStatus, IkWeights,
+    ARM_JOINTS, FINGERS, GraspFrame, HandJacobian, HandModel, HandPose, HandVector, IkStatus,
+    IkWeights,
 };
 
 /// Joint positions that kinematics asks for, before the safety gate.
@@ -19,6 +20,14 @@ pub struct HandCommand {
     pub(crate) q_rad: HandVector,
     /// Closing speed that each finger is asked for, m/s.
     pub(crate) closing_m_s: [f64; FINGERS],
+}
+
+impl HandCommand {
+    /// Wanted positions of one hand, rad, and the closing speed they stand for, m/s.
+    #[must_use]
+    pub fn new(q_rad: HandVector, closing_m_s: [f64; FINGERS]) -> Self {
+        Self { q_rad, closing_m_s }
+    }
 }
 
 /// The commanded pose of one hand.
@@ -115,9 +124,16 @@ impl Carrier {
         // Finger 1 is pressed along +n, finger 2 along −n.
         let n = self.frame.closing_axis();
         let mut force_n = SVector::<f64, 6>::zeros();
-        force_n.fixed_rows_mut::<3>(0).copy_from(&(n * self.normal_n[0]));
-        force_n.fixed_rows_mut::<3>(3).copy_from(&(n * -self.normal_n[1]));
-        let bent_rad = jacobian.tip.tr_mul(&force_n).component_div(&self.stiffness_n_m_rad);
+        force_n
+            .fixed_rows_mut::<3>(0)
+            .copy_from(&(n * self.normal_n[0]));
+        force_n
+            .fixed_rows_mut::<3>(3)
+            .copy_from(&(n * -self.normal_n[1]));
+        let bent_rad = jacobian
+            .tip
+            .tr_mul(&force_n)
+            .component_div(&self.stiffness_n_m_rad);
         let moved_m = jacobian.tip * bent_rad;
         core::array::from_fn(|finger| {
             let arm_m = pose.dome_axis(finger) * hand.dome_radius_m()[finger];
@@ -131,7 +147,10 @@ impl Carrier {
     fn weights(&mut self, step_s: f64) -> IkWeights {
         self.secondary = (self.secondary + step_s / SECONDARY_BUILD_UP_S).min(1.0);
         let gain = IkWeights::TICK.secondary_gain * self.secondary;
-        IkWeights { secondary_gain: gain, ..IkWeights::TICK }
+        IkWeights {
+            secondary_gain: gain,
+            ..IkWeights::TICK
+        }
     }
 
     /// Moves the commanded pose; returns the closing speed it stands for.

@@ -14,6 +14,9 @@ pub const JOINT_JERK_RAD_S3: f64 = 30_000.0;
 pub const STEP_FACTOR: f64 = 8.0;
 /// Joint feedback that moved faster than this multiple of the top speed since the last one is a jump (ours).
 pub const FEEDBACK_JUMP_FACTOR: f64 = 5.0;
+/// How far outside its limits a joint may be measured, rad (ours: sag and encoder noise at the stop; beyond it the
+/// reading is wrong).
+pub const FEEDBACK_MARGIN_RAD: f64 = 0.05;
 
 /// How fast the closing speed of a finger may grow, m/s² (ours: 2 mm/s within 20 ms keeps finger jerk low).
 pub const CLOSING_SPEED_UP_M_S2: f64 = 0.1;

@@ -68,17 +68,7 @@ impl Gate {
     /// A gate for this robot; it lets nothing through before [`Gate::anchor`].
     #[must_use]
     pub fn new(robot: &RobotModel, writer_epoch: u64) -> Self {
-        let joint = |i: usize| {
-            *robot
-                .hand(if i < HAND_JOINTS {
-                    Side::Left
-                } else {
-                    Side::Right
-                })
-                .joints()
-                .get(i % HAND_JOINTS)
-                .unwrap_or(&robot.hand(Side::Left).joints()[0])
-        };
+        let joint = |i: usize| robot.hand(Side::BOTH[i / HAND_JOINTS]).joints()[i % HAND_JOINTS];
         Self {
             joints: core::array::from_fn(joint),
             position_rad: [0.0; ROBOT_JOINTS],
@@ -94,12 +84,14 @@ impl Gate {
     }
 
     /// Takes measured positions as the commanded ones, at rest: at the start, and when the robot was moved while it was
-    /// not under command.
+    /// not under command. What is measured beyond a limit is commanded at the limit.
     pub fn anchor(&mut self, measured_rad: &[f64; ROBOT_JOINTS]) {
-        self.position_rad = *measured_rad;
+        self.position_rad = core::array::from_fn(|i| {
+            measured_rad[i].clamp(self.joints[i].lower_rad, self.joints[i].upper_rad)
+        });
         self.velocity_rad_s = [0.0; ROBOT_JOINTS];
         self.acceleration_rad_s2 = [0.0; ROBOT_JOINTS];
-        self.wanted_rad = *measured_rad;
+        self.wanted_rad = self.position_rad;
         self.anchored = true;
         self.off_course_ticks = 0;
     }
@@ -189,8 +181,8 @@ impl Gate {
 
     /// A step far beyond what the joint can do is a fault of the sender, not something to be smoothed over.
     fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut [f64; ROBOT_JOINTS]) {
-        for joint in 0..ROBOT_JOINTS {
-            let step_rad = (wanted_rad[joint] - self.position_rad[joint]).abs();
+        for (joint, &wanted) in wanted_rad.iter().enumerate() {
+            let step_rad = (wanted - self.position_rad[joint]).abs();
             let allowed_rad = STEP_FACTOR * self.joints[joint].velocity_max_rad_s * step_s;
             if step_rad > allowed_rad {
                 let reason = Reason::limit(Cause::COMMAND_STEP, step_rad, allowed_rad).about(joint);
@@ -200,14 +192,14 @@ impl Gate {
     }
 
     fn limit(&mut self, wanted_rad: &[f64; ROBOT_JOINTS], step_s: f64) {
-        for joint in 0..ROBOT_JOINTS {
+        for (joint, &wanted_rad) in wanted_rad.iter().enumerate() {
             let state = Motion {
                 position_rad: self.position_rad[joint],
                 velocity_rad_s: self.velocity_rad_s[joint],
                 acceleration_rad_s2: self.acceleration_rad_s2[joint],
             };
             let before_rad = self.wanted_rad[joint];
-            let next = state.towards(wanted_rad[joint], before_rad, &self.joints[joint], step_s);
+            let next = state.towards(wanted_rad, before_rad, &self.joints[joint], step_s);
             self.position_rad[joint] = next.position_rad;
             self.velocity_rad_s[joint] = next.velocity_rad_s;
             self.acceleration_rad_s2[joint] = next.acceleration_rad_s2;
@@ -303,26 +295,44 @@ impl Motion {
     fn towards(self, wanted_rad: f64, wanted_before_rad: f64, joint: &Joint, step_s: f64) -> Self {
         let wanted_rad = wanted_rad.clamp(joint.lower_rad, joint.upper_rad);
         let speed_rad_s = joint.velocity_max_rad_s;
-        let moving_rad_s = ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
+        let moving_rad_s =
+            ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
         let lag_rad = wanted_rad - moving_rad_s * step_s - self.position_rad;
-        let catch_up_rad_s = (lag_rad.abs() / step_s).min(brake_rad_s(lag_rad.abs())).copysign(lag_rad);
-        let wanted_rad_s = (moving_rad_s + catch_up_rad_s).clamp(-speed_rad_s, speed_rad_s).clamp(
-            -brake_rad_s(self.position_rad - joint.lower_rad),
-            brake_rad_s(joint.upper_rad - self.position_rad),
-        );
+        let catch_up_rad_s = (lag_rad.abs() / step_s)
+            .min(brake_rad_s(lag_rad.abs()))
+            .copysign(lag_rad);
+        let wanted_rad_s = (moving_rad_s + catch_up_rad_s)
+            .clamp(-speed_rad_s, speed_rad_s)
+            .clamp(
+                -brake_rad_s(self.position_rad - joint.lower_rad),
+                brake_rad_s(joint.upper_rad - self.position_rad),
+            );
         let wanted_rad_s2 = (wanted_rad_s - self.velocity_rad_s) / step_s;
         let jerk_step = JOINT_JERK_RAD_S3 * step_s;
         let acceleration_rad_s2 = wanted_rad_s2
-            .clamp(self.acceleration_rad_s2 - jerk_step, self.acceleration_rad_s2 + jerk_step)
+            .clamp(
+                self.acceleration_rad_s2 - jerk_step,
+                self.acceleration_rad_s2 + jerk_step,
+            )
             .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2);
-        let velocity_rad_s = (self.velocity_rad_s + acceleration_rad_s2 * step_s).clamp(-speed_rad_s, speed_rad_s);
-        let position_rad = (self.position_rad + velocity_rad_s * step_s).clamp(joint.lower_rad, joint.upper_rad);
-        Self { position_rad, velocity_rad_s, acceleration_rad_s2 }
+        let velocity_rad_s =
+            (self.velocity_rad_s + acceleration_rad_s2 * step_s).clamp(-speed_rad_s, speed_rad_s);
+        let position_rad =
+            (self.position_rad + velocity_rad_s * step_s).clamp(joint.lower_rad, joint.upper_rad);
+        Self {
+            position_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+        }
     }
 }
 
 /// Highest speed from which the joint still stops within a distance, rad/s. Half the acceleration is kept in reserve
 /// for the time that the jerk limit needs to build it up.
 fn brake_rad_s(distance_rad: f64) -> f64 {
-    if distance_rad > 0.0 { libm::sqrt(JOINT_ACCELERATION_RAD_S2 * distance_rad) } else { 0.0 }
+    if distance_rad > 0.0 {
+        libm::sqrt(JOINT_ACCELERATION_RAD_S2 * distance_rad)
+    } else {
+        0.0
+    }
 }

@@ -11,7 +11,7 @@ pub struct Tick {
 
 /// Time from `earlier` to `later`, s; negative when the order is reversed.
 #[must_use]
-pub fn seconds_between(earlier_ns: u64, later_ns: u64) -> f64 {
+pub(crate) fn seconds_between(earlier_ns: u64, later_ns: u64) -> f64 {
     if later_ns >= earlier_ns {
         (later_ns - earlier_ns) as f64 * 1e-9
     } else {
@@ -21,6 +21,6 @@ pub fn seconds_between(earlier_ns: u64, later_ns: u64) -> f64 {
 
 /// A duration in ns; what is negative or not a number becomes 0.
 #[must_use]
-pub fn nanoseconds(seconds: f64) -> u64 {
+pub(crate) fn nanoseconds(seconds: f64) -> u64 {
     (seconds * 1e9) as u64
 }

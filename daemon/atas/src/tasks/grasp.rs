@@ -7,7 +7,11 @@ use shm_schemas::ModuleId;
 const CARRY: Selection = Selection::of(&[ModuleId::CARRY]);
 const TOUCH: Selection = Selection::of(&[ModuleId::FIRST_TOUCH]);
 const PROBE: Selection = Selection::of(&[ModuleId::PROBE]);
-const GRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::PROBE, ModuleId::FORCE_LIMIT]);
+const GRIP: Selection = Selection::of(&[
+    ModuleId::FIRST_TOUCH,
+    ModuleId::PROBE,
+    ModuleId::FORCE_LIMIT,
+]);
 const LOWER: Selection = Selection::of(&[ModuleId::CARRY, ModuleId::FORCE_LIMIT]);
 const HOLD: Selection = Selection::of(&[
     ModuleId::FIRST_TOUCH,
