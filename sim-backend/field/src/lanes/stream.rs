@@ -1,7 +1,9 @@
 //! Trials flow through the lanes: a lane whose trial is over takes the next one.
 //!
-//! A trial is over after its last frame, or as soon as nothing in it moves any more: then its distances are already those of
-//! its last frame. Lanes are looked at every [`STRIDE`] frames, and filled again when enough of them are free.
+//! A trial is over after its last frame, or as soon as it is back where it was [`STRIDE`] frames ago, as when nothing moves or
+//! when an agent dithers in front of an obstacle: a frame depends on nothing but the frame before, so it will be back there
+//! after every further stride, the last one included, and has read every row and reached every place that it ever will.
+//! Lanes are looked at once per stride, and filled again when enough of them are free.
 
 use super::Lanes;
 use super::kernel::Fields;
@@ -9,8 +11,9 @@ use super::seats::{Seats, WIDEST};
 use crate::constants::Constants;
 use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
 
-/// Frames between two looks at the lanes; divides both instants of measurement.
-const STRIDE: u32 = 10;
+/// Frames between two looks at the lanes; divides both instants of measurement. Six catches cycles of 1, 2, 3 and 6 frames,
+/// the common ones, and looks seldom enough (measured).
+const STRIDE: u32 = 6;
 const _: () =
     assert!(EXECUTION_FRAMES.is_multiple_of(STRIDE) && TRIAL_FRAMES.is_multiple_of(STRIDE));
 /// Lanes that must be free before they are filled again: fewer fill too often, more idle too long (measured).
@@ -37,13 +40,12 @@ pub(crate) fn run<T: Lanes, const N: usize>(
     while desk.fill(T::WIDTH, |lanes, seats| {
         fields.admit(T::mask(cpu, lanes), seats)
     }) {
-        for _ in 1..STRIDE {
+        let before = fields.stance();
+        for _ in 0..STRIDE {
             fields.advance(&desk.seats);
         }
-        let before = fields.stance();
-        fields.advance(&desk.seats);
 
-        let over = (fields.at_frame(TRIAL_FRAMES) | fields.unmoved_since(&before)) & desk.live;
+        let over = (fields.at_frame(TRIAL_FRAMES) | fields.back_at(&before)) & desk.live;
         let executed = (fields.at_frame(EXECUTION_FRAMES) | over) & desk.unmeasured;
         if executed | over != 0 {
             desk.settle(executed, over, &fields.measure());
@@ -93,8 +95,8 @@ impl<const N: usize> Desk<'_, N> {
         lanes
     }
 
-    /// Writes down what was measured in the lanes that ended their execution time and in those that are over. A trial that
-    /// stood still before the end of its execution time is in both sets.
+    /// Writes down what was measured in the lanes that ended their execution time and in those that are over. A trial that is
+    /// over before the end of its execution time is in both sets.
     fn settle(&mut self, executed: u32, over: u32, measured: &[Outcome; WIDEST]) {
         for (lane, now) in measured.iter().enumerate() {
             let outcome = &mut self.outcomes[self.trial[lane]];

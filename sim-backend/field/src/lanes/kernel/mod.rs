@@ -41,7 +41,7 @@ pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize> {
     object_moved: bool,
 }
 
-/// All that moves: where it does not change in a frame, it never will, because a frame depends on nothing else.
+/// All that moves, and all that the next frame depends on.
 pub(in crate::lanes) struct Stance<T, const N: usize> {
     x: Team<T, N>,
     y: Team<T, N>,
@@ -163,9 +163,9 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
         T::is_zero(self.frame + self.int(-(frame as i32))).bits()
     }
 
-    /// One bit per lane in which nothing moved since `before`.
+    /// One bit per lane that is where it was `before`.
     #[inline(always)]
-    pub(in crate::lanes) fn unmoved_since(&self, before: &Stance<T, N>) -> u32 {
+    pub(in crate::lanes) fn back_at(&self, before: &Stance<T, N>) -> u32 {
         let mut same = self.object_x.eq(before.object_x) & self.object_y.eq(before.object_y);
         for i in 0..N {
             same = same & self.x[i].eq(before.x[i]) & self.y[i].eq(before.y[i]);
