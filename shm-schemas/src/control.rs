@@ -33,7 +33,7 @@ code! {
         /// Refused; `text` says why.
         REFUSED = 2, "refused";
         /// The daemon does not know the operation or the name.
-        UNKNOWN = 3, "unknown";
+        UNKNOWN = 3, "unknown-request";
     }
 }
 

@@ -7,7 +7,7 @@
 //! * **In, out:** nothing flows through this crate; it only names what flows.
 //! * **Invariants:** payloads are `#[repr(C)]`, fixed size, free of padding and pointers, and made of `f32`, `f64`,
 //!   `u32`, `u64` and `u8` arrays only, so that any language can declare them. Their type name carries a version;
-//!   a changed layout is a new version. The golden test `tests/layout.rs` pins every size and offset.
+//!   a changed layout is a new version. The golden file `tests/schemas/layout.golden` pins every size and offset.
 //! * **Conventions:** SI units, stated last in each name. Times are nanoseconds of `CLOCK_MONOTONIC` (of virtual
 //!   time in lock-step). Hand 0 is left, hand 1 is right. Joints: left 11, then right 11, in the order of the URDF.
 //! * **Absent on purpose:** transport (that is `shm-bus`), allocation, clocks, and any behaviour beyond checking

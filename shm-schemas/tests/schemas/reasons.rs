@@ -1,0 +1,212 @@
+//! Reasons print as one clear sentence each.
+
+use shm_schemas::{Cause, Mode, ModuleId, Reason};
+
+/// One row per cause: a reason and its sentence.
+fn table() -> Vec<(Reason, &'static str)> {
+    let limit = |cause, value, limit, index| Reason::limit(cause, value, limit).about(index);
+    vec![
+        (limit(Cause::NONE, 0.0, 0.0, 0), "nothing to report"),
+        (
+            limit(Cause::NOT_FINITE, 0.0, 0.0, 8),
+            "width of the goal is not finite; send finite numbers",
+        ),
+        (
+            limit(Cause::OUT_OF_RANGE, 0.2, 0.15, 9),
+            "lift of the goal is 0.2000, the limit is 0.1500; choose a value within it",
+        ),
+        (
+            limit(Cause::UNREACHABLE, 0.55, 0.4, 0),
+            "the hand cannot reach it: from x is 0.5500, the limit is 0.4000; move the object nearer",
+        ),
+        (
+            limit(Cause::UNKNOWN_GOAL, 99.0, 0.0, 1),
+            "field 1 of the goal has the unknown code 99; update the client",
+        ),
+        (
+            limit(Cause::BUSY, 0.0, 0.0, 0),
+            "another goal is active; wait for it or cancel it",
+        ),
+        (
+            limit(Cause::NOT_READY, f64::from(Mode::SAFE_STOP.0), 0.0, 0),
+            "the daemon is in mode safe-stop, needs ready; see `atas status`",
+        ),
+        (
+            limit(Cause::HAND_FULL, 0.0, 0.0, 1),
+            "the right hand still holds an object; release it first with `atas release`",
+        ),
+        (
+            limit(Cause::NO_SENSOR, 0.0, 0.0, 0),
+            "the left hand has no tactile sensor in the configuration; use the other hand",
+        ),
+        (
+            limit(Cause::NOTHING_TOUCHED, 0.0262, 0.026, 0),
+            "closed to 26.2 mm and touched nothing; is the object there?",
+        ),
+        (
+            limit(Cause::TOO_HEAVY, 8.031, 8.0, 0),
+            "needs more than 8.03 N, F_2 is 8.00 N: object too heavy for its hardness",
+        ),
+        (
+            limit(Cause::LOST_OBJECT, 0.01, 0.03, 0),
+            "the object slipped out: normal force 0.01 N, needs 0.03 N",
+        ),
+        (
+            limit(Cause::OUT_OF_FORCE, 8.031, 8.0, 0),
+            "still slipping at 8.03 N, F_2 is 8.00 N: the load grew beyond what the object bears",
+        ),
+        (
+            limit(Cause::TIMED_OUT, 20.001, 20.0, 0),
+            "took 20.0 s, allowed 20.0 s",
+        ),
+        (
+            limit(Cause::CANCELLED, 0.0, 0.0, 0),
+            "cancelled by the client",
+        ),
+        (
+            limit(Cause::CLIENT_GONE, 0.0, 0.0, 0),
+            "the client of this attached goal went away",
+        ),
+        (
+            limit(Cause::FRAMES_STOPPED, 6e6, 5e6, 0),
+            "no tactile frame of hand left for 6.0 ms, allowed 5.0 ms; is the sensor process running?",
+        ),
+        (
+            limit(Cause::FRAME_STALE, 7.25e6, 5e6, 1),
+            "the newest frame of hand right is 7.2 ms old, allowed 5.0 ms",
+        ),
+        (
+            limit(Cause::FRAME_FUTURE, 2e6, 1e6, 1),
+            "a frame of hand right is stamped 2.0 ms ahead, allowed 1.0 ms; use CLOCK_MONOTONIC of this machine",
+        ),
+        (
+            limit(Cause::FRAMES_LOST, 6.0, 5.0, 0),
+            "6 frames of hand left lost in a row, allowed 5",
+        ),
+        (
+            limit(Cause::FRAME_CORRUPT, 3.0, 0.0, 1),
+            "3 frames of hand right failed their checksum",
+        ),
+        (
+            limit(Cause::FRAME_FOREIGN, 0.0, 0.0, 1),
+            "a frame of hand right comes from another writer or follows another layout than configured",
+        ),
+        (
+            limit(Cause::ELEMENTS_INVALID, 0.125, 0.1, 0),
+            "12 % of the elements of hand left are invalid, allowed 10 %",
+        ),
+        (
+            limit(Cause::FRAMES_FROZEN, 40.0, 40.0, 1),
+            "the readings of hand right have not changed for 40 frames, allowed 40",
+        ),
+        (
+            limit(Cause::SENSOR_RESTARTED, 0.0, 0.0, 0),
+            "the sensor process of hand left restarted",
+        ),
+        (
+            limit(Cause::JOINTS_STOPPED, 6e6, 5e6, 0),
+            "no joint state for 6.0 ms, allowed 5.0 ms; is the robot process running?",
+        ),
+        (
+            limit(Cause::JOINTS_INVALID, 3.5, 0.25, 4),
+            "joint 4 reports 3.5000 rad, last trusted position 0.2500 rad",
+        ),
+        (
+            limit(Cause::FOLLOWING_ERROR, 0.1, 0.08, 7),
+            "joint 7 is 0.1000 rad off its command, allowed 0.0800 rad; is it blocked?",
+        ),
+        (
+            limit(Cause::COMMAND_NOT_FINITE, 0.0, 0.0, 21),
+            "the command for joint 21 was not finite",
+        ),
+        (
+            limit(Cause::COMMAND_STEP, 0.5, 0.016, 3),
+            "the command for joint 3 jumped by 0.5000 rad, allowed 0.0160 rad",
+        ),
+        (
+            limit(Cause::GRIP_CEILING, 15.5, 15.0, 1),
+            "grip force 15.50 N of finger 1 is above its ceiling 15.00 N",
+        ),
+        (
+            limit(Cause::MODULE_PANICKED, 0.0, 0.0, 0),
+            "a module panicked; restart the daemon and report this",
+        ),
+        (
+            limit(Cause::LOOP_STALLED, 5.2e9, 3e6, 0),
+            "the loop stood still for 5200.0 ms, allowed 3.0 ms",
+        ),
+        (
+            limit(Cause::ESTOP, 0.0, 0.0, 0),
+            "stopped by `atas estop`; `atas recover` re-arms",
+        ),
+        (
+            limit(Cause::SHUTDOWN, 0.0, 0.0, 0),
+            "the daemon is shutting down",
+        ),
+    ]
+}
+
+#[test]
+fn every_cause_has_its_sentence() {
+    for (reason, sentence) in table() {
+        assert_eq!(reason.to_string(), sentence, "{}", reason.cause);
+    }
+    for cause in Cause::ALL {
+        assert!(
+            table().iter().any(|(r, _)| r.cause == *cause),
+            "{cause} has no row"
+        );
+    }
+}
+
+#[test]
+fn a_reason_names_the_module_that_saw_it() {
+    let reason = Reason::limit(Cause::TOO_HEAVY, 8.0, 7.5).by(ModuleId::FORCE_LIMIT);
+    assert!(
+        reason.to_string().ends_with(" (module 3, force limit)"),
+        "{reason}"
+    );
+}
+
+/// Words from the bus may hold anything.
+#[test]
+fn a_reason_of_unknown_codes_still_prints() {
+    for (reason, sentence) in [
+        (
+            Reason::limit(Cause(999), 1.0, 2.0),
+            "unknown(999): value 1, limit 2",
+        ),
+        (
+            Reason::of(Cause::BUSY).by(ModuleId(77)),
+            "another goal is active; wait for it or cancel it (unknown(77))",
+        ),
+        (
+            Reason::of(Cause::NOT_FINITE).about(usize::MAX),
+            "a value of the goal is not finite; send finite numbers",
+        ),
+        (
+            Reason::of(Cause::HAND_FULL).about(9),
+            "the unknown(9) hand still holds an object; release it first with `atas release`",
+        ),
+        (
+            Reason::limit(Cause::NOT_READY, f64::NAN, 0.0),
+            "the daemon is in mode init, needs ready; see `atas status`",
+        ),
+        (
+            Reason::limit(Cause::NOT_READY, 1e300, 0.0),
+            "the daemon is in mode unknown(4294967295), needs ready; see `atas status`",
+        ),
+    ] {
+        assert_eq!(reason.to_string(), sentence);
+    }
+}
+
+#[test]
+fn only_a_cause_makes_a_reason() {
+    assert!(!Reason::default().is_some());
+    assert!(
+        Cause::ALL
+            .iter()
+            .all(|c| Reason::of(*c).is_some() == (*c != Cause::NONE))
+    );
+}

@@ -1,0 +1,96 @@
+//! Seals: no flipped bit passes.
+
+use shm_schemas::{Hand, HandFrame, JointCommand, Layout, Stamp};
+use zerocopy::{FromBytes, IntoBytes};
+
+fn command() -> JointCommand {
+    let mut command = JointCommand {
+        stamp: Stamp {
+            sequence: 7,
+            captured_ns: 1_234_567,
+            writer_epoch: 42,
+        },
+        joint_count: 22,
+        position_rad: std::array::from_fn(|i| 0.1 * i as f64 - 1.0),
+        ..JointCommand::default()
+    };
+    command.seal();
+    command
+}
+
+fn frame() -> HandFrame {
+    let mut frame = HandFrame {
+        layout_hash: Layout::dome_41().hash(),
+        hand: Hand::RIGHT,
+        finger_count: 2,
+        ..HandFrame::default()
+    };
+    frame.force_n[1][40] = [1.5, -0.25, 0.125];
+    frame.seal();
+    frame
+}
+
+#[test]
+fn every_flipped_bit_of_a_command_is_noticed() {
+    let sound = command();
+    assert!(sound.is_intact());
+    let mut bytes = sound.as_bytes().to_vec();
+    for bit in 0..8 * bytes.len() {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        assert!(
+            !JointCommand::read_from_bytes(&bytes).unwrap().is_intact(),
+            "bit {bit}"
+        );
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+    assert!(JointCommand::read_from_bytes(&bytes).unwrap().is_intact());
+}
+
+#[test]
+fn flipped_bits_of_a_frame_are_noticed() {
+    let mut bytes = frame().as_bytes().to_vec();
+    // 101 is prime to the length, so the samples fall on every kind of byte and every bit of it.
+    for bit in (0..8 * bytes.len()).step_by(101) {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        assert!(
+            !HandFrame::read_from_bytes(&bytes).unwrap().is_intact(),
+            "bit {bit}"
+        );
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+}
+
+#[test]
+fn a_seal_is_the_standard_crc_of_everything_before_it() {
+    let frame = frame();
+    let covered = size_of::<HandFrame>() - 4;
+    assert_eq!(frame.crc32, crc32_bitwise(&frame.as_bytes()[..covered]));
+    assert_eq!(crc32_bitwise(b"123456789"), 0xcbf4_3926);
+}
+
+#[test]
+fn an_unsealed_payload_is_not_intact() {
+    assert!(
+        !HandFrame {
+            finger_count: 2,
+            ..HandFrame::default()
+        }
+        .is_intact()
+    );
+    assert!(
+        !JointCommand {
+            joint_count: 22,
+            ..JointCommand::default()
+        }
+        .is_intact()
+    );
+}
+
+/// CRC-32 (IEEE 802.3, reflected, as in zlib), bit by bit: an independent statement of the seal.
+fn crc32_bitwise(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg())
+        })
+    })
+}
