@@ -17,6 +17,7 @@
 //! Deliberately absent: clocks and unseeded randomness; the field itself; anything the agents would have to share besides
 //! their table.
 
+pub mod agents;
 pub mod analysis;
 pub mod checkpoint;
 pub mod condition;

@@ -48,7 +48,7 @@ pub struct Single {
     pub solved_per_run: f64,
     /// Trials in which the agent circles.
     pub circling: Estimate,
-    /// Trials in which the agent circles, stands still or ends in the object's light.
+    /// Trials in which the agent circles, stands still or ends beside the object.
     pub trapped: Estimate,
 }
 

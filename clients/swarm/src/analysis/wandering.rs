@@ -1,4 +1,4 @@
-//! Where an agent ends up: circling, standing still, caught by the object's light; and who pushes.
+//! Where an agent ends up: circling, standing still, caught beside the object; and who pushes.
 
 use field::TRIAL_FRAMES;
 
@@ -11,6 +11,9 @@ const SETTLED: std::ops::RangeInclusive<usize> = TRIAL_FRAMES as usize / 3..=TRI
 const TURN: i32 = 64;
 /// An agent whose path stays inside a square of this side stands still (ours).
 const STILL_PX: f32 = 3.0;
+/// An agent no further than this from the object is beside it: a quarter of the field's side (ours; in some presets the light
+/// reaches everywhere and says nothing).
+const BESIDE_PX: f32 = 200.0;
 /// An agent that presses against the object in at least this many frames took part in carrying it (ours).
 const PUSHING_FRAMES: usize = 9;
 
@@ -21,15 +24,15 @@ pub struct Wandering {
     pub circling: bool,
     /// It did not move.
     pub still: bool,
-    /// It ends within the object's light.
-    pub lit: bool,
+    /// It ends beside the object, within its light.
+    pub at_object: bool,
 }
 
 impl Wandering {
     /// Whether the agent did not get away: the paper's deadlock (III.c.1).
     #[must_use]
     pub fn trapped(self) -> bool {
-        self.circling || self.still || self.lit
+        self.circling || self.still || self.at_object
     }
 }
 
@@ -57,7 +60,8 @@ pub fn wandering(condition: &Condition, trace: &Trace, agent: usize) -> Wanderin
     Wandering {
         circling: steps.sum::<i32>().abs() >= TURN,
         still: extent(|pose| pose.x_px).max(extent(|pose| pose.y_px)) < STILL_PX,
-        lit: (dx * dx + dy * dy).sqrt() < condition.model.preset().object_light_px,
+        at_object: (dx * dx + dy * dy).sqrt()
+            < condition.model.preset().object_light_px.min(BESIDE_PX),
     }
 }
 

@@ -78,7 +78,7 @@ pub(super) fn findings(findings: &Findings) -> String {
         0.5,
     );
     share(
-        "one agent is trapped (circles, stands still, stays in the light)",
+        "one agent is trapped (circles, stands still, ends at the object)",
         single.trapped,
         0.5,
     );

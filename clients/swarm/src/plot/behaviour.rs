@@ -62,14 +62,14 @@ type Drawing = std::result::Result<(), Box<dyn std::error::Error>>;
 
 fn draw(trace: &Trace, svg: &mut String) -> Drawing {
     let agents = trace.frames[0].agents.len();
-    let area = SVGBackend::with_string(svg, (960, 190 * agents as u32)).into_drawing_area();
+    let area = SVGBackend::with_string(svg, (960, 200 * agents as u32)).into_drawing_area();
     area.fill(&WHITE)?;
     for ((agent, colour), panel) in (0..agents).zip(COLOURS).zip(area.split_evenly((agents, 1))) {
         let lines = LINES.len();
         let mut chart = ChartBuilder::on(&panel)
             .caption(format!("agent {}", agent + 1), ("sans-serif", 14))
             .margin(6)
-            .x_label_area_size(24)
+            .x_label_area_size(34)
             .y_label_area_size(64)
             .build_cartesian_2d(0..trace.frames.len(), 0.0..lines as f64)?;
         chart
@@ -77,6 +77,7 @@ fn draw(trace: &Trace, svg: &mut String) -> Drawing {
             .disable_mesh()
             .y_labels(0)
             .x_labels(10)
+            .x_desc("frame")
             .draw()?;
         for (line, name) in LINES.iter().enumerate() {
             let y = (lines - 1 - line) as f64;

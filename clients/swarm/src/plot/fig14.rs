@@ -50,6 +50,7 @@ fn draw(plan: &Plan, records: &[Record], svg: &mut String) -> Drawing {
         .configure_mesh()
         .x_desc("generation")
         .y_desc("fitness, of 800")
+        .y_label_formatter(&|fitness| format!("{fitness:.0}"))
         .light_line_style(WHITE)
         .draw()?;
     for (agents, colour) in plan.agents.iter().zip(COLOURS) {
