@@ -61,18 +61,7 @@ impl Rehearsal {
         seed: u64,
         settings: Settings,
     ) -> Result<Self, SceneError> {
-        let mut wiring = Wiring::default();
-        for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
-            hand.rate_hz = f64::from(rate_hz);
-        }
-        let mut rehearsal = Self {
-            robot: robot.clone(),
-            world: World::new(robot, scene, seed)?,
-            controller: Controller::new(robot, wiring, settings),
-            sensed: Sensed::default(),
-            command: JointCommand::default(),
-            index: 0,
-        };
+        let mut rehearsal = Self::at_rest(robot, scene, seed, settings)?;
         for _ in 0..READY_WITHIN_TICKS {
             rehearsal.step(None);
             if rehearsal.controller.mode().0 == Mode::READY {
@@ -80,6 +69,30 @@ impl Rehearsal {
             }
         }
         Ok(rehearsal)
+    }
+
+    /// Sets the scene; no tick has passed yet.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the world cannot be made.
+    pub fn at_rest(
+        robot: &RobotModel,
+        scene: &Scene,
+        seed: u64,
+        settings: Settings,
+    ) -> Result<Self, SceneError> {
+        let mut wiring = Wiring::default();
+        for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
+            hand.rate_hz = f64::from(rate_hz);
+        }
+        Ok(Self {
+            robot: robot.clone(),
+            world: World::new(robot, scene, seed)?,
+            controller: Controller::new(robot, wiring, settings),
+            sensed: Sensed::default(),
+            command: JointCommand::default(),
+            index: 0,
+        })
     }
 
     /// One tick: sense, decide, move.

@@ -15,6 +15,7 @@ use robot_model::FINGERS;
 pub(super) struct Probe {
     elapsed_s: f64,
     hardness: Hardness,
+    fit: Option<HardnessFit>,
 }
 
 impl Module for Probe {
@@ -22,27 +23,28 @@ impl Module for Probe {
         let settings = &context.settings.grasp;
         self.elapsed_s += context.step_s;
         let done = self.elapsed_s >= settings.probe_s;
-        let news = self.listen(percept, context);
+        self.listen(percept, context);
         // An object that turns out rock-hard must not be pressed beyond F_2 while it is still being judged.
         let (_, strongest_n) = force_range_n(percept);
         let pressing = !done && strongest_n < settings.f2_max_n;
         Proposal {
             active: !done,
             closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; FINGERS],
-            verdict: news.filter(|_| done).map_or(Verdict::None, Verdict::Hardness),
+            verdict: self.fit.filter(|_| done).map_or(Verdict::None, Verdict::Hardness),
             ..Proposal::default()
         }
     }
 }
 
 impl Probe {
-    /// Takes in this tick's frame; a fit if it told something new.
-    fn listen(&mut self, percept: &Percept, context: &Context<'_>) -> Option<HardnessFit> {
+    /// Takes in this tick's frame, and refines the fit if it tells something new.
+    fn listen(&mut self, percept: &Percept, context: &Context<'_>) {
         if percept.step_s <= 0.0 {
-            return None;
+            return;
         }
         let mean_n = percept.fingers[..FINGERS].iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64;
         let settings = &context.settings.perception;
-        self.hardness.add(context.closing_m, mean_n, percept.step_s, settings)
+        let news = self.hardness.add(context.closing_m, mean_n, percept.step_s, settings);
+        self.fit = news.or(self.fit);
     }
 }

@@ -1,0 +1,28 @@
+//! The controller's step by itself: grasp task, both hands, 22 joints.
+
+use atas::{Order, Settings};
+use atas_cli::rehearsal::{Rehearsal, grasp_goal};
+use criterion::{Criterion, criterion_group, criterion_main};
+use robot_model::{RobotModel, Side};
+use sim_backend::{Object, Scene};
+
+/// A world in which the hand has begun to lift.
+fn lifting() -> Rehearsal {
+    let robot = RobotModel::two_hand_arm().expect("built in");
+    let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+    let goal = grasp_goal(&scene.grasp_hint(0).expect("an object"), Side::Right, 0.05, 3600.0);
+    let mut rehearsal = Rehearsal::new(&robot, &scene, 1, Settings::default()).expect("a world");
+    rehearsal.step(Some(&Order::Start(goal)));
+    for _ in 0..6000 {
+        rehearsal.step(None);
+    }
+    rehearsal
+}
+
+fn step(criterion: &mut Criterion) {
+    let mut rehearsal = lifting();
+    criterion.bench_function("world and controller, one tick", |b| b.iter(|| rehearsal.step(None).command.crc32));
+}
+
+criterion_group!(benches, step);
+criterion_main!(benches);

@@ -1,0 +1,79 @@
+//! The same seed gives the same commands, bit for bit: twice over the bus, and in process.
+
+use atas::{Order, Settings};
+use atas_cli::rehearsal::{Rehearsal, grasp_goal};
+use robot_model::{RobotModel, Side};
+use shm_bus::{Bus, FreshBus, Realtime};
+use shm_schemas::{GoalRequest, GoalState, TickReport, service};
+use sim_backend::{Object, Scene};
+use std::collections::BTreeMap;
+use system_tests::{Process, wait_for};
+
+const SEED: u64 = 7;
+/// In lock-step the daemon ticks this often before it takes the first goal.
+const WARM_UP_TICKS: u64 = 100;
+
+fn scene() -> Scene {
+    Scene::grasp(Object::built_in("slippery-50").expect("built in"), Side::Right)
+}
+
+fn goal() -> GoalRequest {
+    let hint = scene().grasp_hint(0).expect("an object");
+    grasp_goal(&hint, Side::Right, 0.01, 0.2)
+}
+
+/// Checksums of all commands over the bus, by tick, until the goal has ended.
+fn over_the_bus() -> BTreeMap<u64, u32> {
+    let bus = FreshBus::new("same");
+    let name = bus.as_str();
+    let seed = SEED.to_string();
+    let simulate = ["run", "--bus", name, "--object", "slippery-50", "--seed", &seed, "--lockstep"];
+    let _simulator = Process::start("atas-sim", &simulate);
+    let _daemon = Process::start("atasd", &["--bus", name, "--config", "/dev/null", "--lockstep"]);
+    let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
+    let mut reports = observer.subscriber::<TickReport>(service::TICK_REPORT).expect("a subscriber");
+    let client = observer.goal_client().expect("a client");
+    let mut pending = wait_for("the daemon", || client.send(&goal()).ok());
+    let mut sums = BTreeMap::new();
+    wait_for("the goal's end", || {
+        let mut note = |report: &TickReport| {
+            sums.insert(report.tick, report.command_crc32);
+        };
+        reports.drain(usize::MAX, &mut note).expect("readable");
+        let update = pending.next().expect("an update")?;
+        update.state.is_final().then(|| assert_eq!(update.state, GoalState::SUCCEEDED, "{}", update.reason))
+    });
+    sums
+}
+
+/// The same in process.
+fn in_process() -> BTreeMap<u64, u32> {
+    let robot = RobotModel::two_hand_arm().expect("built in");
+    let mut rehearsal = Rehearsal::at_rest(&robot, &scene(), SEED, Settings::default()).expect("a world");
+    let mut sums = BTreeMap::new();
+    loop {
+        let tick = sums.len() as u64;
+        let order = (tick == WARM_UP_TICKS).then(|| Order::Start(goal()));
+        let outputs = rehearsal.step(order.as_ref());
+        sums.insert(outputs.report.tick, outputs.report.command_crc32);
+        if outputs.goal_update.is_some_and(|u| u.state.is_final()) {
+            return sums;
+        }
+    }
+}
+
+/// Reports that an observer missed are no difference; a command that differs is.
+fn compare(what: &str, a: &BTreeMap<u64, u32>, b: &BTreeMap<u64, u32>) {
+    let common = a.keys().filter(|tick| b.contains_key(tick)).count();
+    assert!(common * 10 > a.len().max(b.len()) * 9, "{what}: only {common} ticks seen by both");
+    for (tick, sum) in a {
+        assert!(b.get(tick).is_none_or(|other| other == sum), "{what}: commands differ first at tick {tick}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_commands_over_the_bus_and_in_process() {
+    let (first, second, rehearsed) = (over_the_bus(), over_the_bus(), in_process());
+    compare("two runs over the bus", &first, &second);
+    compare("the bus and in process", &first, &rehearsed);
+}

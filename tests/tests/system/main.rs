@@ -1,0 +1,7 @@
+//! The whole system: real processes, real shared memory, each test on a bus of its own.
+
+mod architecture;
+mod determinism;
+mod faults;
+mod optoforce;
+mod readme;

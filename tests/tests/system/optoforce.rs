@@ -1,0 +1,88 @@
+//! A real sensor's bytes through the same daemon: a recorded OptoForce stream, fed through a pseudo-terminal in
+//! partial reads at the device's pace.
+
+use rustix::fd::OwnedFd;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use shm_bus::{Bus, FreshBus, Realtime};
+use shm_schemas::{SensorStatus, Status, service};
+use std::time::{Duration, Instant};
+use system_tests::{Process, shared, wait_for};
+
+/// The daemon's configuration for this unit (thresholds of the recording's description).
+const CONFIG: &str = "
+[robot]
+joints_required = false
+[hands.left]
+layout = \"dome-1\"
+fingers = 1
+[hands.right]
+required = false
+[intake]
+element_force_n = 2000.0
+[perception]
+touch_on_n = 19.8
+touch_off_n = 9.9
+";
+const FRAMES: u64 = 34_374;
+const TOUCHES: u64 = 5;
+/// The device sends 1000 frames of 16 bytes a second.
+const BYTES_PER_S: f64 = 16_000.0;
+
+fn pseudo_terminal() -> (OwnedFd, String) {
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pseudo-terminal");
+    grantpt(&master).expect("granted");
+    unlockpt(&master).expect("unlocked");
+    let name = ptsname(&master, Vec::new()).expect("a name").into_string().expect("UTF-8");
+    let mut raw = rustix::termios::tcgetattr(&master).expect("a terminal");
+    raw.make_raw();
+    rustix::termios::tcsetattr(&master, rustix::termios::OptionalActions::Now, &raw).expect("raw");
+    (master, name)
+}
+
+/// Writes all bytes at the device's pace, in pieces of 1 to 37 bytes that respect no frame's edge.
+fn feed(master: &OwnedFd, bytes: &[u8]) {
+    let begin = Instant::now();
+    let mut sent = 0;
+    while sent < bytes.len() {
+        let due = (begin.elapsed().as_secs_f64() * BYTES_PER_S) as usize;
+        if due <= sent {
+            std::thread::sleep(Duration::from_micros(500));
+            continue;
+        }
+        let piece = (1 + (sent * 7) % 37).min(bytes.len() - sent);
+        sent += rustix::io::write(master, &bytes[sent..sent + piece]).expect("writable");
+    }
+}
+
+#[test]
+fn a_recorded_stream_reaches_the_daemon_without_loss_and_touches_five_times() {
+    let Some(path) = shared("data/optoforce_wire/capture.bin") else { return };
+    let capture = std::fs::read(path).expect("readable");
+    let bus = FreshBus::new("opto");
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let config = folder.path().join("atas.toml");
+    std::fs::write(&config, CONFIG).expect("writable");
+    let (master, tty) = pseudo_terminal();
+    let daemon = ["--bus", bus.as_str(), "--config", config.to_str().expect("UTF-8")];
+    let _daemon = Process::start("atasd", &daemon);
+    let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
+    let mut statuses = observer.subscriber::<Status>(service::STATUS).expect("a subscriber");
+    let mut sensors = observer.subscriber::<SensorStatus>(service::SENSOR_STATUS).expect("a subscriber");
+    let mut status = Status::default();
+    wait_for("the daemon", || statuses.newest(&mut status).expect("readable").then_some(()));
+    let sensor = [
+        "optoforce", "--device", &tty, "--hand", "left", "--bus", bus.as_str(), "--no-configure",
+        "--newtons-per-count", "300/7925,300/8641,2000/6049",
+    ];
+    let sensor = Process::start("atas-sensor", &sensor);
+    let mut report = SensorStatus::default();
+    wait_for("the sensor", || sensors.newest(&mut report).expect("readable").then_some(()));
+    feed(&master, &capture);
+    wait_for("every frame", || {
+        statuses.newest(&mut status).expect("readable");
+        (status.hands[0].frames + status.hands[0].lost >= FRAMES).then_some(())
+    });
+    let hand = status.hands[0];
+    assert_eq!((hand.frames, hand.lost, hand.touches[0]), (FRAMES, 0, TOUCHES), "{}", sensor.log());
+    assert_eq!((hand.corrupt, hand.foreign, hand.mistimed), (0, 0, 0));
+}
