@@ -6,3 +6,4 @@ mod goals;
 mod lives;
 mod service;
 mod support;
+mod unit;

@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::os::unix::net::UnixDatagram;
+use std::process::Command;
+use std::time::Duration;
 
 use rustix::process::Signal;
 use shm_bus::FreshBus;
@@ -10,34 +12,73 @@ use tempfile::TempDir;
 
 use crate::support::{Daemon, PATIENCE, World, wait_for};
 
+/// What a service manager would hear.
+struct Manager {
+    folder: TempDir,
+    socket: UnixDatagram,
+}
+
+impl Manager {
+    fn new() -> Self {
+        let folder = TempDir::new().expect("a temporary folder");
+        let socket = UnixDatagram::bind(folder.path().join("notify")).expect("bound");
+        socket.set_read_timeout(Some(PATIENCE)).expect("set");
+        Self { folder, socket }
+    }
+
+    fn watch(&self, command: &mut Command) {
+        command
+            .env("NOTIFY_SOCKET", self.folder.path().join("notify"))
+            .env("WATCHDOG_USEC", "30000");
+    }
+
+    fn hear(&self) -> std::io::Result<String> {
+        let mut buffer = [0; 256];
+        let length = self.socket.recv(&mut buffer)?;
+        Ok(String::from_utf8_lossy(&buffer[..length]).trim().to_owned())
+    }
+}
+
+#[test]
+fn a_watchdog_that_ticks_do_not_feed_starves() {
+    let bus = FreshBus::new("starve");
+    let mut world = World::on(&bus);
+    let manager = Manager::new();
+    let _daemon = Daemon::start_with(&bus, "", &["--lockstep"], |c| manager.watch(c));
+    manager.socket.set_nonblocking(true).expect("set");
+    let mut tick = 0;
+    wait_for("a fed watchdog", || {
+        tick += 1;
+        world.publish(tick * 1_000_000);
+        (manager.hear().ok()? == "WATCHDOG=1").then_some(())
+    });
+    // What was published before may still become a tick; then nothing can.
+    let quiet = Duration::from_millis(200);
+    manager.socket.set_nonblocking(false).expect("set");
+    manager.socket.set_read_timeout(Some(quiet)).expect("set");
+    let last_words: Vec<_> = std::iter::from_fn(|| manager.hear().ok())
+        .take(50)
+        .collect();
+    assert!(last_words.len() < 50, "fed without ticks: {last_words:?}");
+}
+
 #[test]
 fn the_service_manager_hears_ready_watchdog_and_stopping() {
     let bus = FreshBus::new("notify");
-    let folder = TempDir::new().expect("a temporary folder");
-    let path = folder.path().join("notify");
-    let socket = UnixDatagram::bind(&path).expect("bound");
-    socket.set_read_timeout(Some(PATIENCE)).expect("set");
-    let mut daemon = Daemon::start_with(&bus, "", &[], |command| {
-        command
-            .env("NOTIFY_SOCKET", &path)
-            .env("WATCHDOG_USEC", "30000");
-    });
-    let hear = || {
-        let mut buffer = [0; 256];
-        let length = socket.recv(&mut buffer).expect("a message");
-        String::from_utf8_lossy(&buffer[..length]).into_owned()
-    };
-    assert_eq!(hear().trim(), "READY=1");
-    assert_eq!(hear().trim(), "WATCHDOG=1");
+    let manager = Manager::new();
+    let mut daemon = Daemon::start_with(&bus, "", &[], |c| manager.watch(c));
+    let hear = || manager.hear().expect("a message");
+    assert_eq!(hear(), "READY=1");
+    assert_eq!(hear(), "WATCHDOG=1");
     daemon.signal(Signal::HUP);
     wait_for("reloading", || {
         hear()
             .starts_with("RELOADING=1\nMONOTONIC_USEC=")
             .then_some(())
     });
-    wait_for("ready again", || (hear().trim() == "READY=1").then_some(()));
+    wait_for("ready again", || (hear() == "READY=1").then_some(()));
     daemon.signal(Signal::TERM);
-    wait_for("stopping", || (hear().trim() == "STOPPING=1").then_some(()));
+    wait_for("stopping", || (hear() == "STOPPING=1").then_some(()));
     let ended = daemon.wait();
     assert!(ended.success(), "{ended}");
 }
