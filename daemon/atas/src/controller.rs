@@ -8,6 +8,7 @@ use crate::mode::ModeMachine;
 use crate::safety::{Gate, GateContext, SafeCommand};
 use crate::settings::{PARAMETERS, Settings};
 use crate::tasks::Outcome;
+use crate::tick::StallWatch;
 use crate::wiring::Wiring;
 use crate::{Stage, Tick};
 use robot_model::{RobotModel, Side};
@@ -32,6 +33,8 @@ pub struct Controller {
     goal: Option<ActiveGoal>,
     last_goal: Option<ActiveGoal>,
     tick: Tick,
+    stall_watch: StallWatch,
+    stall: Reason,
     step_s: f64,
     outputs: Outputs,
 }
@@ -51,6 +54,8 @@ impl Controller {
             goal: None,
             last_goal: None,
             tick: Tick::default(),
+            stall_watch: StallWatch::new(wiring.tick_s),
+            stall: Reason::default(),
             // Motion advances by one period per tick: a late tick does not jerk, and a missed one is not caught up.
             step_s: wiring.tick_s,
             outputs: Outputs {
@@ -153,6 +158,7 @@ impl Controller {
     }
 
     fn begin(&mut self, tick: Tick) {
+        self.stall = self.stall_watch.begin(tick, self.settings.safety.stall_s);
         self.tick = tick;
         self.outputs.events.begin(tick);
         self.outputs.goal_update = None;
@@ -259,6 +265,7 @@ impl Controller {
             self.stop(fault);
         }
         let doubts = [
+            self.stall,
             self.hands[0].doubt(self.tick, &self.settings),
             self.hands[1].doubt(self.tick, &self.settings),
             self.joints.doubt(self.tick, &self.settings.intake),

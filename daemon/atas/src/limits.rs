@@ -32,6 +32,8 @@ pub const COMPLIANCE_MAX_M: f64 = 0.001;
 
 /// Ticks without doubt after which HOLD ends by itself (fault catalogue F20: at most 50).
 pub const REARM_TICKS: u32 = 20;
+/// Tick periods without a tick that never count as a stall, so that slow ticks may miss one (ours).
+pub const STALL_PERIODS: f64 = 2.5;
 /// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 

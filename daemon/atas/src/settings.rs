@@ -231,6 +231,8 @@ settings! {
         valid_s = 0.005 in 0.001..0.1;
         /// How long a goal may pause in HOLD before it fails, s.
         pause_s = 0.5 in 0.0..60.0;
+        /// Time without a tick after which the robot holds first, s. Too small: holds on every hiccup of a shared machine (8 ms measured). Too large: goes on with a world that has changed.
+        stall_s = 0.02 in 0.003..1.0;
     }
 }
 

@@ -1,5 +1,8 @@
 //! Time is an argument: the core never reads a clock.
 
+use crate::limits::STALL_PERIODS;
+use shm_schemas::{Cause, Reason};
+
 /// One tick of the control loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Tick {
@@ -23,4 +26,60 @@ pub(crate) fn seconds_between(earlier_ns: u64, later_ns: u64) -> f64 {
 #[must_use]
 pub(crate) fn nanoseconds(seconds: f64) -> u64 {
     (seconds * 1e9) as u64
+}
+
+/// Notices that the loop stood still. After a long sleep (SIGSTOP, a suspended machine) the world may be another one:
+/// the first tick back must hold.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StallWatch {
+    step_s: f64,
+    last_ns: Option<u64>,
+}
+
+impl StallWatch {
+    /// A watch over ticks of this period.
+    pub(crate) fn new(step_s: f64) -> Self {
+        Self {
+            step_s,
+            last_ns: None,
+        }
+    }
+
+    /// A tick begins: what to hold for if the one before is longer ago than allowed.
+    pub(crate) fn begin(&mut self, tick: Tick, allowed_s: f64) -> Reason {
+        let last_ns = self.last_ns.replace(tick.now_ns).unwrap_or(tick.now_ns);
+        let still_s = seconds_between(last_ns, tick.now_ns);
+        let allowed_s = allowed_s.max(STALL_PERIODS * self.step_s);
+        if still_s > allowed_s {
+            Reason::limit(Cause::LOOP_STALLED, still_s * 1e9, allowed_s * 1e9)
+        } else {
+            Reason::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_long_pause_between_two_ticks_is_a_stall() {
+        let check = |step_s: f64, earlier_ns: u64, later_ns: u64, stalls: bool| {
+            let mut watch = StallWatch::new(step_s);
+            let at = |now_ns| Tick { index: 0, now_ns };
+            assert!(
+                !watch.begin(at(earlier_ns), 0.02).is_some(),
+                "the first tick"
+            );
+            assert_eq!(watch.begin(at(later_ns), 0.02).is_some(), stalls);
+            assert!(!watch.begin(at(later_ns + 1), 0.02).is_some(), "once");
+        };
+        check(0.001, 5_000_000_000, 5_019_000_000, false);
+        check(0.001, 5_000_000_000, 5_021_000_000, true);
+        // Time that runs backwards is no stall.
+        check(0.001, 5_000_000_000, 1_000_000_000, false);
+        // At 100 Hz one missed tick is none either.
+        check(0.01, 5_000_000_000, 5_024_000_000, false);
+        check(0.01, 5_000_000_000, 5_026_000_000, true);
+    }
 }

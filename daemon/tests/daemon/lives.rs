@@ -1,13 +1,15 @@
 //! How the daemon begins, ends and refuses to begin.
 
+use std::time::{Duration, Instant};
+
 use rustix::process::Signal;
 use shm_bus::FreshBus;
-use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StatusFlags};
+use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StatusFlags, TickReport, service};
 
 use crate::support::{Daemon, World, wait_for};
 
 /// Patient enough for a loaded machine: what is tested here is not how soon.
-const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\n";
+const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
 
 fn check_refused(config: &str, flags: &[&str], code: i32, said: &str) {
     let bus = FreshBus::new("refused");
@@ -138,6 +140,48 @@ fn frames_that_stop_are_held_for_and_come_back() {
     let status = world.until_mode(Mode::HOLD);
     assert_eq!(status.reason.cause, Cause::FRAMES_STOPPED);
     world.sends_frames = true;
+    world.until_mode(Mode::READY);
+}
+
+#[test]
+fn the_first_tick_after_a_stall_holds() {
+    let bus = FreshBus::new("stall");
+    let mut world = World::on(&bus);
+    let daemon = Daemon::start_with(&bus, PATIENT, &["--set", "safety.stall_s=0.2"], |_| ());
+    world.until_mode(Mode::READY);
+    let mut reports = world
+        .bus
+        .subscriber::<TickReport>(service::TICK_REPORT)
+        .expect("there is room");
+    let mut before = TickReport::default();
+    wait_for("a report", || {
+        reports.newest(&mut before).expect("readable").then_some(())
+    });
+    daemon.signal(Signal::STOP);
+    let stopped = Instant::now();
+    while stopped.elapsed() < Duration::from_millis(400) {
+        world.publish(shm_bus::now_ns());
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    daemon.signal(Signal::CONT);
+    let first_back = wait_for("the first tick back", || {
+        world.publish(shm_bus::now_ns());
+        let mut first_back = None;
+        let mut see = |report: &TickReport| {
+            let still_ns = report.stamp.captured_ns - before.stamp.captured_ns;
+            if still_ns > 200_000_000 && first_back.is_none() {
+                first_back = Some(*report);
+            }
+            before = *report;
+        };
+        reports.drain(256, &mut see).expect("readable");
+        first_back
+    });
+    assert_eq!(first_back.mode, Mode::HOLD);
+    wait_for("a line in the log", || {
+        let log = daemon.log();
+        log.contains("the loop stood still for").then_some(())
+    });
     world.until_mode(Mode::READY);
 }
 
