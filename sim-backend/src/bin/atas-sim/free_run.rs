@@ -23,6 +23,9 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let begin_ns = now_ns();
     session.follow_clock(begin_ns);
+    if let Err(refused) = crate::realtime::enter() {
+        tracing::info!(%refused, "no real-time scheduling: a busy machine will make ticks late");
+    }
     session.publish()?;
     let mut deadline_ns = begin_ns + TICK_NS;
     while !stop.load(Ordering::Relaxed) && !session.has_lasted(duration) {

@@ -7,6 +7,7 @@ mod args;
 mod failure;
 mod free_run;
 mod lockstep;
+mod realtime;
 mod session;
 
 use std::io::{self, IsTerminal, Write};
