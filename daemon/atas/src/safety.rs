@@ -293,46 +293,57 @@ impl Motion {
     /// A wanted motion within the limits is followed without lag. Where the limits made the joint fall behind, it catches
     /// up at a speed from which it can still brake, so that it does not swing about the wanted motion.
     fn towards(self, wanted_rad: f64, wanted_before_rad: f64, joint: &Joint, step_s: f64) -> Self {
-        let wanted_rad = wanted_rad.clamp(joint.lower_rad, joint.upper_rad);
+        let within = |q_rad: f64| q_rad.clamp(joint.lower_rad, joint.upper_rad);
+        let (wanted_rad, wanted_before_rad) = (within(wanted_rad), within(wanted_before_rad));
         let speed_rad_s = joint.velocity_max_rad_s;
         let moving_rad_s =
             ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
         let lag_rad = wanted_rad - moving_rad_s * step_s - self.position_rad;
-        let catch_up_rad_s = (lag_rad.abs() / step_s)
-            .min(brake_rad_s(lag_rad.abs()))
-            .copysign(lag_rad);
-        let wanted_rad_s = (moving_rad_s + catch_up_rad_s)
-            .clamp(-speed_rad_s, speed_rad_s)
-            .clamp(
-                -brake_rad_s(self.position_rad - joint.lower_rad),
-                brake_rad_s(joint.upper_rad - self.position_rad),
-            );
-        let wanted_rad_s2 = (wanted_rad_s - self.velocity_rad_s) / step_s;
-        let jerk_step = JOINT_JERK_RAD_S3 * step_s;
-        let acceleration_rad_s2 = wanted_rad_s2
-            .clamp(
-                self.acceleration_rad_s2 - jerk_step,
-                self.acceleration_rad_s2 + jerk_step,
-            )
-            .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2);
-        let velocity_rad_s =
-            (self.velocity_rad_s + acceleration_rad_s2 * step_s).clamp(-speed_rad_s, speed_rad_s);
-        let position_rad =
-            (self.position_rad + velocity_rad_s * step_s).clamp(joint.lower_rad, joint.upper_rad);
+        let catch_up_rad_s = brake_rad_s(lag_rad.abs(), step_s).copysign(lag_rad);
+        let wanted_rad_s = (moving_rad_s + catch_up_rad_s).clamp(
+            -brake_rad_s(self.position_rad - joint.lower_rad, step_s),
+            brake_rad_s(joint.upper_rad - self.position_rad, step_s),
+        );
+        let acceleration_rad_s2 = self.accelerate_rad_s2(wanted_rad_s, speed_rad_s, step_s);
+        let velocity_rad_s = self.velocity_rad_s + acceleration_rad_s2 * step_s;
         Self {
-            position_rad,
+            position_rad: within(self.position_rad + velocity_rad_s * step_s),
             velocity_rad_s,
             acceleration_rad_s2,
         }
     }
+
+    /// The acceleration towards a wanted speed: within its own limit, within the jerk limit, and never so high that the
+    /// jerk limit could not take it back before the top speed.
+    fn accelerate_rad_s2(&self, wanted_rad_s: f64, speed_rad_s: f64, step_s: f64) -> f64 {
+        let (now_rad_s, now_rad_s2) = (self.velocity_rad_s, self.acceleration_rad_s2);
+        let change_rad_s2 = JOINT_JERK_RAD_S3 * step_s;
+        let ending_below = |room_rad_s: f64| {
+            let room_rad_s = if room_rad_s > 0.0 { room_rad_s } else { 0.0 };
+            let build_up_s2 = step_s * step_s + 2.0 * room_rad_s / JOINT_JERK_RAD_S3;
+            JOINT_JERK_RAD_S3 * (libm::sqrt(build_up_s2) - step_s)
+        };
+        ((wanted_rad_s - now_rad_s) / step_s)
+            .clamp(now_rad_s2 - change_rad_s2, now_rad_s2 + change_rad_s2)
+            .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2)
+            .clamp(
+                -ending_below(speed_rad_s + now_rad_s),
+                ending_below(speed_rad_s - now_rad_s),
+            )
+    }
 }
 
-/// Highest speed from which the joint still stops within a distance, rad/s. Half the acceleration is kept in reserve
-/// for the time that the jerk limit needs to build it up.
-fn brake_rad_s(distance_rad: f64) -> f64 {
-    if distance_rad > 0.0 {
-        libm::sqrt(JOINT_ACCELERATION_RAD_S2 * distance_rad)
-    } else {
-        0.0
+/// Steps of the exponential with which a joint comes to rest: fewer, and the jerk limit makes it swing.
+const SETTLE_STEPS: f64 = 4.0;
+
+/// Highest speed from which the joint still stops within a distance, rad/s: the v of d = v²/A + v·T. Far away it slows
+/// down at half the acceleration; the other half is kept in reserve for the time that the jerk limit needs to build it
+/// up. Near the end it settles with the time constant T.
+fn brake_rad_s(distance_rad: f64, step_s: f64) -> f64 {
+    if distance_rad <= 0.0 {
+        return 0.0;
     }
+    let settle_s = SETTLE_STEPS * step_s;
+    let whole_s = libm::sqrt(settle_s * settle_s + 4.0 * distance_rad / JOINT_ACCELERATION_RAD_S2);
+    0.5 * JOINT_ACCELERATION_RAD_S2 * (whole_s - settle_s)
 }

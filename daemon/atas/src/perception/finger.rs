@@ -91,10 +91,11 @@ impl Finger {
     ) -> FingerPercept {
         self.filter(finger, frame, settings);
         let patch = Patch::of(&self.axes, &self.filtered_n, self.noise.variance_n2(), settings.element_floor_n);
-        if !self.percept.in_contact {
-            self.noise.listen(&self.filtered_n[..self.axes.count], frame.step_s());
-        }
         self.touch(&patch, settings);
+        if !self.percept.in_contact {
+            self.noise
+                .listen(&self.filtered_n[..self.axes.count], frame.step_s());
+        }
         let slipping = self.friction.update(&patch, frame.step_s(), settings);
         self.percept = FingerPercept {
             force_tip_n: patch.force_n,
