@@ -10,7 +10,12 @@ use sim_backend::{Object, Scene};
 fn lifting() -> Rehearsal {
     let robot = RobotModel::two_hand_arm().expect("built in");
     let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
-    let goal = grasp_goal(&scene.grasp_hint(0).expect("an object"), Side::Right, 0.05, 3600.0);
+    let goal = grasp_goal(
+        &scene.grasp_hint(0).expect("an object"),
+        Side::Right,
+        0.05,
+        3600.0,
+    );
     let mut rehearsal = Rehearsal::new(&robot, &scene, 1, Settings::default()).expect("a world");
     rehearsal.step(Some(&Order::Start(goal)));
     for _ in 0..6000 {
@@ -21,7 +26,9 @@ fn lifting() -> Rehearsal {
 
 fn step(criterion: &mut Criterion) {
     let mut rehearsal = lifting();
-    criterion.bench_function("world and controller, one tick", |b| b.iter(|| rehearsal.step(None).command.crc32));
+    criterion.bench_function("world and controller, one tick", |b| {
+        b.iter(|| rehearsal.step(None).command.crc32)
+    });
 }
 
 criterion_group!(benches, step);

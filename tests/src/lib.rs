@@ -19,9 +19,16 @@ pub const PATIENCE: Duration = Duration::from_secs(60);
 #[must_use]
 pub fn binary(name: &str) -> PathBuf {
     let own = std::env::current_exe().expect("a test has an executable");
-    let folder = own.ancestors().nth(2).expect("it lies in the target folder");
+    let folder = own
+        .ancestors()
+        .nth(2)
+        .expect("it lies in the target folder");
     let path = folder.join(name);
-    assert!(path.exists(), "{} is missing: run `cargo build --workspace` first", path.display());
+    assert!(
+        path.exists(),
+        "{} is missing: run `cargo build --workspace` first",
+        path.display()
+    );
     path
 }
 
@@ -29,7 +36,9 @@ pub fn binary(name: &str) -> PathBuf {
 #[must_use]
 #[expect(clippy::print_stderr, reason = "a test that cannot run here says so")]
 pub fn shared(path: &str) -> Option<PathBuf> {
-    let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
+    let found = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../shared")
+        .join(path);
     if found.exists() {
         return Some(found);
     }
@@ -65,7 +74,12 @@ impl Process {
             .stderr(output)
             .spawn()
             .unwrap_or_else(|e| panic!("could not start {name}: {e}"));
-        Self { name: name.into(), child, log, _folder: folder }
+        Self {
+            name: name.into(),
+            child,
+            log,
+            _folder: folder,
+        }
     }
 
     /// Its process id.
@@ -88,7 +102,9 @@ impl Process {
     /// # Panics
     /// If it does not end.
     pub fn wait(&mut self) -> ExitStatus {
-        wait_for(&format!("{} to end", self.name), || self.child.try_wait().expect("waitable"))
+        wait_for(&format!("{} to end", self.name), || {
+            self.child.try_wait().expect("waitable")
+        })
     }
 
     /// What it has said so far, on both streams.
@@ -99,7 +115,10 @@ impl Process {
 }
 
 impl Drop for Process {
-    #[expect(clippy::print_stderr, reason = "the log of a process explains a failed test")]
+    #[expect(
+        clippy::print_stderr,
+        reason = "the log of a process explains a failed test"
+    )]
     fn drop(&mut self) {
         // It may have ended already; both calls then have nothing to do.
         let _ended = self.child.kill();

@@ -11,8 +11,20 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("atas", &["shm-schemas", "robot-model"]),
     ("atasd", &["atas", "shm-bus", "shm-schemas", "robot-model"]),
     ("field", &[]),
-    ("sim-backend", &["shm-bus", "shm-schemas", "robot-model", "field"]),
-    ("atas-cli", &["shm-bus", "shm-schemas", "atas", "sim-backend", "robot-model"]),
+    (
+        "sim-backend",
+        &["shm-bus", "shm-schemas", "robot-model", "field"],
+    ),
+    (
+        "atas-cli",
+        &[
+            "shm-bus",
+            "shm-schemas",
+            "atas",
+            "sim-backend",
+            "robot-model",
+        ],
+    ),
     ("ebts", &["field", "shm-bus", "shm-schemas"]),
     ("atas-sensors", &["shm-bus", "shm-schemas"]),
     ("system-tests", &["shm-bus", "shm-schemas"]),
@@ -20,12 +32,27 @@ const ARROWS: &[(&str, &[&str])] = &[
 
 /// What may lie at the top level besides the folders of the packages.
 const TOP_LEVEL: &[&str] = &[
-    "Cargo.toml", "Cargo.lock", "README.md", "rust-toolchain.toml", "LICENSE-MIT", "LICENSE-APACHE", ".gitignore", ".ci",
-    ".git", "daemon", "clients", "shm-schemas", "sim-backend", "tests", "target",
+    "Cargo.toml",
+    "Cargo.lock",
+    "README.md",
+    "rust-toolchain.toml",
+    "LICENSE-MIT",
+    "LICENSE-APACHE",
+    ".gitignore",
+    ".ci",
+    ".git",
+    "daemon",
+    "clients",
+    "shm-schemas",
+    "sim-backend",
+    "tests",
+    "target",
 ];
 
 fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace")
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the workspace")
 }
 
 #[test]
@@ -39,7 +66,9 @@ fn packages_depend_only_along_the_arrows() {
     let allowed: BTreeMap<&str, &[&str]> = ARROWS.iter().copied().collect();
     for package in &metadata.packages {
         let name = package.name.as_str();
-        let may = allowed.get(name).unwrap_or_else(|| panic!("{name} is not in the table of arrows; add it on purpose"));
+        let may = allowed
+            .get(name)
+            .unwrap_or_else(|| panic!("{name} is not in the table of arrows; add it on purpose"));
         for dependency in &package.dependencies {
             let ours = allowed.contains_key(dependency.name.as_str());
             let built = dependency.kind != cargo_metadata::DependencyKind::Development;
@@ -56,24 +85,46 @@ fn packages_depend_only_along_the_arrows() {
 fn only_the_bus_crate_names_the_transport() {
     for (name, text) in manifests() {
         let names_it = text.contains("iceoryx2.workspace") || text.contains("iceoryx2 =");
-        assert!(!names_it || name == "shm-bus" || name == "workspace", "{name} names iceoryx2; only shm-bus may");
-        assert!(!text.contains("dev_permissions"), "{name} opens the bus to every user: dev_permissions is banned");
+        assert!(
+            !names_it || name == "shm-bus" || name == "workspace",
+            "{name} names iceoryx2; only shm-bus may"
+        );
+        assert!(
+            !text.contains("dev_permissions"),
+            "{name} opens the bus to every user: dev_permissions is banned"
+        );
     }
 }
 
 #[test]
 fn the_top_level_holds_only_what_is_agreed() {
     for entry in std::fs::read_dir(root()).expect("readable") {
-        let name = entry.expect("readable").file_name().into_string().expect("UTF-8");
-        assert!(TOP_LEVEL.contains(&name.as_str()), "{name} does not belong at the top level");
+        let name = entry
+            .expect("readable")
+            .file_name()
+            .into_string()
+            .expect("UTF-8");
+        assert!(
+            TOP_LEVEL.contains(&name.as_str()),
+            "{name} does not belong at the top level"
+        );
     }
 }
 
 fn manifests() -> Vec<(String, String)> {
     let read = |path: &str| std::fs::read_to_string(root().join(path)).expect("readable");
     let folders = [
-        "shm-schemas", "shm-schemas/bus", "daemon", "daemon/robot", "daemon/atas", "sim-backend", "sim-backend/field",
-        "clients/cli", "clients/swarm", "clients/sensors", "tests",
+        "shm-schemas",
+        "shm-schemas/bus",
+        "daemon",
+        "daemon/robot",
+        "daemon/atas",
+        "sim-backend",
+        "sim-backend/field",
+        "clients/cli",
+        "clients/swarm",
+        "clients/sensors",
+        "tests",
     ];
     let mut all: Vec<(String, String)> = folders
         .iter()

@@ -14,7 +14,10 @@ const SEED: u64 = 7;
 const WARM_UP_TICKS: u64 = 100;
 
 fn scene() -> Scene {
-    Scene::grasp(Object::built_in("slippery-50").expect("built in"), Side::Right)
+    Scene::grasp(
+        Object::built_in("slippery-50").expect("built in"),
+        Side::Right,
+    )
 }
 
 fn goal() -> GoalRequest {
@@ -27,11 +30,25 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
     let bus = FreshBus::new("same");
     let name = bus.as_str();
     let seed = SEED.to_string();
-    let simulate = ["run", "--bus", name, "--object", "slippery-50", "--seed", &seed, "--lockstep"];
+    let simulate = [
+        "run",
+        "--bus",
+        name,
+        "--object",
+        "slippery-50",
+        "--seed",
+        &seed,
+        "--lockstep",
+    ];
     let _simulator = Process::start("atas-sim", &simulate);
-    let _daemon = Process::start("atasd", &["--bus", name, "--config", "/dev/null", "--lockstep"]);
+    let _daemon = Process::start(
+        "atasd",
+        &["--bus", name, "--config", "/dev/null", "--lockstep"],
+    );
     let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
-    let mut reports = observer.subscriber::<TickReport>(service::TICK_REPORT).expect("a subscriber");
+    let mut reports = observer
+        .subscriber::<TickReport>(service::TICK_REPORT)
+        .expect("a subscriber");
     let client = observer.goal_client().expect("a client");
     let mut pending = wait_for("the daemon", || client.send(&goal()).ok());
     let mut sums = BTreeMap::new();
@@ -41,7 +58,10 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
         };
         reports.drain(usize::MAX, &mut note).expect("readable");
         let update = pending.next().expect("an update")?;
-        update.state.is_final().then(|| assert_eq!(update.state, GoalState::SUCCEEDED, "{}", update.reason))
+        update
+            .state
+            .is_final()
+            .then(|| assert_eq!(update.state, GoalState::SUCCEEDED, "{}", update.reason))
     });
     sums
 }
@@ -49,7 +69,8 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
 /// The same in process.
 fn in_process() -> BTreeMap<u64, u32> {
     let robot = RobotModel::two_hand_arm().expect("built in");
-    let mut rehearsal = Rehearsal::at_rest(&robot, &scene(), SEED, Settings::default()).expect("a world");
+    let mut rehearsal =
+        Rehearsal::at_rest(&robot, &scene(), SEED, Settings::default()).expect("a world");
     let mut sums = BTreeMap::new();
     loop {
         let tick = sums.len() as u64;
@@ -65,9 +86,15 @@ fn in_process() -> BTreeMap<u64, u32> {
 /// Reports that an observer missed are no difference; a command that differs is.
 fn compare(what: &str, a: &BTreeMap<u64, u32>, b: &BTreeMap<u64, u32>) {
     let common = a.keys().filter(|tick| b.contains_key(tick)).count();
-    assert!(common * 10 > a.len().max(b.len()) * 9, "{what}: only {common} ticks seen by both");
+    assert!(
+        common * 10 > a.len().max(b.len()) * 9,
+        "{what}: only {common} ticks seen by both"
+    );
     for (tick, sum) in a {
-        assert!(b.get(tick).is_none_or(|other| other == sum), "{what}: commands differ first at tick {tick}");
+        assert!(
+            b.get(tick).is_none_or(|other| other == sum),
+            "{what}: commands differ first at tick {tick}"
+        );
     }
 }
 

@@ -2,13 +2,11 @@
 //!
 //! In lock-step every bound is exact: ticks from the first tick at which the fault was visible.
 
-use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
-use shm_schemas::{
-    Cause, GoalState, JointCommand, Mode, Status, TickReport, WorldTruth, service,
-};
-use rustix::process::Signal;
-use sim_backend::{Object, Scene};
 use robot_model::Side;
+use rustix::process::Signal;
+use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
+use shm_schemas::{Cause, GoalState, JointCommand, Mode, Status, TickReport, WorldTruth, service};
+use sim_backend::{Object, Scene};
 use system_tests::{Process, wait_for};
 
 /// Simulated time at which faults begin, s: the object is in the hand then and being lifted.
@@ -36,7 +34,12 @@ impl Stage {
         let simulator = Process::start("atas-sim", &simulate);
         let daemon = Process::start("atasd", &control);
         let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
-        Self { simulator, daemon, observer, bus }
+        Self {
+            simulator,
+            daemon,
+            observer,
+            bus,
+        }
     }
 
     fn grasp(&self) -> shm_bus::PendingGoal {
@@ -52,7 +55,9 @@ impl Stage {
     }
 
     fn subscribe<T: shm_schemas::Payload>(&self, service: &str) -> Subscriber<T> {
-        self.observer.subscriber::<T>(service).expect("a subscriber")
+        self.observer
+            .subscriber::<T>(service)
+            .expect("a subscriber")
     }
 }
 
@@ -93,24 +98,55 @@ fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
     let check = |name: &str, fault: &str, bound: Option<u64>| {
         let ticks = ticks_to_hold(fault);
         match bound {
-            Some(bound) => assert!(ticks.is_some_and(|t| t <= bound), "{name}: {fault}: {ticks:?}, allowed {bound}"),
+            Some(bound) => assert!(
+                ticks.is_some_and(|t| t <= bound),
+                "{name}: {fault}: {ticks:?}, allowed {bound}"
+            ),
             None => assert_eq!(ticks, None, "{name}: {fault}"),
         }
     };
     let at = |fault: &str| format!("{fault}@{FAULT_AT_S}");
     // A frame is 1 ms old when the next one is due, so silence of 5 ms is seen 5 to 6 ticks after the last frame.
     check("F01 silence", &format!("{}:right", at("drop=1")), Some(6));
-    check("F03 stale stamps", &format!("{}:right", at("stale=0.05")), Some(6));
-    check("F04 future stamps", &format!("{}:right", at("future=0.05")), Some(6));
-    check("F05 gap of three", &format!("drop=1@{FAULT_AT_S}+0.003:right"), None);
-    check("F06 gap of eight", &format!("drop=1@{FAULT_AT_S}+0.008:right"), Some(10));
-    check("F07 duplicates", &format!("{}:right", at("duplicate")), None);
+    check(
+        "F03 stale stamps",
+        &format!("{}:right", at("stale=0.05")),
+        Some(6),
+    );
+    check(
+        "F04 future stamps",
+        &format!("{}:right", at("future=0.05")),
+        Some(6),
+    );
+    check(
+        "F05 gap of three",
+        &format!("drop=1@{FAULT_AT_S}+0.003:right"),
+        None,
+    );
+    check(
+        "F06 gap of eight",
+        &format!("drop=1@{FAULT_AT_S}+0.008:right"),
+        Some(10),
+    );
+    check(
+        "F07 duplicates",
+        &format!("{}:right", at("duplicate")),
+        None,
+    );
     check("F08 reorder", &format!("{}:right", at("reorder")), None);
     check("F02 frozen", &format!("{}:right", at("freeze")), Some(50));
-    check("F10 a few bit flips", &format!("{}:right", at("corrupt=0.1")), None);
+    check(
+        "F10 a few bit flips",
+        &format!("{}:right", at("corrupt=0.1")),
+        None,
+    );
     check("F12 one NaN", &format!("{}:right", at("nan=1")), None);
     check("F12 many NaN", &format!("{}:right", at("nan=20")), Some(1));
-    check("F14 one huge reading", &format!("{}:right", at("huge")), None);
+    check(
+        "F14 one huge reading",
+        &format!("{}:right", at("huge")),
+        None,
+    );
 }
 
 #[test]
@@ -133,14 +169,33 @@ fn a_sensor_that_dies_in_mid_grasp_leaves_the_grip_as_it_was() {
         statuses.newest(&mut status).expect("readable");
         (status.mode == Mode::HOLD).then_some(())
     });
-    assert!(matches!(status.reason.cause, Cause::FRAMES_STOPPED | Cause::FRAME_STALE | Cause::JOINTS_STOPPED), "{}", status.reason);
-    let end = wait_for("the goal to fail", || pending.next().expect("an update").filter(|u| u.state.is_final()));
+    assert!(
+        matches!(
+            status.reason.cause,
+            Cause::FRAMES_STOPPED | Cause::FRAME_STALE | Cause::JOINTS_STOPPED
+        ),
+        "{}",
+        status.reason
+    );
+    let end = wait_for("the goal to fail", || {
+        pending
+            .next()
+            .expect("an update")
+            .filter(|u| u.state.is_final())
+    });
     assert_eq!(end.state, GoalState::FAILED, "{}", end.reason);
     let (mut early, mut late) = (JointCommand::default(), JointCommand::default());
-    wait_for("a command", || commands.newest(&mut early).expect("readable").then_some(()));
+    wait_for("a command", || {
+        commands.newest(&mut early).expect("readable").then_some(())
+    });
     std::thread::sleep(std::time::Duration::from_millis(300));
-    wait_for("a command", || commands.newest(&mut late).expect("readable").then_some(()));
-    assert_eq!(early.position_rad, late.position_rad, "HOLD keeps position and grip");
+    wait_for("a command", || {
+        commands.newest(&mut late).expect("readable").then_some(())
+    });
+    assert_eq!(
+        early.position_rad, late.position_rad,
+        "HOLD keeps position and grip"
+    );
     assert_eq!(late.velocity_rad_s, [0.0; 32]);
     assert!(late.is_intact() && late.mode == Mode::HOLD);
 }
@@ -160,8 +215,14 @@ fn sigterm_in_a_grasp_stops_in_order() {
     assert_eq!(stage.daemon.wait().code(), Some(0));
     // Without a daemon the simulated robot lets its last command expire and keeps the grip.
     std::thread::sleep(std::time::Duration::from_millis(500));
-    wait_for("a truth after the end", || truth.newest(&mut world).expect("readable").then_some(()));
+    wait_for("a truth after the end", || {
+        truth.newest(&mut world).expect("readable").then_some(())
+    });
     assert_eq!(world.objects[0].dropped, 0, "the object stays in the hand");
-    assert!(world.objects[0].lifted_m > 0.004, "lifted {} m", world.objects[0].lifted_m);
+    assert!(
+        world.objects[0].lifted_m > 0.004,
+        "lifted {} m",
+        world.objects[0].lifted_m
+    );
     assert!(!stage.bus.as_str().is_empty());
 }

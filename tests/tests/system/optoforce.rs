@@ -32,7 +32,10 @@ fn pseudo_terminal() -> (OwnedFd, String) {
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pseudo-terminal");
     grantpt(&master).expect("granted");
     unlockpt(&master).expect("unlocked");
-    let name = ptsname(&master, Vec::new()).expect("a name").into_string().expect("UTF-8");
+    let name = ptsname(&master, Vec::new())
+        .expect("a name")
+        .into_string()
+        .expect("UTF-8");
     let mut raw = rustix::termios::tcgetattr(&master).expect("a terminal");
     raw.make_raw();
     rustix::termios::tcsetattr(&master, rustix::termios::OptionalActions::Now, &raw).expect("raw");
@@ -56,33 +59,64 @@ fn feed(master: &OwnedFd, bytes: &[u8]) {
 
 #[test]
 fn a_recorded_stream_reaches_the_daemon_without_loss_and_touches_five_times() {
-    let Some(path) = shared("data/optoforce_wire/capture.bin") else { return };
+    let Some(path) = shared("data/optoforce_wire/capture.bin") else {
+        return;
+    };
     let capture = std::fs::read(path).expect("readable");
     let bus = FreshBus::new("opto");
     let folder = tempfile::TempDir::new().expect("a folder");
     let config = folder.path().join("atas.toml");
     std::fs::write(&config, CONFIG).expect("writable");
     let (master, tty) = pseudo_terminal();
-    let daemon = ["--bus", bus.as_str(), "--config", config.to_str().expect("UTF-8")];
+    let daemon = [
+        "--bus",
+        bus.as_str(),
+        "--config",
+        config.to_str().expect("UTF-8"),
+    ];
     let _daemon = Process::start("atasd", &daemon);
     let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
-    let mut statuses = observer.subscriber::<Status>(service::STATUS).expect("a subscriber");
-    let mut sensors = observer.subscriber::<SensorStatus>(service::SENSOR_STATUS).expect("a subscriber");
+    let mut statuses = observer
+        .subscriber::<Status>(service::STATUS)
+        .expect("a subscriber");
+    let mut sensors = observer
+        .subscriber::<SensorStatus>(service::SENSOR_STATUS)
+        .expect("a subscriber");
     let mut status = Status::default();
-    wait_for("the daemon", || statuses.newest(&mut status).expect("readable").then_some(()));
+    wait_for("the daemon", || {
+        statuses
+            .newest(&mut status)
+            .expect("readable")
+            .then_some(())
+    });
     let sensor = [
-        "optoforce", "--device", &tty, "--hand", "left", "--bus", bus.as_str(), "--no-configure",
-        "--newtons-per-count", "300/7925,300/8641,2000/6049",
+        "optoforce",
+        "--device",
+        &tty,
+        "--hand",
+        "left",
+        "--bus",
+        bus.as_str(),
+        "--no-configure",
+        "--newtons-per-count",
+        "300/7925,300/8641,2000/6049",
     ];
     let sensor = Process::start("atas-sensor", &sensor);
     let mut report = SensorStatus::default();
-    wait_for("the sensor", || sensors.newest(&mut report).expect("readable").then_some(()));
+    wait_for("the sensor", || {
+        sensors.newest(&mut report).expect("readable").then_some(())
+    });
     feed(&master, &capture);
     wait_for("every frame", || {
         statuses.newest(&mut status).expect("readable");
         (status.hands[0].frames + status.hands[0].lost >= FRAMES).then_some(())
     });
     let hand = status.hands[0];
-    assert_eq!((hand.frames, hand.lost, hand.touches[0]), (FRAMES, 0, TOUCHES), "{}", sensor.log());
+    assert_eq!(
+        (hand.frames, hand.lost, hand.touches[0]),
+        (FRAMES, 0, TOUCHES),
+        "{}",
+        sensor.log()
+    );
     assert_eq!((hand.corrupt, hand.foreign, hand.mistimed), (0, 0, 0));
 }

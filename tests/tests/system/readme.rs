@@ -13,16 +13,38 @@ fn readme() -> String {
 fn every_command_of_the_readme_is_known_to_its_program() {
     let mut seen = 0;
     for line in readme().lines() {
-        let Some(command) = line.strip_prefix("target/debug/") else { continue };
-        let words: Vec<&str> = command.split_whitespace().take_while(|w| !w.starts_with(['#', '|', '>', '&'])).collect();
+        let Some(command) = line.strip_prefix("target/debug/") else {
+            continue;
+        };
+        let words: Vec<&str> = command
+            .split_whitespace()
+            .take_while(|w| !w.starts_with(['#', '|', '>', '&']))
+            .collect();
         let program = binary(words[0]);
-        let subcommands: Vec<&&str> = words[1..].iter().take_while(|w| w.chars().all(|c| c.is_ascii_alphabetic() || c == '-') && !w.starts_with('-')).take(2).collect();
-        let help = Command::new(program).args(&subcommands).arg("--help").output().expect("it starts");
-        assert!(help.status.success(), "{line}: {}", String::from_utf8_lossy(&help.stderr));
+        let subcommands: Vec<&&str> = words[1..]
+            .iter()
+            .take_while(|w| {
+                w.chars().all(|c| c.is_ascii_alphabetic() || c == '-') && !w.starts_with('-')
+            })
+            .take(2)
+            .collect();
+        let help = Command::new(program)
+            .args(&subcommands)
+            .arg("--help")
+            .output()
+            .expect("it starts");
+        assert!(
+            help.status.success(),
+            "{line}: {}",
+            String::from_utf8_lossy(&help.stderr)
+        );
         let text = String::from_utf8_lossy(&help.stdout).into_owned();
         for flag in words.iter().filter(|w| w.starts_with("--")) {
             let flag = flag.split('=').next().unwrap_or(flag);
-            assert!(text.contains(flag), "{line}: the program does not know {flag}");
+            assert!(
+                text.contains(flag),
+                "{line}: the program does not know {flag}"
+            );
         }
         seen += 1;
     }
@@ -31,13 +53,19 @@ fn every_command_of_the_readme_is_known_to_its_program() {
 
 #[test]
 fn every_test_that_the_readme_names_exists() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the workspace");
     let text = readme();
     let mut named = 0;
     for part in text.split('`').filter(|p| p.contains(".rs::")) {
         let (file, name) = part.split_once("::").expect("a file and a test");
-        let code = std::fs::read_to_string(root.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
-        assert!(code.contains(&format!("fn {name}")), "{file} has no test {name}");
+        let code =
+            std::fs::read_to_string(root.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        assert!(
+            code.contains(&format!("fn {name}")),
+            "{file} has no test {name}"
+        );
         named += 1;
     }
     assert!(named > 5, "the README names the tests of its invariants");
