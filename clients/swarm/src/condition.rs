@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use field::{Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize};
+use field::{FitnessRule, Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize};
 
 use crate::error::{Error, Result};
 
-use crate::fitness::FitnessRule;
 use crate::genome::Genome;
 use crate::sensors::SensorOrder;
 use crate::table::{Shape, Table};

@@ -25,7 +25,6 @@ pub mod error;
 pub mod evaluate;
 pub mod experiment;
 pub mod files;
-pub mod fitness;
 pub mod ga;
 pub mod genome;
 pub mod islands;

@@ -156,7 +156,7 @@ impl Record {
     #[must_use]
     pub fn goals_solved(&self) -> usize {
         (0..GOALS)
-            .filter(|&goal| crate::fitness::solved(self.points[goal]))
+            .filter(|&goal| field::solved(self.points[goal]))
             .count()
     }
 }

@@ -5,14 +5,13 @@ use std::ops::ControlFlow;
 use ebts::checkpoint::Checkpoint;
 use ebts::condition::{Condition, Setup, Sharing};
 use ebts::evaluate::Evaluator;
-use ebts::fitness::FitnessRule;
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
 use ebts::rng::SplitMix64;
 use ebts::run::{Record, Run, evolve};
 use ebts::sensors::SensorOrder;
 use ebts::{genome::Genome, run};
-use field::{Engine, Preset, Trial, run_trial};
+use field::{Engine, FitnessRule, Preset, Trial, run_trial};
 
 const GENERATIONS: u32 = 18;
 const ISLANDS: IslandSettings = IslandSettings {

@@ -3,13 +3,12 @@
 use std::ops::ControlFlow;
 
 use ebts::condition::{Condition, Setup, Sharing};
-use ebts::fitness::FitnessRule;
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
 use ebts::run::{Run, evolve};
 use ebts::sensors::SensorOrder;
 use ebts::table_file::{Hash, TableFile};
-use field::{Engine, Preset};
+use field::{Engine, FitnessRule, Preset};
 
 fn table_file(sharing: Sharing) -> TableFile {
     let setup = Setup {

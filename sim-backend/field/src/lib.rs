@@ -2,7 +2,7 @@
 //!
 //! **In**: a [`Preset`] (every number of the field, as data), checked into a [`Model`]; a [`Trial`] (who starts where, the
 //! goal, one response table per agent). **Out**: an [`Outcome`] (distances at the two instants the fitness needs, the rows
-//! of the tables that were read), or, frame by frame, a [`World`].
+//! of the tables that were read) and what it is worth ([`FitnessRule`]), or, frame by frame, a [`TrialRun`].
 //!
 //! Two simulators of the same model live here and give the same bits:
 //!
@@ -18,27 +18,31 @@
 //!   where it provably changes nothing.
 //! * A [`Model`] holds only finite numbers inside their ranges: what is not, is refused by [`Model::new`].
 //!
-//! Deliberately absent: time, randomness, files, threads, fitness and learning. Lengths are in pixels (px), times in frames,
+//! Deliberately absent: time, randomness, files, threads and learning. Lengths are in pixels (px), times in frames,
 //! headings in steps of 1/64 turn, counter-clockwise from +x; the field is the square `[−400, 400]²` (paper III.b.3).
 
 mod check;
 mod constants;
 mod engine;
+mod fitness;
 mod heading;
 mod lanes;
 mod model;
 mod preset;
 mod responses;
+mod run;
 mod sight;
 mod trial;
 mod world;
 
 pub use check::PresetError;
 pub use engine::{Engine, EngineError};
+pub use fitness::{FitnessRule, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
+pub use run::TrialRun;
 pub use trial::{
     EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
     TRIAL_FRAMES, Trial, run_trial,

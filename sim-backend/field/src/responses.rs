@@ -14,6 +14,23 @@ pub struct Wheels {
     pub right: u8,
 }
 
+impl Wheels {
+    /// Both wheels at rest.
+    pub const STOP: Self = Self { left: 0, right: 0 };
+
+    /// The levels that four motor bits mean: L1 lowest, then L2, R1, R2; a level is how many of its two are set (paper
+    /// Table 1). Higher bits do not matter.
+    #[must_use]
+    #[inline]
+    pub fn from_motor_bits(bits: u32) -> Self {
+        let level = |pair: u32| (pair & 3).count_ones() as u8;
+        Self {
+            left: level(bits),
+            right: level(bits >> 2),
+        }
+    }
+}
+
 /// One [`Wheels`] per row. A row is the sum over the sensors that fire of: IR left 1, IR front 2, IR right 4, photo left 8,
 /// photo right 16.
 ///
@@ -106,14 +123,12 @@ mod tests {
         let table = Responses::from_motor_bits(0x0123_4567_89ab_cdef << 64 | 0xfedc_ba98_7654_3210);
         for row in 0..16_u8 {
             let ones = |bits: u8| bits.count_ones() as u8;
-            assert_eq!(
-                table.get(row),
-                Wheels {
-                    left: ones(row & 3),
-                    right: ones(row >> 2)
-                },
-                "row {row}"
-            );
+            let expected = Wheels {
+                left: ones(row & 3),
+                right: ones(row >> 2),
+            };
+            assert_eq!(table.get(row), expected, "row {row}");
+            assert_eq!(Wheels::from_motor_bits(u32::from(row)), expected, "{row}");
         }
     }
 

@@ -1,8 +1,10 @@
 //! One trial: agents, an object and a goal for 270 frames, and what is left of it for the fitness.
 
+use serde::{Deserialize, Serialize};
+
 use crate::model::{Model, TeamSize};
 use crate::responses::Responses;
-use crate::world::World;
+use crate::run::TrialRun;
 
 /// Agents that one field holds (paper Fig. 13).
 pub const MAX_AGENTS: usize = 4;
@@ -64,7 +66,7 @@ pub struct Trial {
 }
 
 /// Distances at one instant, px between centres.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Object to goal.
     pub goal_px: f32,
@@ -73,7 +75,7 @@ pub struct Snapshot {
 }
 
 /// What a trial came to.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Outcome {
     /// Bit r is set if any agent read row r.
     pub rows_read: u32,
@@ -88,23 +90,10 @@ pub struct Outcome {
 /// Simulates one trial with the scalar reference.
 #[must_use]
 pub fn run_trial(model: &Model, team: TeamSize, trial: &Trial) -> Outcome {
-    let mut world = World::new(model, team, &trial.layout);
-    let mut outcome = Outcome::default();
-    for frame in 1..=TRIAL_FRAMES {
-        let rows = world.sense();
-        let mut wheels = [crate::Wheels { left: 0, right: 0 }; MAX_AGENTS];
-        for (i, &row) in rows.iter().enumerate().take(team.get()) {
-            outcome.rows_read |= 1 << row;
-            wheels[i] = trial.tables[i].get(row);
-        }
-        world.advance(&wheels);
-        if outcome.reached_frame == 0 && world.object_at_goal() {
-            outcome.reached_frame = frame;
-        }
-        if frame == EXECUTION_FRAMES {
-            outcome.executed = world.snapshot();
-        }
+    let mut run = TrialRun::new(model, team, &trial.layout);
+    while !run.is_over() {
+        let rows = run.sense();
+        run.advance(&std::array::from_fn(|i| trial.tables[i].get(rows[i])));
     }
-    outcome.evaluated = world.snapshot();
-    outcome
+    run.outcome()
 }

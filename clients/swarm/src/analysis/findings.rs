@@ -10,10 +10,10 @@ use super::wandering::{pushers, wandering};
 use crate::condition::Condition;
 use crate::error::Result;
 use crate::experiment::Plan;
-use crate::fitness::solved;
 use crate::genome::Genome;
 use crate::run::Record;
 use crate::stats::{Estimate, bootstrap, median, p_greater};
+use field::solved;
 
 /// All findings of one experiment.
 #[derive(Clone, Debug, Serialize)]

@@ -7,11 +7,10 @@ use clap::{Args, ValueEnum};
 use ebts::condition::Sharing;
 use ebts::error::{Error, Result};
 use ebts::files::read_text;
-use ebts::fitness::FitnessRule;
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
 use ebts::sensors::SensorOrder;
-use field::{Engine, Model, Preset};
+use field::{Engine, FitnessRule, Model, Preset};
 
 /// The field, the scoring and the genetic algorithm.
 #[derive(Debug, Args)]
@@ -83,8 +82,8 @@ impl EvolutionArgs {
     pub(super) fn fitness_rule(&self, preset: &Preset) -> FitnessRule {
         match self.fitness {
             Some(Fitness::Literal) => FitnessRule::Literal,
-            None if *preset == Preset::PAPER => FitnessRule::Literal,
-            Some(Fitness::AntiAccident) | None => FitnessRule::AntiAccident,
+            Some(Fitness::AntiAccident) => FitnessRule::AntiAccident,
+            None => FitnessRule::usual(preset),
         }
     }
 

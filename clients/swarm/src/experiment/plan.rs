@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use field::{Model, Preset, TeamSize};
+use field::{FitnessRule, Model, Preset, TeamSize};
 
 use crate::condition::{Condition, Sharing};
 use crate::error::{Error, Result};
-use crate::fitness::FitnessRule;
 use crate::ga::Settings;
 use crate::islands::IslandSettings;
 use crate::sensors::SensorOrder;

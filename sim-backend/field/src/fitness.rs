@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use field::{Outcome, Preset, Snapshot, TeamSize};
+use crate::model::TeamSize;
+use crate::preset::Preset;
+use crate::trial::{Outcome, Snapshot};
 
 /// K₁ of Eq. (2), points · px.
 const K1: f32 = 1000.0;
@@ -28,6 +30,16 @@ pub enum FitnessRule {
 }
 
 impl FitnessRule {
+    /// The rule of a preset when nobody asks for another: the literal one for the paper's literal constants.
+    #[must_use]
+    pub fn usual(preset: &Preset) -> Self {
+        if *preset == Preset::PAPER {
+            Self::Literal
+        } else {
+            Self::AntiAccident
+        }
+    }
+
     /// The points of one trial.
     #[must_use]
     pub fn points(self, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
