@@ -73,6 +73,10 @@ pub struct Realtime {
     pub rate_hz: u32,
     /// Longest spin before a deadline, µs.
     pub spin_us: u32,
+    /// Whether ticks follow the frames.
+    pub phase_lock: bool,
+    /// Least time from a frame's stamp to its tick, µs.
+    pub phase_offset_us: u32,
 }
 
 /// A core, or any.
@@ -140,6 +144,8 @@ impl Default for Realtime {
             cpu: Cpu::Any(AnyWord::Any),
             rate_hz: 1000,
             spin_us: 100,
+            phase_lock: true,
+            phase_offset_us: 20,
         }
     }
 }

@@ -11,7 +11,7 @@ use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, writer_ep
 use shm_schemas::StatusFlags;
 
 use crate::args::Args;
-use crate::config::{Config, ConfigError, RealtimeMode};
+use crate::config::{self, Config, ConfigError, RealtimeMode};
 use crate::link::Link;
 use crate::pacer::{FreePacer, LockStep, Pacer};
 use crate::panics::{self, TICK_THREAD};
@@ -123,6 +123,16 @@ fn flags(granted: &Granted, lockstep: bool) -> u32 {
     .sum()
 }
 
+fn free_pacer(realtime: &config::Realtime) -> FreePacer {
+    let period_ns = 1_000_000_000 / u64::from(realtime.rate_hz);
+    let pacer = FreePacer::new(period_ns, u64::from(realtime.spin_us) * 1000);
+    if realtime.phase_lock {
+        pacer.locked(u64::from(realtime.phase_offset_us) * 1000)
+    } else {
+        pacer
+    }
+}
+
 /// What the tick thread needs to begin.
 struct Start {
     bus: BusName,
@@ -174,12 +184,10 @@ impl Start {
         } = self;
         let bus = Bus::open(&bus, ROLE, Deadline::Yes)?;
         let realtime = &config.realtime;
-        let period_ns = 1_000_000_000 / u64::from(realtime.rate_hz);
         let pacer = if lockstep {
             Pacer::LockStep(LockStep::new())
         } else {
-            let spin_max_ns = u64::from(realtime.spin_us) * 1000;
-            Pacer::Free(FreePacer::new(period_ns, spin_max_ns))
+            Pacer::Free(free_pacer(realtime))
         };
         let ticks = TickLoop::open(&bus, controller, pacer, link, realtime.rate_hz)?;
         realtime::enter(realtime, &mut granted)?;

@@ -32,6 +32,8 @@ pub struct TickRecord {
     pub at_rest: bool,
     /// Calls to the bus that failed so far.
     pub bus_failures: u64,
+    /// Whether the ticks are locked to the frames.
+    pub phase_locked: bool,
 }
 
 /// An order with the number by which its effect is recognised.

@@ -1,22 +1,27 @@
 //! When the next tick begins.
 //!
 //! * [`FreePacer`] follows the machine's clock: absolute deadlines, sleep until shortly before, then spin. A late tick
-//!   is never caught up: whole periods that have passed are skipped and counted, the phase is kept.
+//!   is never caught up: whole periods that have passed are skipped and counted, the phase is kept. With a [`PhaseLock`]
+//!   the deadlines drift to shortly after the frames' arrival.
 //! * [`LockStep`] follows the sensors: a tick runs when a new joint state has arrived, and its time is that state's.
 //!   Virtual time stands still while there is nothing to do, so that a run depends on its goals only, not on when they
 //!   were sent.
 
 mod lockstep;
+mod phase;
 mod schedule;
 mod spin;
 
 pub use lockstep::LockStep;
+pub use phase::{Arrivals, PhaseLock};
 pub use schedule::{Beat, Schedule};
 pub use spin::SpinMargin;
 
+use atas::Tick;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
+use shm_schemas::TickReport;
 
 use crate::inlet::Inlet;
 use crate::link::Link;
@@ -42,6 +47,14 @@ impl Pacer {
             Self::LockStep(pacer) => pacer.wait(inlet, link, pursues_goal),
         }
     }
+
+    /// Learns from a tick when the next one should begin; `true` if the ticks are locked to the frames.
+    pub fn learn(&mut self, beat: &Beat, report: &TickReport) -> bool {
+        match self {
+            Self::Free(pacer) => pacer.learn(beat, report),
+            Self::LockStep(_) => false,
+        }
+    }
 }
 
 /// Ticks by the clock.
@@ -51,6 +64,7 @@ pub struct FreePacer {
     /// Begins with the first wait, so that what comes before it costs no tick.
     schedule: Option<Schedule>,
     margin: SpinMargin,
+    phase: Option<PhaseLock>,
 }
 
 impl FreePacer {
@@ -62,7 +76,33 @@ impl FreePacer {
             period_ns,
             schedule: None,
             margin: SpinMargin::new(spin_max_ns),
+            phase: None,
         }
+    }
+
+    /// The same, locked to the frames: ticks at least `offset_ns` after their stamps.
+    #[must_use]
+    pub fn locked(self, offset_ns: u64) -> Self {
+        Self {
+            phase: Some(PhaseLock::new(self.period_ns, offset_ns)),
+            ..self
+        }
+    }
+
+    fn learn(&mut self, beat: &Beat, report: &TickReport) -> bool {
+        let (Some(phase), Some(schedule)) = (&mut self.phase, &mut self.schedule) else {
+            return false;
+        };
+        let Tick { now_ns, .. } = beat.tick;
+        let hands = report.hands.map(|hand| {
+            let captured_ns = now_ns.checked_sub(hand.frame_age_ns)?;
+            Some(Arrivals {
+                captured_ns,
+                frames: hand.frames,
+            })
+        });
+        schedule.shift(phase.correct(beat.tick, now_ns - beat.late_ns, hands));
+        phase.is_locked()
     }
 
     /// Sleeps, then spins, until the next deadline.

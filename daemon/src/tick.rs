@@ -105,6 +105,7 @@ impl TickLoop {
         let mut record = record_of(&step, &beat, watch);
         record.ticket = order.map_or(0, |o| o.ticket);
         record.bus_failures = counts.unsent + inlet.failures();
+        record.phase_locked = pacer.learn(&beat, &record.report);
         let is_news = record.goal_update.is_some() || !step.events.is_empty();
         link.leave(&record, step.events);
         if is_news || counts.ticks.is_multiple_of(counts.status_every) {
@@ -151,6 +152,7 @@ fn record_of(step: &Step<'_>, beat: &Beat, watch: &Stopwatch) -> TickRecord {
         frame_age_ns,
         at_rest: step.command.velocity_rad_s.iter().all(|v| *v == 0.0),
         bus_failures: 0,
+        phase_locked: false,
     }
 }
 

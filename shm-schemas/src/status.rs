@@ -88,6 +88,8 @@ impl StatusFlags {
     pub const REALTIME: u32 = 1 << 2;
     /// Memory is locked.
     pub const MEMORY_LOCKED: u32 = 1 << 3;
+    /// The ticks are locked to the frames' stamps.
+    pub const PHASE_LOCKED: u32 = 1 << 4;
 }
 
 word! {

@@ -23,6 +23,9 @@ const PRIORITY_MAX: u32 = 98;
 /// Beyond this, spinning costs more than a tenth of a core (measured: 9 % at 100 µs and 1 kHz).
 const SPIN_MAX_US: u32 = 100;
 
+/// Twice the period of the usual tick: more only makes frames old.
+const PHASE_OFFSET_MAX_US: u32 = 2_000;
+
 const FIXED: &[FixedKey] = &[
     FixedKey {
         name: "realtime.mode",
@@ -48,6 +51,16 @@ const FIXED: &[FixedKey] = &[
         name: "realtime.spin_us",
         needs: "a whole number from 0 to 100",
         holds: |c| c.realtime.spin_us <= SPIN_MAX_US,
+    },
+    FixedKey {
+        name: "realtime.phase_lock",
+        needs: YES_NO,
+        holds: |_| true,
+    },
+    FixedKey {
+        name: "realtime.phase_offset_us",
+        needs: "a whole number from 0 to 2000",
+        holds: |c| c.realtime.phase_offset_us <= PHASE_OFFSET_MAX_US,
     },
     FixedKey {
         name: "robot.urdf",

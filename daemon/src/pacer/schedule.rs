@@ -44,6 +44,11 @@ impl Schedule {
         self.deadline_ns
     }
 
+    /// Moves the next deadline and all after it, by less than a period.
+    pub fn shift(&mut self, by_ns: i64) {
+        self.deadline_ns = self.deadline_ns.saturating_add_signed(by_ns);
+    }
+
     /// Begins the tick whose deadline has passed at `now_ns`. If whole periods have passed since, this tick is the one
     /// of the latest deadline, and those before it are missed.
     pub fn begin(&mut self, now_ns: u64) -> Beat {

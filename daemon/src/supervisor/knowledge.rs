@@ -2,7 +2,7 @@
 
 use atas::{Order, Settings, Wiring};
 use robot_model::RobotModel;
-use shm_schemas::Mode;
+use shm_schemas::{Mode, StatusFlags};
 
 use crate::config::{Config, Source};
 use crate::link::{Link, TickRecord};
@@ -61,6 +61,11 @@ impl Knowledge {
         self.mode = record.report.mode;
         self.tick = record.report.tick;
         self.ticks_seen += 1;
+        if record.phase_locked {
+            self.flags |= StatusFlags::PHASE_LOCKED;
+        } else {
+            self.flags &= !StatusFlags::PHASE_LOCKED;
+        }
     }
 
     /// Changes one parameter: checks it, queues the order, remembers it.
