@@ -8,8 +8,8 @@ use std::mem::size_of;
 
 use shm_schemas::service as at;
 use shm_schemas::{
-    AgentSensors, HandFrame, JointCommand, JointState, ModuleEvent, Payload, SensorStatus, Status,
-    TickReport, WheelCommands, WorldTruth,
+    AgentSensors, HandFrame, JointCommand, JointState, ModuleEvent, Payload, RunHeader,
+    SensorStatus, Status, TickInputs, TickReport, WheelCommands, WorldTruth,
 };
 
 /// How one publish-subscribe service is carried.
@@ -57,16 +57,18 @@ const fn stream<T: Payload>(
 
 /// Every stream: service, `[buffer, history]`, `[publishers, subscribers]`.
 ///
-/// Frames wait 64 deep, so that a reader that was not scheduled for 64 ms sees every frame; commands 4 deep, because
-/// an old command is worth nothing; reports and events 256 deep, for readers that wake a few times a second.
-pub const STREAMS: [Stream; 11] = [
-    stream::<HandFrame>(at::HAND_FRAME[0], [64, 1], [1, 4]),
-    stream::<HandFrame>(at::HAND_FRAME[1], [64, 1], [1, 4]),
+/// Frames wait 256 deep, so that a reader that was not scheduled for a quarter of a second sees every frame; commands 4 deep, because
+/// an old command is worth nothing; reports, events and recorded inputs 256 deep, for readers that wake a few times a second.
+pub const STREAMS: [Stream; 13] = [
+    stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
+    stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
     stream::<JointState>(at::JOINT_STATE, [16, 1], [1, 4]),
     stream::<JointCommand>(at::JOINT_COMMAND, [4, 1], [1, 4]),
     stream::<Status>(at::STATUS, [2, 1], [1, 16]),
     stream::<TickReport>(at::TICK_REPORT, [256, 1], [1, 8]),
     stream::<ModuleEvent>(at::MODULE_EVENT, [256, 64], [1, 16]),
+    stream::<RunHeader>(at::RUN_HEADER, [1, 1], [1, 4]),
+    stream::<TickInputs>(at::TICK_INPUTS, [256, 0], [1, 2]),
     stream::<SensorStatus>(at::SENSOR_STATUS, [4, 1], [8, 16]),
     stream::<WorldTruth>(at::WORLD_TRUTH, [4, 1], [1, 8]),
     stream::<AgentSensors>(at::AGENT_SENSORS, [4, 1], [1, 4]),

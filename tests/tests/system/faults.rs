@@ -7,7 +7,7 @@ use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
 use shm_schemas::{Cause, GoalState, JointCommand, Mode, Status, TickReport, WorldTruth, service};
 use sim_backend::{Object, Scene};
-use system_tests::{Process, wait_for};
+use system_tests::{Process, alone, wait_for};
 
 /// Simulated time at which faults begin, s: the object is in the hand then and being lifted.
 const FAULT_AT_S: f64 = 8.0;
@@ -95,6 +95,7 @@ fn sim_start_s() -> f64 {
 
 #[test]
 fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
+    let _alone = alone();
     let check = |name: &str, fault: &str, bound: Option<u64>| {
         let ticks = ticks_to_hold(fault);
         match bound {
@@ -151,6 +152,7 @@ fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
 
 #[test]
 fn a_sensor_that_dies_in_mid_grasp_leaves_the_grip_as_it_was() {
+    let _alone = alone();
     let mut stage = Stage::set(&[], false);
     let mut truth = stage.subscribe::<WorldTruth>(service::WORLD_TRUTH);
     let mut statuses = stage.subscribe::<Status>(service::STATUS);
@@ -202,6 +204,7 @@ fn a_sensor_that_dies_in_mid_grasp_leaves_the_grip_as_it_was() {
 
 #[test]
 fn sigterm_in_a_grasp_stops_in_order() {
+    let _alone = alone();
     let mut stage = Stage::set(&[], false);
     let mut truth = stage.subscribe::<WorldTruth>(service::WORLD_TRUTH);
     let mut pending = stage.grasp();

@@ -6,7 +6,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{SensorStatus, Status, service};
 use std::time::{Duration, Instant};
-use system_tests::{Process, shared, wait_for};
+use system_tests::{Process, alone, shared, wait_for};
 
 /// The daemon's configuration for this unit (thresholds of the recording's description).
 const CONFIG: &str = "
@@ -59,6 +59,7 @@ fn feed(master: &OwnedFd, bytes: &[u8]) {
 
 #[test]
 fn a_recorded_stream_reaches_the_daemon_without_loss_and_touches_five_times() {
+    let _alone = alone();
     let Some(path) = shared("data/optoforce_wire/capture.bin") else {
         return;
     };
