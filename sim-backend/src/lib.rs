@@ -18,6 +18,7 @@
 //!     hold, and the grip stays (`tests/grasp.rs`).
 //!   * Whatever is commanded, the world stays finite; if it ever does not, it says so ([`World::fault`]) and stands still.
 //!   * Simulating allocates nothing.
+//! * **Beside it:** [`swarm`], the field of methodology 2 as its host runs it, frame by frame.
 //! * **Two ways to use it:** in process, in virtual time (tests, `atas eval`), or as the process `atas-sim` on the bus.
 //! * **Absent on purpose:** contact of links other than the fingertips, of fingertips with each other and with the table,
 //!   and of objects with each other; rigid-body coupling between joints (the servos hide it, see `plant.rs`). A fingertip
@@ -38,6 +39,7 @@ pub mod random;
 mod scene;
 mod sensor;
 mod shape;
+pub mod swarm;
 mod thing;
 mod vibration;
 mod world;

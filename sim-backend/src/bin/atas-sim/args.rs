@@ -11,6 +11,7 @@ use sim_backend::faults::Fault;
 use sim_backend::{Object, Placed, Scene};
 
 use crate::failure::Failure;
+use crate::field_host::FieldArgs;
 
 /// A simulated two-hand robot with tactile fingertips before a table of objects.
 #[derive(Debug, Parser)]
@@ -24,6 +25,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Simulate: publish frames, joint states and truth; obey the daemon's commands.
     Run(RunArgs),
+    /// Host the swarm's field: publish what its robots sense, obey `ebts agents`, say what became of every goal.
+    Field(FieldArgs),
     /// List the built-in objects.
     Objects,
     /// List the faults that `run --fault` can inject.

@@ -17,6 +17,16 @@ pub(crate) enum Failure {
     Bus(#[from] BusError),
     #[error(transparent)]
     World(#[from] WorldFault),
+    #[error(
+        "could not use the preset because {why}, needs one of {names} or a TOML file with every number of a preset; correct --preset"
+    )]
+    Preset { why: String, names: String },
+    #[error(transparent)]
+    Field(#[from] field::PresetError),
+    #[error(transparent)]
+    Team(#[from] field::TeamSizeError),
+    #[error(transparent)]
+    Swarm(#[from] sim_backend::swarm::SwarmError),
     #[error("could not watch for SIGINT and SIGTERM because of: {0}")]
     Signals(std::io::Error),
 }
@@ -25,9 +35,9 @@ impl Failure {
     /// The table of exit codes, for `--help`.
     pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
-  0  ended as asked: by --duration, SIGINT or SIGTERM
+  0  ended as asked: by --duration, after the last trial, by SIGINT or SIGTERM
   1  the world could not be simulated any further
-  2  wrong usage: command line, object, scene, fault or robot
+  2  wrong usage: command line, object, scene, fault, robot, preset or team
   3  the bus could not be used
 Log: standard error, filtered by RUST_LOG (default info).";
 
@@ -35,6 +45,7 @@ Log: standard error, filtered by RUST_LOG (default info).";
         match self {
             Self::World(_) | Self::Signals(_) => 1,
             Self::Object(_) | Self::Scene(_) | Self::Robot(_) => 2,
+            Self::Preset { .. } | Self::Field(_) | Self::Team(_) | Self::Swarm(_) => 2,
             Self::Bus(_) => 3,
         }
     }

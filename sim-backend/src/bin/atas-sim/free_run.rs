@@ -53,7 +53,7 @@ fn tick(session: &mut Session, deadline_ns: u64) -> Result<(), Failure> {
 }
 
 /// Sleeps; an error means that a signal ended the sleep early.
-fn sleep_until(deadline_ns: u64) -> rustix::io::Result<()> {
+pub(crate) fn sleep_until(deadline_ns: u64) -> rustix::io::Result<()> {
     let until = Timespec {
         tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),
         tv_nsec: (deadline_ns % 1_000_000_000).cast_signed(),

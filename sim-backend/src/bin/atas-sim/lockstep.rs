@@ -6,18 +6,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use shm_bus::now_ns;
 use shm_schemas::JointCommand;
 
 use crate::failure::Failure;
 use crate::session::Session;
-
-/// An answer within this time is awaited without giving up the core, ns. A tick of the daemon takes about 20 µs. Ours.
-const SPIN_NS: u64 = 50_000;
-/// Until then the core is offered to others between looks, ns; afterwards the wait sleeps. Ours.
-const YIELD_NS: u64 = 2_000_000;
-/// Time between two looks of a long wait. Ours.
-const NAP: Duration = Duration::from_micros(500);
+use crate::wait::Wait;
 
 /// Runs until the duration of simulated time is over or `stop` is set.
 pub(crate) fn run(
@@ -48,7 +41,7 @@ fn await_answer(
     sequence: u64,
     stop: &AtomicBool,
 ) -> Result<Option<JointCommand>, Failure> {
-    let begin_ns = now_ns();
+    let wait = Wait::begin();
     while !stop.load(Ordering::Relaxed) {
         if let Some(command) = session
             .newest_command()?
@@ -56,15 +49,7 @@ fn await_answer(
         {
             return Ok(Some(command));
         }
-        let waited_ns = now_ns() - begin_ns;
-        if waited_ns < SPIN_NS {
-            std::hint::spin_loop();
-        } else if waited_ns < YIELD_NS {
-            std::thread::yield_now();
-        } else {
-            session.greet()?;
-            std::thread::sleep(NAP);
-        }
+        wait.pause(|| session.greet())?;
     }
     Ok(None)
 }

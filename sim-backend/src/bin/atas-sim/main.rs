@@ -5,10 +5,12 @@
 
 mod args;
 mod failure;
+mod field_host;
 mod free_run;
 mod lockstep;
 mod realtime;
 mod session;
+mod wait;
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -31,6 +33,10 @@ fn main() -> ExitCode {
         Command::Run(args) => {
             start_log();
             run(&args)
+        }
+        Command::Field(args) => {
+            start_log();
+            field_host::run(&args)
         }
         Command::Objects => list_objects(),
         Command::Faults => {

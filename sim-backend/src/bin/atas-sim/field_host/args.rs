@@ -1,0 +1,93 @@
+//! The command line of `atas-sim field`.
+
+use std::path::Path;
+
+use clap::Args;
+use field::{Model, Preset, TeamSize};
+use shm_bus::BusName;
+use sim_backend::swarm::{GOALS, SwarmSettings};
+
+use super::report::Format;
+use crate::failure::Failure;
+
+#[derive(Debug, Args)]
+#[command(after_help = Failure::EXIT_CODES)]
+pub(crate) struct FieldArgs {
+    /// Field: R3, N, LB, LB2, paper, or a TOML file with every number of a preset.
+    #[arg(long, default_value = "R3")]
+    preset: String,
+    /// Robots on the field, 1 to 4.
+    #[arg(long, default_value_t = 2)]
+    agents: usize,
+    /// Every trial has this goal, 1 to 8 [default: goals 1 to 8 in turn].
+    #[arg(long, value_name = "K")]
+    goal: Option<u8>,
+    /// Trials, 270 frames each [default: 8, or 1 with --goal].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    trials: Option<u16>,
+    /// Fields side by side, as many as 1024 robots make; from the second on with goals of other directions.
+    #[arg(long, default_value_t = 1)]
+    fields: usize,
+    /// Frames per second, 1 to 2000.
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    frame_rate_hz: u32,
+    /// Wait for the answer to every frame: as fast as both processes go, repeatable bit for bit.
+    #[arg(long)]
+    pub(super) lockstep: bool,
+    /// Bus to host it on.
+    #[arg(long, env = BusName::ENV, default_value_t)]
+    pub(super) bus: BusName,
+    /// How results are printed.
+    #[arg(long, value_enum, default_value = "human")]
+    pub(super) format: Format,
+}
+
+impl FieldArgs {
+    /// What the arguments ask to host.
+    pub(super) fn settings(&self) -> Result<SwarmSettings, Failure> {
+        let trials = self.trials.unwrap_or(match self.goal {
+            Some(_) => 1,
+            None => GOALS.into(),
+        });
+        let goal = |trial: u16| self.goal.unwrap_or((trial % u16::from(GOALS)) as u8 + 1);
+        Ok(SwarmSettings {
+            model: Model::new(preset(&self.preset)?)?,
+            team: TeamSize::new(self.agents)?,
+            fields: self.fields,
+            goals: (0..trials).map(goal).collect(),
+        })
+    }
+
+    /// Time between two frames.
+    pub(super) fn period_ns(&self) -> u64 {
+        1_000_000_000 / u64::from(self.frame_rate_hz)
+    }
+
+    /// The pace in words, for the log.
+    pub(super) fn pace(&self) -> String {
+        if self.lockstep {
+            "lock-step".to_owned()
+        } else {
+            format!("{} Hz", self.frame_rate_hz)
+        }
+    }
+}
+
+/// A preset by name, or from a file.
+fn preset(text: &str) -> Result<Preset, Failure> {
+    if let Some(preset) = Preset::named(text) {
+        return Ok(preset);
+    }
+    let refuse = |why: String| Failure::Preset {
+        why,
+        names: Preset::ALL
+            .map(|preset| preset.name.into_owned())
+            .join(", "),
+    };
+    if !Path::new(text).exists() {
+        return Err(refuse(format!("{text:?} is neither a preset nor a file")));
+    }
+    let content =
+        std::fs::read_to_string(text).map_err(|error| refuse(format!("{text}: {error}")))?;
+    toml::from_str(&content).map_err(|error| refuse(format!("{text}: {}", error.message())))
+}

@@ -1,0 +1,103 @@
+//! `atas-sim field`: hosts the swarm's field on the bus.
+//!
+//! Every frame is published and answered once. At a frame rate, an answer that has not come when the next frame is due came
+//! too late: the robots stand still in that frame, and it is counted. So robots stop within one frame of the death of the
+//! process that told them what to do, and go on when it is back. In lock-step a frame takes as long as its answer takes.
+//! Either way the first frame waits for somebody to answer it.
+
+mod args;
+mod ports;
+mod report;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use shm_bus::{Bus, Realtime, now_ns};
+use sim_backend::swarm::{Answer, Swarm};
+
+use crate::failure::Failure;
+use crate::free_run::sleep_until;
+use crate::wait::Wait;
+pub(crate) use args::FieldArgs;
+use ports::Ports;
+use report::Reporter;
+
+/// Hosts the field until all trials are over or a signal comes.
+pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
+    let stop = crate::stop_on_signal()?;
+    let swarm = Swarm::new(args.settings()?)?;
+    let bus = Bus::open(&args.bus, "atas-sim", Realtime::Yes)?;
+    let mut host = Host {
+        ports: Ports::open(&bus)?,
+        swarm,
+        reporter: Reporter::new(args.format),
+        stop: &stop,
+    };
+    let pace = args.pace();
+    tracing::info!(bus = %args.bus, pace, "hosting the field; waiting for an agents process");
+    let late_periods = if args.lockstep {
+        host.in_step()?
+    } else {
+        host.at_rate(args.period_ns())?
+    };
+    host.reporter.end(late_periods);
+    Ok(())
+}
+
+/// The swarm with its connections.
+struct Host<'a> {
+    ports: Ports,
+    swarm: Swarm,
+    reporter: Reporter,
+    stop: &'a AtomicBool,
+}
+
+impl Host<'_> {
+    /// One frame per answer. No period is ever late.
+    fn in_step(&mut self) -> Result<u64, Failure> {
+        while self.goes_on() && self.frame_in_step()? {}
+        Ok(0)
+    }
+
+    /// One frame per period, by absolute deadlines. Returns the periods that this process itself was late for; they are
+    /// skipped, the phase is kept.
+    fn at_rate(&mut self, period_ns: u64) -> Result<u64, Failure> {
+        let mut late_periods = 0;
+        if !self.frame_in_step()? {
+            return Ok(late_periods);
+        }
+        let mut deadline_ns = now_ns();
+        while self.goes_on() {
+            self.ports.publish(&mut self.swarm)?;
+            deadline_ns += period_ns;
+            while !self.stop.load(Ordering::Relaxed) && sleep_until(deadline_ns).is_err() {}
+            let late = now_ns().saturating_sub(deadline_ns) / period_ns;
+            late_periods += late;
+            deadline_ns += late * period_ns;
+            let answer = self
+                .ports
+                .answer()?
+                .map_or(Answer::Missing, Answer::Commands);
+            self.reporter.note(self.swarm.advance(answer));
+        }
+        Ok(late_periods)
+    }
+
+    /// One frame, however long its answer takes; false if the process shall end.
+    fn frame_in_step(&mut self) -> Result<bool, Failure> {
+        self.ports.publish(&mut self.swarm)?;
+        let wait = Wait::begin();
+        while !self.stop.load(Ordering::Relaxed) {
+            if let Some(commands) = self.ports.answer()? {
+                let ended = self.swarm.advance(Answer::Commands(commands));
+                self.reporter.note(ended);
+                return Ok(true);
+            }
+            wait.pause(|| self.ports.greet())?;
+        }
+        Ok(false)
+    }
+
+    fn goes_on(&self) -> bool {
+        !self.swarm.is_over() && !self.stop.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,54 @@
+//! The field's place on the bus.
+
+use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
+use shm_schemas::{AgentSensors, WheelCommands, service};
+use sim_backend::swarm::Swarm;
+
+use crate::failure::Failure;
+
+/// Sensors out, commands in.
+pub(super) struct Ports {
+    publisher: Publisher<AgentSensors>,
+    subscriber: Subscriber<WheelCommands>,
+    sensors: AgentSensors,
+    commands: WheelCommands,
+}
+
+impl Ports {
+    pub(super) fn open(bus: &Bus) -> Result<Self, Failure> {
+        let mut sensors = AgentSensors::default();
+        sensors.stamp.writer_epoch = writer_epoch();
+        Ok(Self {
+            publisher: bus.publisher(service::AGENT_SENSORS)?,
+            subscriber: bus.subscriber(service::WHEEL_COMMANDS)?,
+            sensors,
+            commands: WheelCommands::default(),
+        })
+    }
+
+    /// Publishes what the robots sense now.
+    pub(super) fn publish(&mut self, swarm: &mut Swarm) -> Result<(), Failure> {
+        swarm.sense(&mut self.sensors);
+        self.sensors.stamp.captured_ns = now_ns();
+        self.publisher.send(&self.sensors)?;
+        self.sensors.stamp.sequence += 1;
+        Ok(())
+    }
+
+    /// The answer to what was published last, if it has come. What answers anything else is dropped: the time stamp, which
+    /// an answer repeats, tells even the answers to an earlier host apart.
+    pub(super) fn answer(&mut self) -> Result<Option<&WheelCommands>, Failure> {
+        if !self.subscriber.newest(&mut self.commands)? {
+            return Ok(None);
+        }
+        let (asked, answered) = (&self.sensors, &self.commands);
+        let fits = (asked.trial, asked.frame) == (answered.trial, answered.frame)
+            && asked.stamp.captured_ns == answered.stamp.captured_ns;
+        Ok(fits.then_some(&self.commands))
+    }
+
+    /// Lets an agents process that came late have the present frame.
+    pub(super) fn greet(&self) -> Result<(), Failure> {
+        Ok(self.publisher.greet()?)
+    }
+}

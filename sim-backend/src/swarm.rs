@@ -1,0 +1,253 @@
+//! The swarm's fields as their host runs them: sensors out, wheel commands in, frame by frame and trial by trial.
+//!
+//! A host publishes what [`Swarm::sense`] writes, waits as it likes, and calls [`Swarm::advance`] with the answer, or with
+//! nothing: robots that are not told what to do in a frame stand still in it. Several fields may lie side by side; they
+//! share frames and trials and nothing else, and their robots come one field after the other.
+//!
+//! Deliberately absent: the bus, the clock, and whatever decides what the robots do.
+
+use field::{FitnessRule, Layout, MAX_AGENTS, Model, Outcome, TeamSize, TrialRun, Wheels, solved};
+use serde::{Deserialize, Serialize};
+use shm_schemas::capacity::AGENTS;
+use shm_schemas::{AgentSensors, WheelCommands};
+
+/// Goals of one evaluation (paper III.b.3).
+pub const GOALS: u8 = 8;
+/// Steps of a heading between two goals: the field has 64 directions.
+const GOAL_STEPS: u8 = 8;
+
+/// What shall be hosted.
+#[derive(Clone, Debug)]
+pub struct SwarmSettings {
+    /// The field.
+    pub model: Model,
+    /// Robots on each field.
+    pub team: TeamSize,
+    /// Fields side by side. Field 0 has the training goals; field f has its goals f directions (of 64) further on, so that
+    /// seven of eight fields have goals that no table was evolved with.
+    pub fields: usize,
+    /// The goal of every trial, 1 to 8.
+    pub goals: Vec<u8>,
+}
+
+/// Settings that cannot be hosted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SwarmError {
+    /// Too many robots for one payload, or none.
+    #[error(
+        "could not host {fields} fields of {team} robots because that is {}, needs 1 to {AGENTS} robots in all; choose another --fields",
+        fields.saturating_mul(*team)
+    )]
+    Robots {
+        /// Fields asked for.
+        fields: usize,
+        /// Robots on each.
+        team: usize,
+    },
+    /// A goal that does not exist.
+    #[error(
+        "could not host goal {0} because it does not exist, needs 1 to {GOALS}; choose another --goal"
+    )]
+    Goal(u8),
+}
+
+/// What one trial came to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialReport {
+    /// Counts trials, from 0.
+    pub trial: usize,
+    /// The goal, 1 to 8, as field 0 had it.
+    pub goal: u8,
+    /// Frames in which the robots stood still because no answer came in time.
+    pub missed_frames: u32,
+    /// Frames in which they stood still because the answer was malformed.
+    pub refused_frames: u32,
+    /// Tables that were looked up, in this order: the first eight bytes of their hashes, hexadecimal.
+    pub tables: Vec<String>,
+    /// Points per field.
+    pub points: Vec<f32>,
+    /// Outcome per field.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl TrialReport {
+    /// Fields whose object was carried to its goal.
+    #[must_use]
+    pub fn solved(&self) -> usize {
+        self.points.iter().filter(|points| solved(**points)).count()
+    }
+}
+
+/// What a host tells the robots in one frame.
+#[derive(Clone, Copy, Debug)]
+pub enum Answer<'a> {
+    /// An answer to this frame.
+    Commands(&'a WheelCommands),
+    /// None came in time.
+    Missing,
+}
+
+/// The fields of one session.
+#[derive(Debug)]
+pub struct Swarm {
+    settings: SwarmSettings,
+    rule: FitnessRule,
+    trial: usize,
+    runs: Vec<TrialRun>,
+    missed_frames: u32,
+    refused_frames: u32,
+    /// Hashes seen in this trial; bounded, so that no writer can make it grow.
+    hashes: Vec<u64>,
+}
+
+/// Hashes that one trial remembers. Ours: a person swaps tables now and then, not hundreds of times in 270 frames.
+const HASHES: usize = 32;
+
+impl Swarm {
+    /// Fields before the first frame of the first trial.
+    ///
+    /// # Errors
+    /// What of the settings cannot be hosted.
+    pub fn new(settings: SwarmSettings) -> Result<Self, SwarmError> {
+        let (fields, team) = (settings.fields, settings.team.get());
+        if !(1..=AGENTS / team).contains(&fields) {
+            return Err(SwarmError::Robots { fields, team });
+        }
+        if let Some(goal) = settings
+            .goals
+            .iter()
+            .find(|goal| !(1..=GOALS).contains(*goal))
+        {
+            return Err(SwarmError::Goal(*goal));
+        }
+        let mut swarm = Self {
+            rule: FitnessRule::usual(settings.model.preset()),
+            settings,
+            trial: 0,
+            runs: Vec::with_capacity(fields),
+            missed_frames: 0,
+            refused_frames: 0,
+            hashes: Vec::with_capacity(HASHES),
+        };
+        swarm.begin_trial();
+        Ok(swarm)
+    }
+
+    /// Whether all trials are over.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.trial >= self.settings.goals.len()
+    }
+
+    /// Writes what every robot senses now, without the stamp.
+    pub fn sense(&mut self, sensors: &mut AgentSensors) {
+        let team = self.settings.team.get();
+        sensors.frame = self.frame().into();
+        sensors.trial = self.trial as u32;
+        sensors.agent_count = (team * self.runs.len()) as u32;
+        for (rows, run) in sensors.row.chunks_exact_mut(team).zip(&mut self.runs) {
+            for (row, sensed) in rows.iter_mut().zip(run.sense()) {
+                *row = sensed.into();
+            }
+        }
+    }
+
+    /// One frame. Returns what the trial came to if this was its last one; only then it allocates.
+    pub fn advance(&mut self, answer: Answer<'_>) -> Option<TrialReport> {
+        let commands = match answer {
+            Answer::Commands(commands) if self.understands(commands) => {
+                self.note(commands.table_hash);
+                Some(commands)
+            }
+            Answer::Commands(_) => {
+                self.refused_frames += 1;
+                None
+            }
+            Answer::Missing => {
+                self.missed_frames += 1;
+                None
+            }
+        };
+        self.drive(commands);
+        let over = self.runs.first().is_some_and(TrialRun::is_over);
+        over.then(|| self.end_trial())
+    }
+
+    /// Drives every robot by its motor bits, or none.
+    fn drive(&mut self, commands: Option<&WheelCommands>) {
+        let team = self.settings.team.get();
+        for (field, run) in self.runs.iter_mut().enumerate() {
+            let mut wheels = [Wheels::STOP; MAX_AGENTS];
+            if let Some(commands) = commands {
+                let outputs = &commands.output[field * team..][..team];
+                for (wheels, output) in wheels.iter_mut().zip(outputs) {
+                    *wheels = Wheels::from_motor_bits(*output);
+                }
+            }
+            run.advance(&wheels);
+        }
+    }
+
+    /// Whether commands are about these robots, and all of them motor bits.
+    fn understands(&self, commands: &WheelCommands) -> bool {
+        let robots = self.settings.team.get() * self.runs.len();
+        commands.agent_count as usize == robots
+            && commands.output[..robots].iter().all(|output| *output < 16)
+    }
+
+    fn note(&mut self, hash: u64) {
+        if self.hashes.last() != Some(&hash) && self.hashes.len() < HASHES {
+            self.hashes.push(hash);
+        }
+    }
+
+    fn frame(&self) -> u32 {
+        self.runs.first().map_or(0, TrialRun::frame)
+    }
+
+    fn begin_trial(&mut self) {
+        self.runs.clear();
+        let SwarmSettings {
+            model,
+            team,
+            fields,
+            goals,
+        } = &self.settings;
+        if let Some(goal) = goals.get(self.trial) {
+            let first = (goal - 1) * GOAL_STEPS;
+            let layout = |field: usize| layout_towards(model, (usize::from(first) + field) % 64);
+            self.runs
+                .extend((0..*fields).map(|field| TrialRun::new(model, *team, &layout(field))));
+        }
+    }
+
+    fn end_trial(&mut self) -> TrialReport {
+        let SwarmSettings {
+            model, team, goals, ..
+        } = &self.settings;
+        let outcomes: Vec<Outcome> = self.runs.iter().map(TrialRun::outcome).collect();
+        let points = outcomes
+            .iter()
+            .map(|outcome| self.rule.points(model.preset(), *team, outcome));
+        let report = TrialReport {
+            trial: self.trial,
+            goal: goals[self.trial],
+            missed_frames: std::mem::take(&mut self.missed_frames),
+            refused_frames: std::mem::take(&mut self.refused_frames),
+            tables: self
+                .hashes
+                .drain(..)
+                .map(|hash| format!("{hash:016x}"))
+                .collect(),
+            points: points.collect(),
+            outcomes,
+        };
+        self.trial += 1;
+        self.begin_trial();
+        report
+    }
+}
+
+fn layout_towards(model: &Model, direction: usize) -> Layout {
+    model.training_layout(model.goal_towards(direction as u8))
+}
