@@ -20,7 +20,11 @@ impl Thresholds {
     #[must_use]
     pub fn for_stiffness(object_n_m: f64, settings: &Grasp) -> Self {
         Self::with_f2(
-            (settings.compression_m * object_n_m).clamp(settings.f2_min_n, settings.f2_max_n),
+            between(
+                settings.compression_m * object_n_m,
+                settings.f2_min_n,
+                settings.f2_max_n,
+            ),
             settings,
         )
     }
@@ -28,15 +32,23 @@ impl Thresholds {
     /// For an object that is not yet known: as careful as for the softest.
     #[must_use]
     pub fn unknown(settings: &Grasp) -> Self {
-        Self::with_f2(settings.f2_min_n, settings)
+        Self::for_stiffness(0.0, settings)
     }
 
     fn with_f2(f2_n: f64, settings: &Grasp) -> Self {
-        let f1_n = (settings.f1_share * f2_n + settings.f1_base_n)
-            .clamp(settings.f1_min_n, settings.f1_max_n);
+        let f1_n = between(
+            settings.f1_share * f2_n + settings.f1_base_n,
+            settings.f1_min_n,
+            settings.f1_max_n,
+        );
         Self {
             f1_n: f1_n.min(F1_BELOW_F2 * f2_n),
             f2_n,
         }
     }
+}
+
+/// Bounds that contradict each other must not stop the tick: the upper one wins, as the gentler.
+fn between(value: f64, lower: f64, upper: f64) -> f64 {
+    value.max(lower).min(upper)
 }

@@ -1,0 +1,258 @@
+//! Arbitration: rules, not order.
+
+use atas::arbitration::{Arbiter, Intent};
+use atas::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
+use atas::modules::{Carried, Proposal, Verdict};
+use atas::perception::HardnessFit;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use robot_model::GraspFrame;
+use shm_schemas::{Cause, Reason};
+
+const STEP_S: f64 = 1e-3;
+
+fn wish(closing_m_s: f64) -> Proposal {
+    Proposal {
+        closing_m_s: [closing_m_s; 2],
+        ..Proposal::default()
+    }
+}
+
+fn ceiling(closing_m_s: f64) -> Proposal {
+    Proposal {
+        closing_ceiling_m_s: [closing_m_s; 2],
+        ..Proposal::default()
+    }
+}
+
+fn verdict(verdict: Verdict) -> Proposal {
+    Proposal {
+        verdict,
+        ..Proposal::default()
+    }
+}
+
+fn carried(with_fingers: bool) -> Carried {
+    let frame = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    Carried {
+        frame,
+        with_fingers,
+        arrived: false,
+    }
+}
+
+/// The intent once the slewing has settled.
+fn settled(proposals: &[Proposal]) -> Intent {
+    let mut arbiter = Arbiter::default();
+    (0..1000)
+        .map(|_| arbiter.merge(proposals, STEP_S))
+        .last()
+        .unwrap()
+}
+
+#[test]
+fn speeds_follow_the_rules() {
+    for (rule, proposals, expected_m_s) in [
+        ("nobody wishes", vec![], 0.0),
+        (
+            "the highest wish closes",
+            vec![wish(0.001), wish(0.002)],
+            0.002,
+        ),
+        (
+            "closing outweighs opening",
+            vec![wish(-0.005), wish(0.002)],
+            0.002,
+        ),
+        (
+            "nobody closes, the fastest opens",
+            vec![wish(-0.001), wish(-0.003), wish(0.0)],
+            -0.003,
+        ),
+        ("a ceiling stops", vec![wish(0.002), ceiling(0.0)], 0.0),
+        (
+            "a ceiling slows",
+            vec![wish(0.002), ceiling(0.0005)],
+            0.0005,
+        ),
+        (
+            "a ceiling above the wish does nothing",
+            vec![wish(0.002), ceiling(0.01)],
+            0.002,
+        ),
+        (
+            "an opening ceiling wins",
+            vec![wish(0.002), ceiling(0.0), ceiling(-0.001)],
+            -0.001,
+        ),
+        (
+            "an opening ceiling opens alone",
+            vec![ceiling(-0.001)],
+            -0.001,
+        ),
+        (
+            "opening faster than the ceiling demands is fine",
+            vec![wish(-0.003), ceiling(-0.001)],
+            -0.003,
+        ),
+        (
+            "what is not a number is no wish",
+            vec![wish(f64::NAN), ceiling(f64::NAN), wish(0.001)],
+            0.001,
+        ),
+    ] {
+        assert_eq!(settled(&proposals).closing_m_s, [expected_m_s; 2], "{rule}");
+    }
+}
+
+#[test]
+fn fingers_are_merged_one_by_one() {
+    let one = Proposal {
+        closing_m_s: [0.002, 0.0],
+        ..Proposal::default()
+    };
+    let other = Proposal {
+        closing_ceiling_m_s: [f64::INFINITY, -0.001],
+        ..Proposal::default()
+    };
+    assert_eq!(settled(&[one, other]).closing_m_s, [0.002, -0.001]);
+}
+
+#[test]
+fn a_refusal_outweighs_every_other_verdict() {
+    let hardness = Verdict::Hardness(HardnessFit {
+        object_n_m: 1000.0,
+        confidence: 1.0,
+    });
+    let refuse = Verdict::Refuse(Reason::of(Cause::TOO_HEAVY));
+    for (proposals, expected) in [
+        (vec![verdict(Verdict::None)], Verdict::None),
+        (vec![verdict(Verdict::None), verdict(hardness)], hardness),
+        (vec![verdict(hardness), verdict(refuse)], refuse),
+        (vec![verdict(refuse), verdict(hardness)], refuse),
+    ] {
+        assert_eq!(settled(&proposals).verdict, expected);
+    }
+}
+
+#[test]
+fn the_hand_goes_where_it_is_carried_at_the_speed_that_all_tolerate() {
+    let carry = Proposal {
+        carry: Some(carried(true)),
+        ..Proposal::default()
+    };
+    let slow = Proposal {
+        carry_ceiling: 0.1,
+        ..Proposal::default()
+    };
+    let back = Proposal {
+        carry_ceiling: -1.0,
+        ..Proposal::default()
+    };
+    for (proposals, scale) in [
+        (vec![carry], 1.0),
+        (vec![carry, slow], 0.1),
+        (vec![back, slow, carry], -1.0),
+    ] {
+        let mut arbiter = Arbiter::default();
+        let intent = (0..1000)
+            .map(|_| arbiter.merge(&proposals, STEP_S))
+            .last()
+            .unwrap();
+        assert_eq!(
+            (intent.carry, arbiter.carry_scale()),
+            (Some(carried(true)), scale)
+        );
+    }
+}
+
+#[test]
+fn resting_forgets_the_closing_speed() {
+    let mut arbiter = Arbiter::default();
+    for _ in 0..100 {
+        arbiter.merge(&[wish(0.002)], STEP_S);
+    }
+    arbiter.rest();
+    let intent = arbiter.merge(&[wish(0.002)], STEP_S);
+    assert_eq!(intent.closing_m_s, [CLOSING_SPEED_UP_M_S2 * STEP_S; 2]);
+}
+
+fn speeds() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        Just(0.0),
+        -0.02..0.02,
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(f64::NEG_INFINITY)
+    ]
+}
+
+fn any_proposal() -> impl Strategy<Value = Proposal> {
+    let ceilings = prop_oneof![Just(f64::INFINITY), speeds()];
+    (
+        [speeds(), speeds()],
+        [ceilings.clone(), ceilings],
+        -1.0..1.0,
+        any::<bool>(),
+    )
+        .prop_map(|(wish, ceiling, carry, active)| Proposal {
+            active,
+            closing_m_s: wish,
+            closing_ceiling_m_s: ceiling,
+            carry_ceiling: carry,
+            ..Proposal::default()
+        })
+}
+
+/// At most one module carries, one refuses and one judges hardness, as in the list of modules.
+fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
+    (
+        prop::collection::vec(any_proposal(), 3..7),
+        any::<[bool; 3]>(),
+    )
+        .prop_map(|(mut proposals, [carry, refuse, fit])| {
+            if carry {
+                proposals[0].carry = Some(carried(refuse));
+            }
+            if refuse {
+                proposals[1].verdict = Verdict::Refuse(Reason::limit(Cause::TOO_HEAVY, 8.0, 7.0));
+            }
+            if fit {
+                proposals[2].verdict = Verdict::Hardness(HardnessFit {
+                    object_n_m: 900.0,
+                    confidence: 0.5,
+                });
+            }
+            proposals
+        })
+}
+
+proptest! {
+    #[test]
+    fn the_order_of_the_modules_means_nothing(
+        (ordered, shuffled) in any_proposals().prop_flat_map(|p| (Just(p.clone()), Just(p).prop_shuffle())),
+    ) {
+        let (mut a, mut b) = (Arbiter::default(), Arbiter::default());
+        for _ in 0..5 {
+            prop_assert_eq!(a.merge(&ordered, STEP_S), b.merge(&shuffled, STEP_S));
+            prop_assert_eq!(a, b);
+        }
+    }
+
+    #[test]
+    fn speeds_are_slewed_slowly_up_and_quickly_down(series in prop::collection::vec(any_proposals(), 1..30)) {
+        let mut arbiter = Arbiter::default();
+        let (mut before_m_s, mut before_scale) = ([0.0; 2], 1.0);
+        for proposals in series {
+            let intent = arbiter.merge(&proposals, STEP_S);
+            for (now, before) in intent.closing_m_s.into_iter().zip(before_m_s) {
+                prop_assert!(now.is_finite());
+                let closes_more = now > before && now > 0.0;
+                let most = if closes_more { CLOSING_SPEED_UP_M_S2 } else { CLOSING_SLOW_DOWN_M_S2 } * STEP_S;
+                prop_assert!((now - before).abs() <= most + 1e-15, "{before} to {now}");
+            }
+            prop_assert!((arbiter.carry_scale() - before_scale).abs() <= CARRY_SCALE_PER_S * STEP_S + 1e-15);
+            (before_m_s, before_scale) = (intent.closing_m_s, arbiter.carry_scale());
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! The whole controller: modes, goals, and what clients hear.
+
+use crate::support::home_rad;
+use crate::world::{World, commanded_gap_m, grasp};
+use atas::Order;
+use robot_model::ROBOT_JOINTS;
+use shm_schemas::{
+    Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, Mode, ModuleEvent, Reason,
+};
+
+fn kinds(events: &[ModuleEvent], kind: EventKind) -> usize {
+    events.iter().filter(|e| e.kind == kind).count()
+}
+
+#[test]
+fn init_becomes_ready_when_everything_is_believed() {
+    let mut world = World::new();
+    let first = world.tick();
+    assert_eq!(
+        (first.command.mode, first.command.joint_count),
+        (Mode::INIT, 0)
+    );
+    let (outputs, ticks) = world.run_until(100, |w| w.mode() != Mode::INIT);
+    assert_eq!(
+        (outputs.command.mode, outputs.command.joint_count, ticks),
+        (Mode::READY, 22, 19)
+    );
+    assert_eq!(outputs.command.position_rad[..ROBOT_JOINTS], home_rad());
+    assert_eq!(kinds(outputs.events.as_slice(), EventKind::MODE), 1);
+    // READY stands still and publishes every tick.
+    for _ in 0..100 {
+        let outputs = world.tick();
+        assert_eq!(outputs.command.position_rad[..ROBOT_JOINTS], home_rad());
+        assert!(outputs.command.is_intact());
+        assert_eq!(outputs.report.command_crc32, outputs.command.crc32);
+    }
+}
+
+#[test]
+fn init_waits_for_what_is_missing_and_says_so() {
+    for (mute, cause, index) in [
+        ([true, false, false], Cause::FRAMES_STOPPED, 0),
+        ([false, true, false], Cause::FRAMES_STOPPED, 1),
+        ([false, false, true], Cause::JOINTS_STOPPED, 0),
+    ] {
+        let mut world = World::new();
+        world.mute = mute;
+        let outputs = world.run(200);
+        let (mode, reason) = world.controller.mode();
+        assert_eq!(
+            (mode, reason.cause, reason.index),
+            (Mode::INIT, cause, index)
+        );
+        assert_eq!(
+            (outputs.command.joint_count, outputs.command.mode),
+            (0, Mode::INIT)
+        );
+        world.mute = [false; 3];
+        world.run(30);
+        assert_eq!(world.mode(), Mode::READY);
+    }
+}
+
+#[test]
+fn goals_that_cannot_begin_are_rejected_with_the_reason() {
+    let rejected = |world: &mut World, goal: GoalRequest| {
+        let outputs = world.order(Order::Start(goal));
+        let update = outputs.goal_update.expect("an answer in the same tick");
+        assert_eq!(
+            (update.state, update.goal_id),
+            (GoalState::REJECTED, goal.goal_id)
+        );
+        update.reason.cause
+    };
+    assert_eq!(rejected(&mut World::new(), grasp()), Cause::NOT_READY);
+    let mut stopped = World::ready();
+    stopped.order(Order::Stop(Reason::of(Cause::ESTOP)));
+    assert_eq!(rejected(&mut stopped, grasp()), Cause::NOT_READY);
+    let mut reaching = World::reaching();
+    assert_eq!(
+        rejected(
+            &mut reaching,
+            GoalRequest {
+                goal_id: 8,
+                ..grasp()
+            }
+        ),
+        Cause::BUSY
+    );
+    assert_eq!(
+        reaching.controller.goal().unwrap().request.goal_id,
+        7,
+        "the first goal goes on"
+    );
+    assert_eq!(
+        rejected(
+            &mut World::holding(),
+            GoalRequest {
+                goal_id: 8,
+                ..grasp()
+            }
+        ),
+        Cause::HAND_FULL
+    );
+}
+
+#[test]
+fn a_grasp_tells_its_story_in_order() {
+    let mut world = World::ready();
+    world.has_object = true;
+    let mut updates = vec![world.order(Order::Start(grasp())).goal_update.unwrap()];
+    let (mut steps, mut sequence) = (vec![String::new(); 0], None);
+    while !updates.last().unwrap().state.is_final() {
+        let outputs = world.tick();
+        updates.extend(outputs.goal_update);
+        for event in outputs.events.as_slice() {
+            assert!(
+                sequence.is_none_or(|s| event.stamp.sequence == s + 1),
+                "no event is lost"
+            );
+            sequence = Some(event.stamp.sequence);
+            if event.kind == EventKind::STEP {
+                steps.push(event.text.to_string());
+            }
+        }
+        assert!(
+            world.ms < 100_000,
+            "in step {}",
+            world.controller.step_name()
+        );
+    }
+    let states: Vec<_> = updates.iter().map(|u| u.state).collect();
+    assert_eq!(states[0], GoalState::ACCEPTED);
+    assert!(
+        states[1..states.len() - 1]
+            .iter()
+            .all(|s| *s == GoalState::RUNNING)
+    );
+    assert_eq!(*states.last().unwrap(), GoalState::SUCCEEDED);
+    assert_eq!(
+        steps,
+        ["descend", "approach", "probe", "grip", "lift", "hold"]
+    );
+    assert!(updates.is_sorted_by(|a, b| a.progress <= b.progress));
+    let last = updates.last().unwrap();
+    assert_eq!(last.progress, 1.0);
+    let figures = last.figures;
+    assert!(
+        figures.f1_n > 0.0 && figures.f2_n > figures.f1_n && figures.hardness_n_m > 0.0,
+        "{figures:?}"
+    );
+    assert!((figures.lifted_m - 0.03).abs() < 1e-3, "{figures:?}");
+    assert!(
+        figures.normal_n[..2]
+            .iter()
+            .all(|n| *n > figures.f1_n * 0.9 && *n < figures.f2_n * 1.2),
+        "{figures:?}"
+    );
+}
+
+#[test]
+fn the_report_shows_the_closing_speed() {
+    let mut world = World::ready();
+    world.has_object = true;
+    world.order(Order::Start(grasp()));
+    world.run_until(30_000, |w| w.controller.step_name() == "approach");
+    let report = world.run(40).report;
+    assert!(
+        (report.hands[1].fingers[0].closing_m_s - 0.002).abs() < 1e-6,
+        "{:?}",
+        report.hands[1].fingers[0]
+    );
+    assert_eq!(report.hands[0].fingers[0].closing_m_s, 0.0);
+}
+
+#[test]
+fn an_empty_place_is_reported_and_the_hand_stays() {
+    let mut world = World::ready();
+    world.order(Order::Start(grasp()));
+    let (outputs, _) = world.run_until(60_000, |w| w.controller.goal().unwrap().state.is_final());
+    let update = outputs.goal_update.unwrap();
+    assert_eq!(
+        (update.state, update.reason.cause),
+        (GoalState::FAILED, Cause::NOTHING_TOUCHED)
+    );
+    let rest = world.run(200).command.position_rad;
+    assert_eq!(world.run(100).command.position_rad, rest);
+    assert_eq!(world.mode(), Mode::READY);
+}
+
+#[test]
+fn a_cancelled_goal_ends_where_the_hand_is() {
+    let mut world = World::reaching();
+    assert!(
+        world
+            .order(Order::Cancel { goal_id: 99 })
+            .goal_update
+            .is_none(),
+        "not this goal"
+    );
+    let update = world
+        .order(Order::Cancel { goal_id: 7 })
+        .goal_update
+        .unwrap();
+    assert_eq!(
+        (update.state, update.reason.cause),
+        (GoalState::CANCELLED, Cause::CANCELLED)
+    );
+    let rest = world.run(300).command.position_rad;
+    assert_eq!(
+        (world.mode(), world.run(100).command.position_rad),
+        (Mode::READY, rest)
+    );
+    // And the next goal may begin.
+    assert_eq!(
+        world
+            .order(Order::Start(grasp()))
+            .goal_update
+            .unwrap()
+            .state,
+        GoalState::ACCEPTED
+    );
+}
+
+/// Cancelling never drops what the hand holds.
+#[test]
+fn a_cancelled_goal_keeps_its_object() {
+    let mut world = World::ready();
+    world.has_object = true;
+    world.order(Order::Start(grasp()));
+    world.run_until(30_000, |w| w.controller.step_name() == "lift");
+    world.run(500);
+    let gap_m = commanded_gap_m(&world.order(Order::Cancel { goal_id: 7 }));
+    let outputs = world.run(2000);
+    assert_eq!(
+        (world.mode(), world.controller.step_name()),
+        (Mode::RUN, "hold")
+    );
+    assert!((commanded_gap_m(&outputs) - gap_m).abs() < 1e-3);
+    assert!(
+        outputs.report.hands[1].fingers[..2]
+            .iter()
+            .all(|f| f.in_contact == 1)
+    );
+    // Released on demand only.
+    let release = GoalRequest {
+        goal_id: 9,
+        kind: GoalKind::RELEASE,
+        ..grasp()
+    };
+    assert_eq!(
+        world
+            .order(Order::Start(release))
+            .goal_update
+            .unwrap()
+            .state,
+        GoalState::ACCEPTED
+    );
+    let (outputs, _) = world.run_until(30_000, |w| w.controller.step_name() == "leave");
+    assert!(commanded_gap_m(&outputs) > gap_m + 0.01);
+    let (outputs, _) = world.run_until(30_000, |w| w.controller.goal().unwrap().state.is_final());
+    assert_eq!(outputs.goal_update.unwrap().state, GoalState::SUCCEEDED);
+}
+
+#[test]
+fn only_attached_goals_end_with_their_client() {
+    for (policy, expected) in [
+        (GoalPolicy::DETACHED, None),
+        (
+            GoalPolicy::ATTACHED,
+            Some((GoalState::FAILED, Cause::CLIENT_GONE)),
+        ),
+    ] {
+        let mut world = World::ready();
+        world.order(Order::Start(GoalRequest { policy, ..grasp() }));
+        world.run(20);
+        let update = world.order(Order::ClientGone { goal_id: 7 }).goal_update;
+        assert_eq!(update.map(|u| (u.state, u.reason.cause)), expected);
+    }
+}
+
+#[test]
+fn parameters_take_effect_and_wrong_ones_do_not() {
+    let mut world = World::ready();
+    let index = atas::settings::PARAMETERS
+        .iter()
+        .position(|p| p.name == "motion.reach_m_s")
+        .unwrap();
+    for (value, kept) in [(0.2, 0.2), (f64::NAN, 0.2), (1e9, 0.2), (0.05, 0.05)] {
+        world.order(Order::SetParameter { index, value });
+        assert_eq!(world.controller.settings().motion.reach_m_s, kept);
+    }
+    world.order(Order::SetParameter {
+        index: usize::MAX,
+        value: 0.1,
+    });
+    world.order(Order::Bias { hand: usize::MAX });
+    assert_eq!(world.mode(), Mode::READY);
+}
+
+#[test]
+fn bias_takes_the_present_reading_as_zero() {
+    let mut world = World::holding();
+    world.order(Order::Bias { hand: 1 });
+    let report = world.tick().report;
+    assert!(
+        report.hands[1].fingers[0].normal_n.abs() < 0.05,
+        "{:?}",
+        report.hands[1].fingers[0]
+    );
+}
+
+#[test]
+fn holding_goes_on_after_the_goal_is_reached() {
+    let mut world = World::holding();
+    let outputs = world.run(3000);
+    assert_eq!(
+        (world.mode(), world.controller.step_name()),
+        (Mode::RUN, "hold")
+    );
+    assert!(
+        outputs.report.hands[1].fingers[..2]
+            .iter()
+            .all(|f| f.normal_n > 0.2)
+    );
+    assert_eq!(outputs.report.goal_id, 0, "the goal itself is over");
+}

@@ -1,0 +1,212 @@
+//! Faults against the whole controller: the bounds of the fault catalogue, in ticks.
+
+use crate::world::{World, commanded_gap_m};
+use atas::{Inputs, Order, Tick};
+use robot_model::ROBOT_JOINTS;
+use shm_schemas::{Cause, GoalState, Mode, Reason};
+
+/// F01, F40: silence of either sensor or of the joints.
+#[test]
+fn silence_holds_within_the_bounds_and_ends_by_itself() {
+    for (mute, cause, bound) in [
+        ([true, false, false], Cause::FRAMES_STOPPED, 6),
+        ([false, true, false], Cause::FRAMES_STOPPED, 6),
+        ([false, false, true], Cause::JOINTS_STOPPED, 6),
+    ] {
+        let mut world = World::reaching();
+        world.mute = mute;
+        let (_, ticks) = world.run_until(50, |w| w.mode() == Mode::HOLD);
+        // The last datum is one tick old when the silence becomes visible: five ticks more make six.
+        assert_eq!(ticks, bound, "{cause}");
+        assert_eq!(world.controller.mode().1.cause, cause);
+        let rest = world.run(150).command.position_rad;
+        assert_eq!(
+            world.run(50).command.position_rad,
+            rest,
+            "HOLD stands still"
+        );
+        world.mute = [false; 3];
+        let (_, ticks) = world.run_until(100, |w| w.mode() == Mode::RUN);
+        assert!(ticks <= 50, "re-armed after {ticks}");
+        assert_eq!(world.controller.goal().unwrap().state, GoalState::RUNNING);
+        world.run_until(20_000, |w| w.controller.step_name() == "approach");
+    }
+}
+
+/// F01 with an object in the hand: the grip is kept, never opened.
+#[test]
+fn a_grip_survives_silence() {
+    let mut world = World::holding();
+    let gap_m = commanded_gap_m(&world.tick());
+    world.mute = [false, true, false];
+    for _ in 0..3000 {
+        let outputs = world.tick();
+        assert!(commanded_gap_m(&outputs) < gap_m + 1e-4);
+    }
+    assert_eq!(world.mode(), Mode::HOLD);
+    world.mute = [false; 3];
+    world.run(100);
+    assert_eq!(
+        (world.mode(), world.controller.step_name()),
+        (Mode::RUN, "hold")
+    );
+}
+
+#[test]
+fn a_pause_that_lasts_too_long_fails_the_goal() {
+    let mut world = World::reaching();
+    world.mute = [false, true, false];
+    let (outputs, ticks) = world.run_until(2000, |w| w.controller.goal().unwrap().state.is_final());
+    let update = outputs.goal_update.unwrap();
+    assert_eq!(
+        (update.state, update.reason.cause),
+        (GoalState::FAILED, Cause::FRAMES_STOPPED)
+    );
+    assert!(
+        (500..520).contains(&ticks),
+        "safety.pause_s is 0.5 s, failed after {ticks} ticks"
+    );
+    world.mute = [false; 3];
+    let rest = world.run(100).command.position_rad;
+    assert_eq!(
+        (world.mode(), world.run(100).command.position_rad),
+        (Mode::READY, rest),
+        "nothing resumes"
+    );
+}
+
+/// F41.
+#[test]
+fn wrong_joint_feedback_stops_in_the_same_tick_and_latches() {
+    for fault in [
+        (|s| s.position_rad[3] = f64::NAN) as fn(&mut shm_schemas::JointState),
+        |s| s.position_rad[20] += 0.2,
+        |s| s.position_rad[0] = 1e12,
+        |s| s.joint_count = 0,
+    ] {
+        let mut world = World::reaching();
+        world.joint_fault = Some(fault);
+        let outputs = world.tick();
+        assert_eq!(outputs.command.mode, Mode::SAFE_STOP);
+        let update = outputs.goal_update.unwrap();
+        assert_eq!(
+            (update.state, update.reason.cause),
+            (GoalState::FAILED, Cause::JOINTS_INVALID)
+        );
+        world.joint_fault = None;
+        let rest = world.run(300).command.position_rad;
+        assert_eq!(
+            (world.mode(), world.run(100).command.position_rad),
+            (Mode::SAFE_STOP, rest),
+            "latched"
+        );
+        world.order(Order::Recover);
+        assert_eq!(world.mode(), Mode::HOLD);
+        world.run(30);
+        assert_eq!(world.mode(), Mode::READY);
+    }
+}
+
+/// F44: the robot does not move although it is told to.
+#[test]
+fn a_joint_that_ignores_its_command_stops_the_robot() {
+    let mut world = World::reaching();
+    let stuck_rad = world.q_rad;
+    for ticks in 0.. {
+        world.q_rad = stuck_rad;
+        if world.tick().command.mode == Mode::SAFE_STOP {
+            break;
+        }
+        assert!(ticks < 1000);
+    }
+    assert_eq!(world.controller.mode().1.cause, Cause::FOLLOWING_ERROR);
+    world.q_rad = stuck_rad;
+    world.order(Order::Recover);
+    let outputs = world.run(30);
+    assert_eq!(world.mode(), Mode::READY);
+    assert!((0..ROBOT_JOINTS).all(|i| outputs.command.position_rad[i] == stuck_rad[i]));
+}
+
+#[test]
+fn an_estop_latches_until_it_is_recovered() {
+    let mut world = World::reaching();
+    let outputs = world.order(Order::Stop(Reason::of(Cause::ESTOP)));
+    assert_eq!(outputs.command.mode, Mode::SAFE_STOP);
+    assert_eq!(outputs.goal_update.unwrap().reason.cause, Cause::ESTOP);
+    let rest = world.run(1000).command.position_rad;
+    assert_eq!(
+        (world.mode(), world.run(1).command.position_rad),
+        (Mode::SAFE_STOP, rest)
+    );
+    world.order(Order::Recover);
+    world.run(30);
+    assert_eq!(world.mode(), Mode::READY);
+}
+
+/// Recovering where there is nothing to recover from must give up neither the grip nor the goal.
+#[test]
+fn recover_outside_a_stop_changes_nothing() {
+    let mut reaching = World::reaching();
+    reaching.order(Order::Recover);
+    reaching.run_until(20_000, |w| w.controller.step_name() == "descend");
+    let mut holding = World::holding();
+    holding.order(Order::Recover);
+    holding.run(100);
+    assert_eq!(
+        (holding.mode(), holding.controller.step_name()),
+        (Mode::RUN, "hold")
+    );
+    let mut silent = World::holding();
+    silent.mute = [false, true, false];
+    silent.run(50);
+    silent.order(Order::Recover);
+    assert_eq!(silent.mode(), Mode::HOLD, "the doubt is still there");
+}
+
+/// F23, F24: after a standstill the first tick holds, and no motion is caught up.
+#[test]
+fn a_standstill_holds_and_is_not_caught_up() {
+    let mut world = World::reaching();
+    let before = world.tick().command.position_rad;
+    world.ms += 5000;
+    let outputs = world.tick();
+    assert_eq!(outputs.command.mode, Mode::HOLD);
+    let moved = (0..ROBOT_JOINTS)
+        .map(|i| (outputs.command.position_rad[i] - before[i]).abs())
+        .fold(0.0, f64::max);
+    assert!(moved < 6e-3, "one tick at most: {moved} rad");
+    world.run_until(100, |w| w.mode() == Mode::RUN);
+}
+
+/// Several frames, or none, in one tick; the newest wins.
+#[test]
+fn bursts_of_frames_are_taken_in_order() {
+    let mut world = World::ready();
+    let mut sequence = world.ms;
+    for burst in [0, 5, 1, 0, 0, 3, 2] {
+        world.ms += 1;
+        let now_ns = world.ms * crate::support::MS_NS;
+        let frames: [Vec<_>; 2] = [shm_schemas::Hand::LEFT, shm_schemas::Hand::RIGHT].map(|hand| {
+            (1..=burst)
+                .map(|i| crate::support::frame(hand, sequence + i, now_ns - (burst - i) * 100_000))
+                .collect()
+        });
+        sequence += burst;
+        let state = crate::support::joints(world.ms, now_ns, &world.q_rad);
+        let outputs = world.controller.step(&Inputs {
+            tick: Tick {
+                index: world.ms,
+                now_ns,
+            },
+            frames: [&frames[0], &frames[1]],
+            joints: Some(&state),
+            order: None,
+        });
+        let report = &outputs.report.hands[0];
+        assert_eq!(
+            (u64::from(report.frames), report.frame_sequence),
+            (burst, sequence)
+        );
+    }
+    assert_eq!(world.mode(), Mode::READY);
+}

@@ -1,0 +1,475 @@
+//! The last gate: whatever comes in, what goes out is finite, within every limit and sealed.
+
+use crate::support::{MS_NS, hand_of, home_rad, robot};
+use atas::Tick;
+use atas::kinematics::HandCommand;
+use atas::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3};
+use atas::safety::{Gate, GateContext, Grip, SafeCommand};
+use atas::settings::{Safety, Settings};
+use proptest::prelude::*;
+use robot_model::{Joint, ROBOT_JOINTS, Side};
+use shm_schemas::{Cause, Mode};
+
+type Joints = [f64; ROBOT_JOINTS];
+
+const LOOSE: Grip = Grip {
+    normal_n: [0.0; 2],
+    f2_n: None,
+};
+
+/// A gate with its clock.
+struct Rig {
+    gate: Gate,
+    settings: Safety,
+    step_s: f64,
+    index: u64,
+    grips: [Grip; 2],
+    closing_m_s: [[f64; 2]; 2],
+    measured_rad: Option<Joints>,
+}
+
+impl Rig {
+    fn new() -> Self {
+        let mut gate = Gate::new(robot(), 77);
+        gate.anchor(&home_rad());
+        Self {
+            gate,
+            settings: Settings::default().safety,
+            step_s: 1e-3,
+            index: 0,
+            grips: [LOOSE; 2],
+            closing_m_s: [[0.0; 2]; 2],
+            measured_rad: None,
+        }
+    }
+
+    fn pass(&mut self, mode: Mode, wanted_rad: &Joints) -> SafeCommand {
+        let raw = Side::BOTH.map(|side| {
+            HandCommand::new(hand_of(wanted_rad, side), self.closing_m_s[side.index()])
+        });
+        let tick = Tick {
+            index: self.index,
+            now_ns: 1_000 * MS_NS + (self.index as f64 * self.step_s * 1e9) as u64,
+        };
+        self.index += 1;
+        self.gate.pass(
+            &raw,
+            &self.grips,
+            &GateContext {
+                tick,
+                step_s: self.step_s,
+                mode,
+                measured_rad: self.measured_rad.as_ref(),
+                joint_sequence: 5,
+                settings: &self.settings,
+            },
+        )
+    }
+}
+
+fn positions(safe: &SafeCommand) -> Joints {
+    safe.command().position_rad[..ROBOT_JOINTS]
+        .try_into()
+        .unwrap()
+}
+
+fn velocities(safe: &SafeCommand) -> Joints {
+    safe.command().velocity_rad_s[..ROBOT_JOINTS]
+        .try_into()
+        .unwrap()
+}
+
+/// Follows the published positions and checks them against every limit of every joint.
+struct Judge {
+    position_rad: Joints,
+    velocity_rad_s: Joints,
+    acceleration_rad_s2: Joints,
+    step_s: f64,
+}
+
+impl Judge {
+    fn new(rig: &Rig) -> Self {
+        Self {
+            position_rad: *rig.gate.position_rad(),
+            velocity_rad_s: [0.0; ROBOT_JOINTS],
+            acceleration_rad_s2: [0.0; ROBOT_JOINTS],
+            step_s: rig.step_s,
+        }
+    }
+
+    fn check(&mut self, safe: &SafeCommand) -> Result<(), TestCaseError> {
+        prop_assert!(safe.command().is_intact());
+        prop_assert!(
+            safe.command()
+                .position_rad
+                .iter()
+                .chain(&safe.command().velocity_rad_s)
+                .all(|v| v.is_finite())
+        );
+        for (i, joint) in robot().joints().enumerate() {
+            self.check_joint(i, joint, positions(safe)[i], velocities(safe)[i])?;
+        }
+        Ok(())
+    }
+
+    fn check_joint(
+        &mut self,
+        i: usize,
+        joint: &Joint,
+        position_rad: f64,
+        told_rad_s: f64,
+    ) -> Result<(), TestCaseError> {
+        let velocity_rad_s = (position_rad - self.position_rad[i]) / self.step_s;
+        let acceleration_rad_s2 = (velocity_rad_s - self.velocity_rad_s[i]) / self.step_s;
+        let jerk_rad_s3 = (acceleration_rad_s2 - self.acceleration_rad_s2[i]) / self.step_s;
+        let bounded = |value: f64, limit: f64| value.abs() <= limit * (1.0 + 1e-6) + 1e-6;
+        prop_assert!(
+            position_rad >= joint.lower_rad && position_rad <= joint.upper_rad,
+            "{}: {position_rad} rad",
+            joint.name
+        );
+        prop_assert!(
+            (told_rad_s - velocity_rad_s).abs() < 1e-9,
+            "{}: told {told_rad_s}, moves {velocity_rad_s} rad/s",
+            joint.name
+        );
+        prop_assert!(
+            bounded(velocity_rad_s, joint.velocity_max_rad_s),
+            "{}: {velocity_rad_s} rad/s",
+            joint.name
+        );
+        prop_assert!(
+            bounded(acceleration_rad_s2, JOINT_ACCELERATION_RAD_S2),
+            "{}: {acceleration_rad_s2} rad/s²",
+            joint.name
+        );
+        prop_assert!(
+            bounded(jerk_rad_s3, JOINT_JERK_RAD_S3),
+            "{}: {jerk_rad_s3} rad/s³",
+            joint.name
+        );
+        self.position_rad[i] = position_rad;
+        self.velocity_rad_s[i] = velocity_rad_s;
+        self.acceleration_rad_s2[i] = acceleration_rad_s2;
+        Ok(())
+    }
+}
+
+fn any_position() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -3.0..3.0,
+        1 => prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -1e300, 5e-324, -0.0]),
+    ]
+}
+
+fn any_mode() -> impl Strategy<Value = Mode> {
+    prop_oneof![6 => Just(Mode::RUN), 1 => prop::sample::select(Mode::ALL)]
+}
+
+fn any_grip() -> impl Strategy<Value = Grip> {
+    let force = || prop_oneof![3 => 0.0..20.0, 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)];
+    ([force(), force()], prop::option::of(0.1..8.0))
+        .prop_map(|(normal_n, f2_n)| Grip { normal_n, f2_n })
+}
+
+/// A speed and a direction for every joint, some beyond what it can do, held for some ticks.
+fn any_leg() -> impl Strategy<Value = (Vec<f64>, usize, Mode)> {
+    (
+        prop::collection::vec(-2.0..2.0, ROBOT_JOINTS),
+        1_usize..120,
+        any_mode(),
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn arbitrary_commands_leave_within_every_limit(
+        ticks in prop::collection::vec(
+            (prop::collection::vec(any_position(), ROBOT_JOINTS), any_mode(), [any_grip(), any_grip()]), 1..60),
+    ) {
+        let mut rig = Rig::new();
+        let mut judge = Judge::new(&rig);
+        rig.closing_m_s = [[0.002; 2]; 2];
+        for (wanted, mode, grips) in ticks {
+            rig.grips = grips;
+            judge.check(&rig.pass(mode, &wanted.try_into().unwrap()))?;
+        }
+    }
+
+    /// Random walks that the step check lets through: full speed, sudden reversals, into the position limits, stops.
+    #[test]
+    fn random_walks_leave_within_every_limit(
+        legs in prop::collection::vec(any_leg(), 1..12), rate_hz in prop::sample::select(vec![100.0, 1000.0, 10_000.0]),
+    ) {
+        let mut rig = Rig::new();
+        rig.step_s = 1.0 / rate_hz;
+        let mut judge = Judge::new(&rig);
+        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
+        for (factors, ticks, mode) in legs {
+            for _ in 0..ticks {
+                let at = *rig.gate.position_rad();
+                let wanted = std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * rig.step_s);
+                judge.check(&rig.pass(mode, &wanted))?;
+            }
+        }
+    }
+
+    /// A target that stands still is reached and kept, from wherever the walk has led.
+    #[test]
+    fn a_standing_target_within_the_step_is_reached(legs in prop::collection::vec(any_leg(), 1..4)) {
+        let mut rig = Rig::new();
+        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
+        for (factors, ticks, _) in legs {
+            for _ in 0..ticks {
+                let at = *rig.gate.position_rad();
+                rig.pass(Mode::RUN, &std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * 1e-3));
+            }
+        }
+        for _ in 0..200 {
+            rig.pass(Mode::HOLD, &[0.0; ROBOT_JOINTS]);
+        }
+        let target = rig.gate.position_rad().map(|q| q + 1e-3);
+        let target = std::array::from_fn(|i| {
+            let joint = robot().joint(i).unwrap();
+            target[i].clamp(joint.lower_rad, joint.upper_rad)
+        });
+        let mut last = Vec::new();
+        for _ in 0..300 {
+            last = positions(&rig.pass(Mode::RUN, &target)).to_vec();
+        }
+        for (reached, wanted) in last.iter().zip(target) {
+            prop_assert!((reached - wanted).abs() < 1e-6, "{reached} is not {wanted}");
+        }
+    }
+
+    /// HOLD brakes, then stands still bit by bit, whatever is asked and however hard the fingers press.
+    #[test]
+    fn hold_comes_to_rest_and_never_moves_on(
+        factors in prop::collection::vec(-1.0..1.0, ROBOT_JOINTS), ticks in 1_usize..150, garbage in any_position(),
+    ) {
+        let mut rig = Rig::new();
+        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
+        let mut moving = [0.0; ROBOT_JOINTS];
+        for _ in 0..ticks {
+            let at = *rig.gate.position_rad();
+            moving = velocities(&rig.pass(Mode::RUN, &std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * 1e-3)));
+        }
+        let from = *rig.gate.position_rad();
+        rig.grips = [Grip { normal_n: [30.0; 2], f2_n: Some(1.0) }; 2];
+        rig.closing_m_s = [[0.002, -0.002]; 2];
+        let mut rest = [0.0; ROBOT_JOINTS];
+        for _ in 0..200 {
+            rest = positions(&rig.pass(Mode::HOLD, &[garbage; ROBOT_JOINTS]));
+        }
+        for i in 0..ROBOT_JOINTS {
+            let speed = moving[i].abs();
+            let braking_rad = speed * speed / JOINT_ACCELERATION_RAD_S2 + 5e-3 * speed + 1e-3;
+            prop_assert!((rest[i] - from[i]).abs() <= braking_rad, "joint {i} went {} rad", rest[i] - from[i]);
+        }
+        for _ in 0..50 {
+            let safe = rig.pass(Mode::HOLD, &[garbage; ROBOT_JOINTS]);
+            prop_assert_eq!(positions(&safe), rest);
+            prop_assert!(velocities(&safe).iter().all(|v| *v == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_motion_within_the_limits_is_followed_without_lag(
+        amplitude in 0.01..0.12_f64, duration_s in 0.4..2.0_f64, joint in 0..ROBOT_JOINTS,
+    ) {
+        let mut rig = Rig::new();
+        for i in 0..=2000_u32 {
+            let tau: f64 = (f64::from(i) * 1e-3 / duration_s).min(1.0);
+            let mut wanted = home_rad();
+            wanted[joint] += amplitude * tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
+            let safe = rig.pass(Mode::RUN, &wanted);
+            prop_assert!((positions(&safe)[joint] - wanted[joint]).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn what_is_not_finite_moves_nothing_at_all() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut rig = Rig::new();
+        let mut wanted = home_rad().map(|q| q + 1e-4);
+        wanted[13] = bad;
+        let safe = rig.pass(Mode::RUN, &wanted);
+        assert_eq!(positions(&safe), home_rad());
+        assert_eq!(
+            (rig.gate.finding().cause, rig.gate.finding().index),
+            (Cause::COMMAND_NOT_FINITE, 13)
+        );
+        rig.pass(Mode::RUN, &home_rad());
+        assert!(
+            !rig.gate.finding().is_some(),
+            "the finding lasts as long as its cause"
+        );
+    }
+}
+
+#[test]
+fn a_jump_is_refused_as_a_whole() {
+    let mut rig = Rig::new();
+    let mut wanted = home_rad().map(|q| q + 1e-4);
+    wanted[4] += 0.5;
+    assert_eq!(positions(&rig.pass(Mode::RUN, &wanted)), home_rad());
+    let finding = rig.gate.finding();
+    assert_eq!((finding.cause, finding.index), (Cause::COMMAND_STEP, 4));
+    assert!(finding.value > finding.limit);
+}
+
+#[test]
+fn only_run_moves() {
+    for mode in Mode::ALL {
+        let mut rig = Rig::new();
+        let wanted = home_rad().map(|q| q + 1e-4);
+        let moved = positions(&rig.pass(*mode, &wanted)) != home_rad();
+        assert_eq!(moved, *mode == Mode::RUN, "{mode}");
+    }
+}
+
+/// Right hand, finger 0: joints 16 to 18.
+#[test]
+fn above_the_grip_ceiling_a_finger_may_only_open() {
+    let ceilings = [
+        (15.1, None, true),
+        (14.9, None, false),
+        (3.1, Some(2.0), true),
+        (2.9, Some(2.0), false),
+        (f64::NAN, None, true),
+    ];
+    for (normal_n, f2_n, over) in ceilings {
+        for closing_m_s in [0.002, -0.002, 0.0] {
+            let mut rig = Rig::new();
+            rig.grips[1] = Grip {
+                normal_n: [normal_n, 0.0],
+                f2_n,
+            };
+            rig.closing_m_s[1] = [closing_m_s, 0.002];
+            let wanted = home_rad().map(|q| q + 1e-5);
+            let moved: Vec<bool> = positions(&rig.pass(Mode::RUN, &wanted))
+                .iter()
+                .zip(home_rad())
+                .map(|(a, b)| *a != b)
+                .collect();
+            let frozen = over && closing_m_s > 0.0;
+            let case = format!("{normal_n} N of {f2_n:?}, closing at {closing_m_s}");
+            assert!(moved[16..19].iter().all(|m| *m != frozen), "{case}");
+            assert!(moved[..16].iter().chain(&moved[19..]).all(|m| *m), "{case}");
+            let finding = rig.gate.finding();
+            assert_eq!(
+                (finding.cause, finding.index),
+                if frozen {
+                    (Cause::GRIP_CEILING, 0)
+                } else {
+                    (Cause::NONE, 0)
+                },
+                "{case}"
+            );
+        }
+    }
+}
+
+/// F42, F44.
+#[test]
+fn a_joint_that_does_not_follow_is_found_after_ten_ticks_in_a_row() {
+    let mut rig = Rig::new();
+    let mut measured = home_rad();
+    measured[6] -= 0.1;
+    rig.measured_rad = Some(measured);
+    for _ in 0..9 {
+        rig.pass(Mode::RUN, &home_rad());
+        assert!(!rig.gate.finding().is_some());
+    }
+    rig.measured_rad = Some(home_rad());
+    rig.pass(Mode::RUN, &home_rad());
+    rig.measured_rad = Some(measured);
+    for _ in 0..9 {
+        rig.pass(Mode::HOLD, &home_rad());
+        assert!(
+            !rig.gate.finding().is_some(),
+            "one good tick begins the count anew"
+        );
+    }
+    rig.pass(Mode::HOLD, &home_rad());
+    let finding = rig.gate.finding();
+    assert_eq!((finding.cause, finding.index), (Cause::FOLLOWING_ERROR, 6));
+    assert!((finding.value - 0.1).abs() < 1e-12 && (finding.limit - 0.08).abs() < 1e-12);
+}
+
+#[test]
+fn a_fast_joint_may_lag_further() {
+    let mut rig = Rig::new();
+    for _ in 0..200 {
+        let at = *rig.gate.position_rad();
+        let mut wanted = at;
+        wanted[1] += 2e-3;
+        let mut measured = at;
+        measured[1] -= 0.09;
+        let fast = rig.pass(Mode::RUN, &wanted).command().velocity_rad_s[1] > 1.0;
+        rig.measured_rad = fast.then_some(measured);
+        assert!(!rig.gate.finding().is_some());
+    }
+}
+
+#[test]
+fn every_command_is_stamped_sealed_and_short_lived() {
+    let mut gate = Gate::new(robot(), 77);
+    let settings = Settings::default().safety;
+    let raw = Side::BOTH.map(|side| HandCommand::new(hand_of(&home_rad(), side), [0.0; 2]));
+    for index in 0..20 {
+        if index == 10 {
+            gate.anchor(&home_rad());
+        }
+        let mode = Mode::ALL[index as usize % Mode::ALL.len()];
+        let tick = Tick {
+            index: 3 * index,
+            now_ns: 1_000 * MS_NS + 3 * index * MS_NS,
+        };
+        let ctx = GateContext {
+            tick,
+            step_s: 1e-3,
+            mode,
+            measured_rad: None,
+            joint_sequence: index + 100,
+            settings: &settings,
+        };
+        let command = *gate.pass(&raw, &[LOOSE; 2], &ctx).command();
+        assert!(command.is_intact());
+        assert_eq!(
+            (
+                command.stamp.sequence,
+                command.stamp.captured_ns,
+                command.stamp.writer_epoch
+            ),
+            (index, tick.now_ns, 77)
+        );
+        assert_eq!(
+            (command.tick, command.valid_until_ns),
+            (tick.index, tick.now_ns + 5 * MS_NS)
+        );
+        assert_eq!(
+            (command.mode, command.answers_sequence, command.pad),
+            (mode, index + 100, 0)
+        );
+        // Before the robot's posture is known there is nothing to command.
+        assert_eq!(command.joint_count, if index < 10 { 0 } else { 22 });
+    }
+}
+
+#[test]
+fn a_joint_measured_beyond_its_limit_is_commanded_at_the_limit() {
+    let mut rig = Rig::new();
+    let mut measured = home_rad();
+    let upper_rad = robot().joint(2).unwrap().upper_rad;
+    measured[2] = upper_rad + 0.04;
+    rig.gate.anchor(&measured);
+    let safe = rig.pass(Mode::HOLD, &home_rad());
+    assert_eq!(
+        (positions(&safe)[2], velocities(&safe)[2]),
+        (upper_rad, 0.0)
+    );
+}

@@ -1,0 +1,123 @@
+//! Goals: every bad field has its cause and its name.
+
+use crate::support::robot;
+use atas::Wiring;
+use atas::goal::check;
+use robot_model::Side;
+use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand};
+
+fn goal() -> GoalRequest {
+    GoalRequest {
+        goal_id: 1,
+        kind: GoalKind::GRASP,
+        hand: Hand::RIGHT,
+        policy: GoalPolicy::DETACHED,
+        from_m: [0.3, -0.1, 0.05],
+        width_m: 0.05,
+        lift_m: 0.05,
+        hold_s: 1.0,
+        ..GoalRequest::default()
+    }
+}
+
+#[test]
+fn a_good_goal_names_its_hand() {
+    assert_eq!(check(&goal(), robot(), &Wiring::default()), Ok(Side::Right));
+    let left = GoalRequest {
+        hand: Hand::LEFT,
+        from_m: [0.3, 0.1, 0.05],
+        ..goal()
+    };
+    assert_eq!(check(&left, robot(), &Wiring::default()), Ok(Side::Left));
+    let attached = GoalRequest {
+        policy: GoalPolicy::ATTACHED,
+        ..goal()
+    };
+    assert!(
+        check(&attached, robot(), &Wiring::default()).is_ok() && atas::goal::is_attached(&attached)
+    );
+    // Releasing needs no place.
+    let release = GoalRequest {
+        kind: GoalKind::RELEASE,
+        from_m: [9.0; 3],
+        width_m: 0.0,
+        ..goal()
+    };
+    assert_eq!(
+        check(&release, robot(), &Wiring::default()),
+        Ok(Side::Right)
+    );
+}
+
+#[test]
+fn every_bad_field_is_named() {
+    type Change = fn(&mut GoalRequest);
+    let rows: [(Change, Cause, u32); 24] = [
+        (|g| g.kind = GoalKind(0), Cause::UNKNOWN_GOAL, 0),
+        (|g| g.kind = GoalKind(u32::MAX), Cause::UNKNOWN_GOAL, 0),
+        (|g| g.kind = GoalKind::SCREW, Cause::UNKNOWN_GOAL, 0),
+        (|g| g.hand = Hand(2), Cause::UNKNOWN_GOAL, 1),
+        (|g| g.policy = GoalPolicy(2), Cause::UNKNOWN_GOAL, 2),
+        (|g| g.from_m[0] = f64::NAN, Cause::NOT_FINITE, 0),
+        (|g| g.from_m[2] = f64::INFINITY, Cause::NOT_FINITE, 2),
+        (|g| g.to_m[1] = f64::NAN, Cause::NOT_FINITE, 5),
+        (|g| g.to_yaw_rad = f64::NEG_INFINITY, Cause::NOT_FINITE, 7),
+        (|g| g.hold_s = f64::INFINITY, Cause::NOT_FINITE, 10),
+        (|g| g.from_yaw_rad = 7.0, Cause::OUT_OF_RANGE, 3),
+        (|g| g.lift_m = -0.01, Cause::OUT_OF_RANGE, 9),
+        (|g| g.lift_m = 0.151, Cause::OUT_OF_RANGE, 9),
+        (|g| g.hold_s = -1.0, Cause::OUT_OF_RANGE, 10),
+        (|g| g.hold_s = 3601.0, Cause::OUT_OF_RANGE, 10),
+        (|g| g.from_m[0] = 0.1, Cause::UNREACHABLE, 0),
+        (|g| g.from_m[0] = 1e300, Cause::UNREACHABLE, 0),
+        (|g| g.from_m[1] = 0.2, Cause::UNREACHABLE, 1),
+        (|g| g.from_m[1] = -0.4, Cause::UNREACHABLE, 1),
+        (|g| g.from_m[2] = 0.0, Cause::UNREACHABLE, 2),
+        (|g| g.from_m[2] = 0.3, Cause::UNREACHABLE, 2),
+        (
+            |g| (g.from_m[2], g.lift_m) = (0.15, 0.1),
+            Cause::UNREACHABLE,
+            9,
+        ),
+        (|g| g.width_m = 0.0, Cause::UNREACHABLE, 8),
+        (|g| g.width_m = 0.2, Cause::UNREACHABLE, 8),
+    ];
+    for (change, cause, index) in rows {
+        let mut goal = goal();
+        change(&mut goal);
+        let reason = check(&goal, robot(), &Wiring::default()).unwrap_err();
+        assert_eq!((reason.cause, reason.index), (cause, index), "{goal:?}");
+    }
+}
+
+#[test]
+fn a_hand_without_a_sensor_takes_no_goals() {
+    let mut wiring = Wiring::default();
+    wiring.hands[1].required = false;
+    let reason = check(&goal(), robot(), &wiring).unwrap_err();
+    assert_eq!((reason.cause, reason.index), (Cause::NO_SENSOR, 1));
+    let left = GoalRequest {
+        hand: Hand::LEFT,
+        from_m: [0.3, 0.1, 0.05],
+        ..goal()
+    };
+    assert!(check(&left, robot(), &wiring).is_ok());
+}
+
+/// The two hands' workspaces mirror each other.
+#[test]
+fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
+    for y in [-0.35, -0.3, -0.1, 0.0, 0.06, 0.1] {
+        let right = GoalRequest {
+            from_m: [0.3, y, 0.05],
+            ..goal()
+        };
+        let left = GoalRequest {
+            hand: Hand::LEFT,
+            from_m: [0.3, -y, 0.05],
+            ..goal()
+        };
+        let reached = [right, left].map(|g| check(&g, robot(), &Wiring::default()).is_ok());
+        assert_eq!(reached[0], reached[1], "y = {y}");
+    }
+}

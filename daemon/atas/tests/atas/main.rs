@@ -1,0 +1,19 @@
+//! Tests of the pure heart through its public API: every rung of the ladder alone, then the whole controller.
+
+mod arbitration;
+mod controller;
+mod determinism;
+mod faults;
+mod gate;
+mod goal;
+mod hardness;
+mod intake;
+mod joints;
+mod mode;
+mod modules;
+mod path;
+mod perception;
+mod settings;
+mod support;
+mod tasks;
+mod world;

@@ -1,0 +1,133 @@
+//! The mode machine, transition by transition.
+
+use atas::ModeMachine;
+use atas::limits::REARM_TICKS;
+use shm_schemas::{Cause, Mode, Reason};
+
+fn doubt() -> Reason {
+    Reason::of(Cause::FRAMES_STOPPED)
+}
+
+fn calm(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
+    for _ in 0..ticks {
+        machine.update(Reason::default(), has_goal);
+    }
+}
+
+/// A machine that has come to this mode in the ordinary way.
+fn machine_in(mode: Mode) -> ModeMachine {
+    let mut machine = ModeMachine::default();
+    if mode == Mode::INIT {
+        return machine;
+    }
+    calm(&mut machine, REARM_TICKS, false);
+    match mode {
+        Mode::RUN => machine.update(Reason::default(), true),
+        Mode::HOLD => machine.update(doubt(), false),
+        Mode::SAFE_STOP => machine.stop(Reason::of(Cause::ESTOP)),
+        Mode::FAULT => machine.fail(Reason::of(Cause::MODULE_PANICKED)),
+        _ => {}
+    }
+    assert_eq!(machine.mode(), mode);
+    machine
+}
+
+#[test]
+fn every_transition_is_as_drawn() {
+    type Act = fn(&mut ModeMachine);
+    let acts: [(&str, Act); 7] = [
+        ("doubt", |m| m.update(doubt(), false)),
+        ("calm tick", |m| m.update(Reason::default(), false)),
+        ("calm tick with a goal", |m| {
+            m.update(Reason::default(), true)
+        }),
+        ("calm spell", |m| calm(m, REARM_TICKS + 1, false)),
+        ("stop", |m| m.stop(Reason::of(Cause::ESTOP))),
+        ("fail", |m| m.fail(Reason::of(Cause::MODULE_PANICKED))),
+        ("recover", ModeMachine::recover),
+    ];
+    const I: Mode = Mode::INIT;
+    const R: Mode = Mode::READY;
+    const G: Mode = Mode::RUN;
+    const H: Mode = Mode::HOLD;
+    const S: Mode = Mode::SAFE_STOP;
+    const F: Mode = Mode::FAULT;
+    for (from, to) in [
+        (I, [I, I, I, R, S, F, I]),
+        (R, [H, R, G, R, S, F, R]),
+        (G, [H, R, G, R, S, F, G]),
+        (H, [H, H, H, R, S, F, H]),
+        (S, [S, S, S, S, S, F, H]),
+        (F, [F, F, F, F, F, F, F]),
+    ] {
+        for ((name, act), expected) in acts.iter().zip(to) {
+            let mut machine = machine_in(from);
+            act(&mut machine);
+            assert_eq!(machine.mode(), expected, "{name} in {from}");
+        }
+    }
+}
+
+#[test]
+fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
+    for has_goal in [false, true] {
+        let mut machine = machine_in(Mode::HOLD);
+        calm(&mut machine, REARM_TICKS - 1, has_goal);
+        machine.update(doubt(), has_goal);
+        calm(&mut machine, REARM_TICKS - 1, has_goal);
+        assert_eq!(
+            machine.mode(),
+            Mode::HOLD,
+            "the doubt begins the spell anew"
+        );
+        calm(&mut machine, 1, has_goal);
+        assert_eq!(
+            machine.mode(),
+            if has_goal { Mode::RUN } else { Mode::READY }
+        );
+        assert!(!machine.reason().is_some());
+    }
+}
+
+#[test]
+fn the_first_reason_of_an_episode_stays() {
+    let mut machine = machine_in(Mode::RUN);
+    machine.update(doubt(), true);
+    machine.update(Reason::of(Cause::JOINTS_STOPPED), true);
+    assert_eq!(machine.reason().cause, Cause::FRAMES_STOPPED);
+    machine.stop(Reason::of(Cause::FOLLOWING_ERROR));
+    machine.stop(Reason::of(Cause::ESTOP));
+    assert_eq!(machine.reason().cause, Cause::FOLLOWING_ERROR);
+    machine.recover();
+    assert_eq!(
+        (machine.mode(), machine.reason().cause),
+        (Mode::HOLD, Cause::FOLLOWING_ERROR)
+    );
+    machine.fail(Reason::of(Cause::MODULE_PANICKED));
+    machine.stop(Reason::of(Cause::ESTOP));
+    assert_eq!(machine.reason().cause, Cause::MODULE_PANICKED);
+}
+
+/// In INIT the reason is always what is missing now.
+#[test]
+fn init_says_what_it_waits_for() {
+    let mut machine = ModeMachine::default();
+    for cause in [Cause::FRAMES_STOPPED, Cause::JOINTS_STOPPED] {
+        machine.update(Reason::of(cause), false);
+        assert_eq!(
+            (machine.mode(), machine.reason().cause),
+            (Mode::INIT, cause)
+        );
+    }
+}
+
+#[test]
+fn a_stop_that_is_recovered_waits_in_hold_for_calm() {
+    let mut machine = machine_in(Mode::SAFE_STOP);
+    calm(&mut machine, 10 * REARM_TICKS, false);
+    machine.recover();
+    calm(&mut machine, REARM_TICKS - 1, false);
+    assert_eq!(machine.mode(), Mode::HOLD);
+    calm(&mut machine, 1, false);
+    assert_eq!(machine.mode(), Mode::READY);
+}

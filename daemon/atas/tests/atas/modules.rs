@@ -1,0 +1,463 @@
+//! The modules one by one: what they feel and know, and what they propose.
+
+use atas::Settings;
+use atas::modules::{Context, IDS, Modules, Proposal, Selection, Verdict, force_range_n};
+use atas::path::{Path, Speeds};
+use atas::perception::{FingerPercept, Percept};
+use atas::tasks::Thresholds;
+use nalgebra::Vector3;
+use robot_model::GraspFrame;
+use shm_schemas::{Cause, ModuleId};
+
+const FREE: f64 = f64::INFINITY;
+
+fn path() -> Path {
+    let from = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    let to = GraspFrame {
+        centre_m: Vector3::new(0.3, 0.0, 0.15),
+        ..from
+    };
+    Path::gripping(
+        from,
+        to,
+        &Speeds {
+            move_m_s: 0.01,
+            turn_rad_s: 1.0,
+            open_m_s: 0.01,
+        },
+    )
+}
+
+/// One module with the settings and the context that it sees.
+struct Bench {
+    modules: Modules,
+    id: ModuleId,
+    settings: Settings,
+    path: Path,
+    all_touched: bool,
+    closing_m: f64,
+    carried_m: f64,
+    carry_scale: f64,
+}
+
+impl Bench {
+    fn new(id: ModuleId) -> Self {
+        Self {
+            modules: Modules::default(),
+            id,
+            settings: Settings::default(),
+            path: path(),
+            all_touched: true,
+            closing_m: 0.0,
+            carried_m: 0.0,
+            carry_scale: 1.0,
+        }
+    }
+
+    /// F_1 is 0.5 N, F_2 is 4 N.
+    fn evaluate(&mut self, percept: &Percept) -> Proposal {
+        let context = Context {
+            settings: &self.settings,
+            step_s: 1e-3,
+            thresholds: Thresholds {
+                f1_n: 0.5,
+                f2_n: 4.0,
+            },
+            all_touched: self.all_touched,
+            closing_m: self.closing_m,
+            carried_m: self.carried_m,
+            path: &self.path,
+            carry_scale: self.carry_scale,
+        };
+        let proposals = self
+            .modules
+            .evaluate(Selection::of(&[self.id]), percept, &context);
+        for (id, proposal) in IDS.iter().zip(&proposals) {
+            assert!(
+                *id == self.id || *proposal == Proposal::default(),
+                "{id} was not asked"
+            );
+        }
+        proposals[IDS.iter().position(|id| *id == self.id).unwrap()]
+    }
+
+    fn evaluate_for(&mut self, ticks: usize, percept: &Percept) -> Proposal {
+        (0..ticks).map(|_| self.evaluate(percept)).last().unwrap()
+    }
+}
+
+fn finger(normal_n: f64) -> FingerPercept {
+    FingerPercept {
+        normal_n,
+        in_contact: normal_n > 0.06,
+        ..FingerPercept::default()
+    }
+}
+
+fn percept(fingers: [FingerPercept; 2]) -> Percept {
+    let [a, b] = fingers;
+    Percept {
+        fingers: [a, b, FingerPercept::default(), FingerPercept::default()],
+        captured_ns: 1,
+        step_s: 1e-3,
+    }
+}
+
+fn pressed(normal_n: f64) -> Percept {
+    percept([finger(normal_n); 2])
+}
+
+/// Both fingers press alike and use this much of their friction.
+fn sliding(normal_n: f64, utilisation: f64) -> Percept {
+    percept(
+        [FingerPercept {
+            utilisation,
+            utilisation_now: utilisation,
+            tangential_n: 0.5 * normal_n,
+            ..finger(normal_n)
+        }; 2],
+    )
+}
+
+fn speeds(p: &Proposal) -> (bool, [f64; 2], [f64; 2]) {
+    (p.active, p.closing_m_s, p.closing_ceiling_m_s)
+}
+
+#[test]
+fn module_1_closes_until_both_touch_and_then_until_f1() {
+    for (all_touched, forces_n, active, closing_m_s) in [
+        (false, [0.0, 0.0], true, [0.002, 0.002]),
+        (false, [0.1, 0.0], true, [0.0, 0.002]),
+        (false, [0.0, 0.1], true, [0.002, 0.0]),
+        (false, [0.1, 0.1], false, [0.0, 0.0]),
+        (true, [0.1, 0.1], true, [0.002, 0.002]),
+        (true, [3.0, 0.4], true, [0.002, 0.002]),
+        (true, [0.5, 0.5], true, [0.002, 0.002]),
+        (true, [0.51, 0.51], false, [0.0, 0.0]),
+        (true, [0.0, 0.0], true, [0.002, 0.002]),
+    ] {
+        let mut bench = Bench::new(ModuleId::FIRST_TOUCH);
+        bench.all_touched = all_touched;
+        let proposal = bench.evaluate(&percept(forces_n.map(finger)));
+        assert_eq!(
+            speeds(&proposal),
+            (active, closing_m_s, [FREE; 2]),
+            "touched {all_touched}, {forces_n:?} N"
+        );
+    }
+}
+
+#[test]
+fn module_2_presses_while_friction_runs_out() {
+    let slip = |utilisation, gross_slip_s, increment_n| FingerPercept {
+        utilisation,
+        gross_slip_s,
+        increment_n,
+        ..finger(2.0)
+    };
+    for (case, one, active) in [
+        ("friction to spare", slip(0.5, 0.0, 0.0), false),
+        ("just below the threshold", slip(0.91, 0.0, 0.0), false),
+        ("(a) S above slip_on", slip(0.93, 0.0, 0.0), true),
+        ("(b) gross slip for a while", slip(0.5, 0.011, 0.0), true),
+        ("gross slip too short", slip(0.5, 0.009, 0.0), false),
+        ("(c) dF_t > dr near the limit", slip(0.85, 0.0, 0.07), true),
+        (
+            "dF_t > dr with friction to spare",
+            slip(0.7, 0.0, 0.5),
+            false,
+        ),
+        (
+            "near the limit under steady load",
+            slip(0.85, 0.0, 0.05),
+            false,
+        ),
+    ] {
+        for fingers in [[one, finger(2.0)], [finger(2.0), one]] {
+            let proposal = Bench::new(ModuleId::SLIP).evaluate(&percept(fingers));
+            let closing_m_s = if active { 0.002 } else { 0.0 };
+            assert_eq!(
+                speeds(&proposal),
+                (active, [closing_m_s; 2], [FREE; 2]),
+                "{case}"
+            );
+            assert_eq!(
+                proposal.carry_ceiling,
+                if active { 0.1 } else { 1.0 },
+                "{case}"
+            );
+        }
+    }
+}
+
+#[test]
+fn module_2_has_hysteresis_and_a_latch() {
+    let mut bench = Bench::new(ModuleId::SLIP);
+    for (utilisation, ticks, active) in [
+        (0.9, 1, false),
+        (0.93, 1, true),
+        (0.87, 100, true),
+        (0.85, 19, true),
+        (0.85, 3, false),
+        (0.91, 100, false),
+    ] {
+        assert_eq!(
+            bench.evaluate_for(ticks, &sliding(2.0, utilisation)).active,
+            active,
+            "S = {utilisation} for {ticks} ms"
+        );
+    }
+}
+
+#[test]
+fn module_2_slows_the_hand_only_while_pressing_helps() {
+    assert_eq!(
+        Bench::new(ModuleId::SLIP)
+            .evaluate(&sliding(3.9, 1.0))
+            .carry_ceiling,
+        0.1
+    );
+    assert_eq!(
+        Bench::new(ModuleId::SLIP)
+            .evaluate(&sliding(4.1, 1.0))
+            .carry_ceiling,
+        1.0
+    );
+}
+
+#[test]
+fn module_3_stops_above_f2_and_opens_well_above() {
+    let mut bench = Bench::new(ModuleId::FORCE_LIMIT);
+    for (forces_n, active, ceiling_m_s) in [
+        ([3.9, 0.1], false, FREE),
+        ([4.1, 0.1], true, 0.0),
+        ([0.1, 3.95], true, 0.0),
+        ([3.8, 0.1], false, FREE),
+        ([0.1, 4.7], true, -0.001),
+        ([0.1, 4.5], true, 0.0),
+        ([0.0, 0.0], false, FREE),
+    ] {
+        let proposal = bench.evaluate(&percept(forces_n.map(finger)));
+        assert_eq!(
+            speeds(&proposal),
+            (active, [0.0; 2], [ceiling_m_s; 2]),
+            "{forces_n:?} N"
+        );
+        assert_eq!(proposal.verdict, Verdict::None);
+    }
+}
+
+#[test]
+fn module_3_refuses_what_slides_out_at_f2() {
+    let mut bench = Bench::new(ModuleId::FORCE_LIMIT);
+    assert_eq!(
+        bench.evaluate_for(399, &sliding(4.1, 1.05)).verdict,
+        Verdict::None
+    );
+    let Verdict::Refuse(reason) = bench.evaluate_for(600, &sliding(4.1, 1.05)).verdict else {
+        panic!("not refused")
+    };
+    assert_eq!(
+        (reason.cause, reason.module, reason.value, reason.limit),
+        (Cause::TOO_HEAVY, ModuleId::FORCE_LIMIT, 4.1, 4.0)
+    );
+    // The same slipping below F_2, or with friction to spare, is nobody's fault.
+    for innocent in [sliding(3.0, 1.05), sliding(4.1, 0.7)] {
+        assert_eq!(
+            Bench::new(ModuleId::FORCE_LIMIT)
+                .evaluate_for(2000, &innocent)
+                .verdict,
+            Verdict::None
+        );
+    }
+}
+
+/// The tug: the hand has travelled while slipping at F_2, goes back, and looks at the load.
+#[test]
+fn module_3_refuses_what_gives_its_load_back_when_tugged() {
+    for (load_share, refused) in [(1.0, false), (0.7, false), (0.5, true), (0.0, true)] {
+        let mut bench = Bench::new(ModuleId::FORCE_LIMIT);
+        assert_eq!(bench.evaluate(&sliding(4.1, 0.9)).carry_ceiling, 1.0);
+        bench.carried_m = 0.0021;
+        assert_eq!(
+            bench.evaluate(&sliding(4.1, 0.9)).carry_ceiling,
+            -1.0,
+            "tugs back"
+        );
+        let mut tugged = sliding(4.1, 0.3);
+        for finger in &mut tugged.fingers {
+            finger.tangential_n *= load_share;
+        }
+        bench.carried_m = 0.0018;
+        assert_eq!(bench.evaluate(&tugged).verdict, Verdict::None);
+        bench.carried_m = 0.0016;
+        let last = bench.evaluate(&tugged);
+        assert_eq!(
+            matches!(last.verdict, Verdict::Refuse(_)),
+            refused,
+            "load share {load_share}"
+        );
+        assert_eq!(last.carry_ceiling, 1.0);
+    }
+}
+
+#[test]
+fn relax_opens_while_friction_and_force_are_to_spare() {
+    let felt = |utilisation, increment_n, gross_slip_s, normal_n| {
+        percept(
+            [FingerPercept {
+                utilisation,
+                increment_n,
+                gross_slip_s,
+                ..finger(normal_n)
+            }; 2],
+        )
+    };
+    for (case, percept, active) in [
+        ("to spare", felt(0.4, 0.0, 0.0, 2.0), true),
+        ("nothing known of friction", felt(0.0, 0.0, 0.0, 2.0), false),
+        ("near the limit", felt(0.85, 0.0, 0.0, 2.0), false),
+        ("load changes", felt(0.4, 0.07, 0.0, 2.0), false),
+        ("slips", felt(0.4, 0.0, 0.001, 2.0), false),
+        ("near F_1", felt(0.4, 0.0, 0.0, 0.54), false),
+        ("above F_1", felt(0.4, 0.0, 0.0, 0.56), true),
+    ] {
+        let proposal = Bench::new(ModuleId::RELAX).evaluate(&percept);
+        assert_eq!(proposal.active, active, "{case}");
+        assert!(
+            proposal.closing_m_s.iter().all(|v| if active {
+                (-0.001..0.0).contains(v)
+            } else {
+                *v == 0.0
+            }),
+            "{case}"
+        );
+    }
+    let opening = |utilisation| {
+        Bench::new(ModuleId::RELAX)
+            .evaluate(&felt(utilisation, 0.0, 0.0, 2.0))
+            .closing_m_s[0]
+    };
+    assert!(
+        opening(0.2) < opening(0.6),
+        "the nearer to its limit, the more slowly"
+    );
+}
+
+#[test]
+fn the_probe_presses_for_100_ms_and_then_says_how_hard() {
+    let mut bench = Bench::new(ModuleId::PROBE);
+    let settings = bench.settings.perception;
+    let (mut verdict, mut ticks) = (Verdict::None, 0);
+    while verdict == Verdict::None {
+        ticks += 1;
+        let normal_n = 0.1 + 0.005 * f64::from(ticks);
+        let tips_m = settings.tip_compression_m * normal_n.powf(settings.tip_exponent);
+        bench.closing_m = 2.0 * (tips_m + normal_n / 2000.0);
+        let proposal = bench.evaluate(&pressed(normal_n));
+        assert_eq!(proposal.active, ticks < 100, "after {ticks} ms");
+        assert_eq!(
+            proposal.closing_m_s,
+            if ticks < 100 { [0.002; 2] } else { [0.0; 2] },
+            "after {ticks} ms"
+        );
+        verdict = proposal.verdict;
+    }
+    let Verdict::Hardness(fit) = verdict else {
+        panic!("{verdict:?}")
+    };
+    assert_eq!(ticks, 100);
+    assert!((fit.object_n_m / 2000.0 - 1.0).abs() < 0.1, "{fit:?}");
+    // Pressing no harder tells nothing new.
+    assert_eq!(bench.evaluate(&pressed(0.3)).verdict, verdict);
+}
+
+#[test]
+fn the_probe_stops_pressing_at_the_largest_force_and_guesses_nothing() {
+    let mut bench = Bench::new(ModuleId::PROBE);
+    assert_eq!(bench.evaluate(&pressed(8.1)).closing_m_s, [0.0; 2]);
+    assert_eq!(
+        bench.evaluate_for(300, &pressed(8.1)).verdict,
+        Verdict::None,
+        "one force alone has no slope"
+    );
+    let mut silent = pressed(1.0);
+    silent.step_s = 0.0;
+    assert_eq!(
+        Bench::new(ModuleId::PROBE)
+            .evaluate_for(300, &silent)
+            .verdict,
+        Verdict::None
+    );
+}
+
+#[test]
+fn carry_walks_the_path_at_the_tolerated_speed() {
+    for (carry_scale, ticks, share) in [
+        (1.0, 2500, 0.5),
+        (0.5, 5000, 0.5),
+        (0.0, 1000, 0.0),
+        (-1.0, 1000, 0.0),
+        (1.0, 5001, 1.0),
+    ] {
+        let mut bench = Bench::new(ModuleId::CARRY);
+        bench.carry_scale = carry_scale;
+        let proposal = bench.evaluate_for(ticks, &pressed(1.0));
+        let carried = proposal.carry.unwrap();
+        let expected_m = 0.1 + 0.05 * share;
+        assert!(
+            (carried.frame.centre_m.z - expected_m).abs() < 1e-4,
+            "{ticks} ms at {carry_scale}: {}",
+            carried.frame.centre_m.z
+        );
+        assert_eq!(
+            (carried.arrived, proposal.active),
+            (share == 1.0, share != 1.0)
+        );
+        assert!(!carried.with_fingers);
+    }
+}
+
+#[test]
+fn carry_goes_back_but_not_beyond_the_start() {
+    let mut bench = Bench::new(ModuleId::CARRY);
+    let ahead = bench
+        .evaluate_for(2000, &pressed(1.0))
+        .carry
+        .unwrap()
+        .frame
+        .centre_m
+        .z;
+    bench.carry_scale = -1.0;
+    let back = bench
+        .evaluate_for(500, &pressed(1.0))
+        .carry
+        .unwrap()
+        .frame
+        .centre_m
+        .z;
+    assert!(back < ahead);
+    let start = bench.evaluate_for(9000, &pressed(1.0)).carry.unwrap();
+    assert_eq!(start.frame, path().at(0.0));
+    bench.modules.restart_path();
+    bench.carry_scale = 1.0;
+    assert!(!bench.evaluate(&pressed(1.0)).carry.unwrap().arrived);
+}
+
+#[test]
+fn memories_end_with_the_object() {
+    let mut bench = Bench::new(ModuleId::SLIP);
+    assert!(bench.evaluate(&sliding(2.0, 1.0)).active);
+    bench.modules.reset();
+    assert!(!bench.evaluate(&sliding(2.0, 0.9)).active);
+}
+
+#[test]
+fn forces_are_those_of_the_fingers_that_grip() {
+    assert_eq!(
+        force_range_n(&percept([finger(1.0), finger(3.0)])),
+        (1.0, 3.0)
+    );
+    assert!(Selection::of(&[ModuleId::SLIP]).contains(ModuleId::SLIP));
+    assert!(!Selection::default().contains(ModuleId::NONE));
+}

@@ -1,0 +1,130 @@
+//! Paths: rest to rest, no faster than allowed, the short way round.
+
+use crate::support::robot;
+use atas::path::{Path, Speeds, reachable_yaw_rad};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use robot_model::{GraspFrame, Side};
+
+const SPEEDS: Speeds = Speeds {
+    move_m_s: 0.12,
+    turn_rad_s: 0.8,
+    open_m_s: 0.05,
+};
+/// The peak of a minimum-jerk profile over its mean.
+const PEAK: f64 = 1.875;
+
+fn any_frame() -> impl Strategy<Value = GraspFrame> {
+    (
+        prop::array::uniform3(-0.3..0.3),
+        prop::array::uniform4(-2.0..2.0),
+        prop::array::uniform6(-0.05..0.05),
+    )
+        .prop_map(
+            |(centre, [yaw, azimuth, pitch, root], [h1, h2, t1, t2, u1, u2])| GraspFrame {
+                centre_m: Vector3::from(centre),
+                closing_yaw_rad: yaw,
+                hand_azimuth_rad: azimuth,
+                hand_pitch_rad: pitch,
+                root_rad: root,
+                half_opening_m: [h1, h2],
+                tangential_m: [t1, t2],
+                up_m: [u1, u2],
+            },
+        )
+}
+
+/// Every coordinate with the mean speed that it may have, if it is limited.
+fn coordinates(f: &GraspFrame) -> [(f64, f64); 8] {
+    let (turn, open) = (SPEEDS.turn_rad_s, SPEEDS.open_m_s);
+    [
+        (f.closing_yaw_rad, turn),
+        (f.hand_azimuth_rad, turn),
+        (f.hand_pitch_rad, turn),
+        (f.root_rad, turn),
+        (f.half_opening_m[0], open),
+        (f.half_opening_m[1], open),
+        (f.tangential_m[0], open),
+        (f.tangential_m[1], open),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn a_path_leads_from_rest_to_rest_within_every_speed(from in any_frame(), to in any_frame()) {
+        let path = Path::free(from, to, &SPEEDS);
+        prop_assert_eq!((path.at(0.0), path.at(path.duration_s()), path.at(1e9)), (from, to, to));
+        prop_assert_eq!(*path.end(), to);
+        let step_s = path.duration_s() / 200.0;
+        for i in 0..200 {
+            let (a, b) = (path.at(f64::from(i) * step_s), path.at(f64::from(i + 1) * step_s));
+            let at_rest = if i == 0 || i == 199 { 0.01 } else { 1.0 };
+            prop_assert!((b.centre_m - a.centre_m).norm() <= PEAK * SPEEDS.move_m_s * step_s * at_rest * 1.001 + 1e-12);
+            for ((before, speed), (after, _)) in coordinates(&a).into_iter().zip(coordinates(&b)) {
+                prop_assert!((after - before).abs() <= PEAK * speed * step_s * at_rest * 1.001 + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn every_coordinate_goes_one_way(from in any_frame(), to in any_frame()) {
+        let path = Path::free(from, to, &SPEEDS);
+        let rows: Vec<_> = (0..=100).map(|i| coordinates(&path.at(path.duration_s() * f64::from(i) / 100.0))).collect();
+        for c in 0..8 {
+            let upwards = rows[100][c].0 >= rows[0][c].0;
+            for pair in rows.windows(2) {
+                let (before, after) = (pair[0][c].0, pair[1][c].0);
+                let onwards = if upwards { after - before } else { before - after };
+                prop_assert!(onwards >= -1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_gripping_path_leaves_the_fingers_alone(from in any_frame(), to in any_frame()) {
+        let path = Path::gripping(from, to, &SPEEDS);
+        prop_assert!(!path.moves_fingers() && Path::free(from, to, &SPEEDS).moves_fingers());
+        prop_assert_eq!(path.at(path.duration_s() / 3.0).half_opening_m, from.half_opening_m);
+        prop_assert_eq!(path.end().centre_m, to.centre_m);
+    }
+
+    /// The chosen yaw grasps the same way, needs no more than a quarter turn of the wrist, and is reached without
+    /// winding up.
+    #[test]
+    fn the_reachable_yaw_is_an_equivalent_one(
+        yaw_rad in -6.3..6.3, from_yaw_rad in -1.5..1.5, x in 0.22..0.4, y in -0.3..0.06, from_y in -0.3..0.06,
+    ) {
+        let hand = robot().hand(Side::Right);
+        let centre_m = Vector3::new(x, y, 0.1);
+        let from_m = Vector3::new(0.3, from_y, 0.1);
+        let from_yaw_rad = hand.closing_yaw_rad(&from_m, from_yaw_rad);
+        let from = GraspFrame::from_above(from_m, from_yaw_rad, 0.05);
+        let chosen_rad = reachable_yaw_rad(hand, &from, &centre_m, yaw_rad);
+        let half_turns = (chosen_rad - yaw_rad) / std::f64::consts::PI;
+        prop_assert!((half_turns - half_turns.round()).abs() < 1e-9);
+        let roll_rad = |yaw_rad: f64, at_m: &Vector3<f64>| hand.bearing_rad(at_m) + std::f64::consts::FRAC_PI_2 - yaw_rad;
+        let turn_rad = roll_rad(chosen_rad, &centre_m) - roll_rad(from_yaw_rad, &from_m);
+        prop_assert!(turn_rad.abs() <= std::f64::consts::PI + 1e-9, "the wrist turns by {turn_rad}");
+    }
+}
+
+#[test]
+fn the_duration_is_what_the_slowest_coordinate_needs() {
+    let from = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    let far = GraspFrame {
+        centre_m: Vector3::new(0.3, 0.24, 0.1),
+        ..from
+    };
+    let turned = GraspFrame {
+        closing_yaw_rad: -1.6,
+        ..from
+    };
+    let open = GraspFrame {
+        half_opening_m: [0.05, 0.025],
+        ..from
+    };
+    for (to, duration_s) in [(from, 0.05), (far, 2.0), (turned, 2.0), (open, 0.5)] {
+        assert!((Path::free(from, to, &SPEEDS).duration_s() - duration_s).abs() < 1e-12);
+    }
+    assert_eq!(Path::stay(from).at(0.0), from);
+}

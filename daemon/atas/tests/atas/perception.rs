@@ -1,0 +1,304 @@
+//! Perception: patch frame, touch, dF_t, friction utilisation, bias.
+
+use crate::support::{MS_NS, dome, frame, press, spread};
+use atas::intake::FrameIntake;
+use atas::perception::{FingerPercept, Perception};
+use atas::settings::Settings;
+use atas::{HandWiring, Tick};
+use nalgebra::Vector3;
+use shm_schemas::{Hand, HandFrame};
+
+/// A contact over the whole dome, degrees.
+const WIDE: f64 = 33.0;
+/// A contact around one point, degrees.
+const NARROW: f64 = 15.0;
+
+/// Perception that is fed synthetic frames through the real intake.
+struct Skin {
+    intake: FrameIntake,
+    perception: Perception,
+    settings: Settings,
+    sequence: u64,
+    now_ns: u64,
+}
+
+impl Skin {
+    fn new() -> Self {
+        let wiring = HandWiring::default();
+        Self {
+            intake: FrameIntake::new(Hand::LEFT, &wiring),
+            perception: Perception::new(&wiring),
+            settings: Settings::default(),
+            sequence: 0,
+            now_ns: 1_000 * MS_NS,
+        }
+    }
+
+    /// Without the low-pass on the elements.
+    fn unfiltered() -> Self {
+        let mut skin = Self::new();
+        skin.settings.set("perception.filter_s", 0.0).unwrap();
+        skin
+    }
+
+    /// Goes on by some time with one frame at its end, whose finger 0 feels this force per element.
+    fn feel(
+        &mut self,
+        after_ns: u64,
+        force_n: impl Fn(Vector3<f64>) -> Vector3<f64>,
+    ) -> FingerPercept {
+        self.now_ns += after_ns;
+        let mut frame = frame(Hand::LEFT, self.sequence, self.now_ns);
+        self.sequence += 1;
+        press(&mut frame, 0, force_n);
+        self.take(&frame);
+        self.perception.percept().fingers[0]
+    }
+
+    fn take(&mut self, frame: &HandFrame) {
+        let tick = Tick {
+            index: self.sequence,
+            now_ns: self.now_ns,
+        };
+        self.intake.begin();
+        self.perception.begin();
+        let checked = self
+            .intake
+            .check(frame, tick, &self.settings.intake)
+            .unwrap();
+        self.perception.feel(&checked, &self.settings.perception);
+    }
+
+    /// The same total force on a round contact around the pole for some frames of 1 ms.
+    fn hold(&mut self, frames: u64, force_n: Vector3<f64>) -> FingerPercept {
+        let share = spread(Vector3::z(), NARROW);
+        let mut percept = FingerPercept::default();
+        for _ in 0..frames {
+            percept = self.feel(MS_NS, |d| force_n * share(d));
+        }
+        percept
+    }
+}
+
+fn tilted(degrees: f64, towards_rad: f64) -> Vector3<f64> {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    Vector3::new(sin * towards_rad.cos(), sin * towards_rad.sin(), cos)
+}
+
+/// The dome's own geometry must not leak into F_t: seen along the dome axis these forces would have F_t = 0.36 F_n.
+#[test]
+fn a_pure_normal_force_off_the_pole_has_no_tangential_part() {
+    for towards_rad in [0.0, 0.8, 2.0, 3.9, 5.5] {
+        for degrees in [0.0, 10.0, 20.0] {
+            let centre = tilted(degrees, towards_rad);
+            let share = spread(centre, NARROW);
+            let felt = Skin::unfiltered().feel(MS_NS, |d| -centre * (3.0 * share(d)));
+            assert!(
+                (felt.normal_n - 3.0).abs() < 0.03,
+                "{degrees}° {towards_rad} rad: {felt:?}"
+            );
+            assert!(
+                felt.tangential_n < 0.05 * 3.0,
+                "{degrees}° {towards_rad} rad: {felt:?}"
+            );
+            assert!(
+                felt.patch_normal.dot(&centre) > 3_f64.to_radians().cos(),
+                "{felt:?}"
+            );
+            assert!((felt.force_tip_n + centre * 3.0).norm() < 1e-5, "{felt:?}");
+        }
+    }
+}
+
+#[test]
+fn shear_is_tangential_force() {
+    for centre in [Vector3::z(), tilted(15.0, 1.0)] {
+        let share = spread(centre, NARROW);
+        let across = centre.cross(&Vector3::x()).normalize();
+        let felt = Skin::unfiltered().feel(MS_NS, |d| (across * 0.8 - centre * 2.0) * share(d));
+        assert!((felt.normal_n - 2.0).abs() < 0.1, "{felt:?}");
+        assert!((felt.tangential_n - 0.8).abs() < 0.1, "{felt:?}");
+    }
+}
+
+#[test]
+fn a_patch_too_weak_to_tell_looks_along_the_dome_axis() {
+    let share = spread(tilted(20.0, 0.0), NARROW);
+    let felt = Skin::unfiltered().feel(MS_NS, |d| -d * (0.05 * share(d)));
+    assert_eq!(felt.patch_normal, Vector3::z());
+}
+
+/// The elements' low-pass: 63 % after one time constant of sensor time, whatever the frame rate.
+#[test]
+fn the_filter_counts_sensor_time() {
+    for (step_ns, frames) in [(MS_NS / 4, 20), (MS_NS, 5)] {
+        let mut skin = Skin::new();
+        let share = spread(Vector3::z(), NARROW);
+        skin.feel(step_ns, |_| Vector3::zeros());
+        let mut felt = FingerPercept::default();
+        for _ in 0..frames {
+            felt = skin.feel(step_ns, |d| -Vector3::z() * share(d));
+        }
+        assert!(
+            (felt.normal_n - 0.62).abs() < 0.03,
+            "{step_ns} ns: {}",
+            felt.normal_n
+        );
+    }
+}
+
+#[test]
+fn touch_has_hysteresis() {
+    let mut skin = Skin::unfiltered();
+    for (normal_n, in_contact, touches) in [
+        (0.0, false, 0),
+        (0.05, false, 0),
+        (0.07, true, 1),
+        (0.04, true, 1),
+        (0.07, true, 1),
+        (0.035, true, 1),
+        (0.02, false, 1),
+        (0.05, false, 1),
+        (0.065, true, 2),
+        (-1.0, false, 2),
+    ] {
+        let felt = skin.hold(1, Vector3::z() * -normal_n);
+        assert_eq!(
+            (felt.in_contact, felt.touches),
+            (in_contact, touches),
+            "at {normal_n} N"
+        );
+    }
+}
+
+#[test]
+fn bias_takes_the_present_reading_as_zero() {
+    let mut skin = Skin::new();
+    let offset_n = Vector3::new(0.2, -0.1, -0.5);
+    assert!(skin.hold(100, offset_n).in_contact);
+    skin.perception.bias();
+    let felt = skin.hold(100, offset_n);
+    assert!(
+        felt.normal_n.abs() < 1e-3 && felt.tangential_n < 2e-3 && !felt.in_contact,
+        "{felt:?}"
+    );
+    let felt = skin.hold(100, offset_n - Vector3::z());
+    assert!((felt.normal_n - 1.0).abs() < 1e-2, "{felt:?}");
+}
+
+/// Force at 2 N/s: the increment over the 100 ms window is 0.2 N, from a fast and from a slow sensor.
+#[test]
+fn the_increment_spans_its_window_at_any_rate() {
+    for step_ns in [MS_NS / 4, MS_NS, 10 * MS_NS, 33 * MS_NS] {
+        let mut skin = Skin::unfiltered();
+        let share = spread(Vector3::z(), NARROW);
+        let mut time_s = 0.0;
+        let mut felt = FingerPercept::default();
+        while time_s < 0.5 {
+            time_s += step_ns as f64 * 1e-9;
+            felt = skin.feel(step_ns, |d| {
+                Vector3::new(2.0 * time_s, 0.0, -3.0) * share(d)
+            });
+        }
+        let within = 0.2 * (1.0 - 1e-9 * step_ns as f64 / 0.1) - 0.01..0.205;
+        assert!(
+            within.contains(&felt.increment_n),
+            "{step_ns} ns: {}",
+            felt.increment_n
+        );
+    }
+}
+
+#[test]
+fn a_step_shows_for_one_window_and_a_steady_force_not_at_all() {
+    let mut skin = Skin::unfiltered();
+    let steady = skin.hold(300, Vector3::new(0.5, 0.0, -3.0));
+    assert!(steady.increment_n < 1e-3, "{}", steady.increment_n);
+    // The direction counts as well as the size.
+    let turned = skin.hold(1, Vector3::new(0.0, 0.5, -3.0));
+    assert!(
+        (turned.increment_n - 0.5 * 2_f64.sqrt()).abs() < 2e-2,
+        "{}",
+        turned.increment_n
+    );
+    assert!(skin.hold(90, Vector3::new(0.0, 0.5, -3.0)).increment_n > 0.69);
+    assert!(skin.hold(15, Vector3::new(0.0, 0.5, -3.0)).increment_n < 1e-3);
+}
+
+/// A tick without a frame changes nothing: differences of held samples would spike at every new frame.
+#[test]
+fn held_samples_are_not_felt_twice() {
+    let mut skin = Skin::unfiltered();
+    skin.hold(50, Vector3::new(0.3, 0.0, -1.0));
+    let before = *skin.perception.percept();
+    assert!(before.step_s > 0.0);
+    skin.perception.begin();
+    assert_eq!(skin.perception.percept().fingers, before.fingers);
+    assert_eq!(skin.perception.percept().step_s, 0.0);
+}
+
+/// Elements on a common displacement stick until μ·p: the rim slips first, at last everything does.
+fn sheared(slide: f64) -> impl Fn(Vector3<f64>) -> Vector3<f64> {
+    const FRICTION: f64 = 0.5;
+    let share = spread(Vector3::z(), WIDE);
+    move |d| {
+        let normal_n = 4.0 * share(d);
+        Vector3::new((FRICTION * normal_n).min(slide), 0.0, -normal_n)
+    }
+}
+
+#[test]
+fn utilisation_rises_to_one_in_gross_slip() {
+    let mut skin = Skin::unfiltered();
+    for _ in 0..100 {
+        skin.feel(MS_NS, |d| {
+            -Vector3::z() * (4.0 * spread(Vector3::z(), WIDE)(d))
+        });
+    }
+    let largest = dome().0.normal[..41]
+        .iter()
+        .map(|d| sheared(1.0)(Vector3::from(*d)).x)
+        .fold(0.0, f64::max);
+    let mut seen = Vec::new();
+    for step in 1..=30 {
+        let mut felt = FingerPercept::default();
+        for _ in 0..40 {
+            felt = skin.feel(MS_NS, sheared(largest * f64::from(step) / 20.0));
+        }
+        seen.push(felt);
+    }
+    // Half way there is friction to spare; from the twentieth step on everything slides.
+    assert!(seen[7].utilisation < 0.9, "{:?}", seen[7]);
+    assert!(seen[7].gross_slip_s == 0.0, "{:?}", seen[7]);
+    let last = seen.last().unwrap();
+    assert!(
+        last.utilisation > 0.95 && last.utilisation_now > 0.95,
+        "{last:?}"
+    );
+    assert!(last.gross_slip_s > 0.1, "{last:?}");
+    assert!((last.friction - 0.5).abs() < 0.05, "{last:?}");
+    assert!(
+        seen[9..].is_sorted_by(|a, b| a.utilisation <= b.utilisation + 0.02),
+        "{seen:?}"
+    );
+}
+
+#[test]
+fn letting_go_forgets_the_friction() {
+    let mut skin = Skin::unfiltered();
+    assert!(skin.hold(200, Vector3::new(1.0, 0.0, -2.0)).friction > 0.3);
+    let felt = skin.hold(10, Vector3::zeros());
+    assert_eq!(
+        (felt.friction, felt.utilisation, felt.gross_slip_s),
+        (0.0, 0.0, 0.0)
+    );
+}
+
+#[test]
+fn no_contact_means_no_utilisation() {
+    let felt = Skin::new().hold(100, Vector3::zeros());
+    assert_eq!(
+        (felt.utilisation, felt.utilisation_now, felt.in_contact),
+        (0.0, 0.0, false)
+    );
+}

@@ -1,0 +1,111 @@
+//! Small makers of inputs.
+
+use nalgebra::Vector3;
+use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
+use shm_schemas::{Hand, HandFrame, JointState, Layout, Stamp};
+use std::sync::LazyLock;
+
+/// One tick of 1 kHz, ns.
+pub(crate) const MS_NS: u64 = 1_000_000;
+/// Epoch of the sensors in these tests.
+pub(crate) const EPOCH: u64 = 11;
+
+/// The built-in robot.
+pub(crate) fn robot() -> &'static RobotModel {
+    static ROBOT: LazyLock<RobotModel> = LazyLock::new(|| RobotModel::two_hand_arm().unwrap());
+    &ROBOT
+}
+
+/// The built-in layout and its hash.
+pub(crate) fn dome() -> &'static (Layout, u64) {
+    static DOME: LazyLock<(Layout, u64)> = LazyLock::new(|| {
+        let dome = Layout::dome_41();
+        let hash = dome.hash();
+        (dome, hash)
+    });
+    &DOME
+}
+
+/// Where all joints rest, rad.
+pub(crate) fn home_rad() -> [f64; ROBOT_JOINTS] {
+    let mut home_rad = [0.0; ROBOT_JOINTS];
+    for side in Side::BOTH {
+        home_rad[side.joint_range()].copy_from_slice(robot().hand(side).reference_rad().as_slice());
+    }
+    home_rad
+}
+
+/// One hand's share of all joints, rad.
+pub(crate) fn hand_of(q_rad: &[f64; ROBOT_JOINTS], side: Side) -> HandVector {
+    HandVector::from_row_slice(&q_rad[side.joint_range()])
+}
+
+/// A sealed frame that feels nothing but a little noise, different in every frame.
+pub(crate) fn frame(hand: Hand, sequence: u64, captured_ns: u64) -> HandFrame {
+    let mut frame = HandFrame {
+        stamp: Stamp {
+            sequence,
+            captured_ns,
+            writer_epoch: EPOCH,
+        },
+        layout_hash: dome().1,
+        hand,
+        finger_count: 2,
+        valid_mask: [u64::MAX >> (64 - 41), u64::MAX >> (64 - 41), 0, 0],
+        ..HandFrame::default()
+    };
+    frame.force_n[0][0][1] = (sequence % 7) as f32 * 1e-4;
+    frame.force_n[1][3][2] = (sequence % 5) as f32 * 1e-4;
+    frame.seal();
+    frame
+}
+
+/// Writes element forces, given in tip coordinates (object on tip, N), into one finger of a frame, and seals it.
+pub(crate) fn press(
+    frame: &mut HandFrame,
+    finger: usize,
+    force_n: impl Fn(Vector3<f64>) -> Vector3<f64>,
+) {
+    let layout = &dome().0;
+    for e in 0..layout.count {
+        let d = Vector3::from(layout.normal[e]);
+        let (t1, t2) = (
+            Vector3::from(layout.tangent1[e]),
+            Vector3::from(layout.tangent2[e]),
+        );
+        let f = force_n(d);
+        let reading = [-f.dot(&d), f.dot(&t1), f.dot(&t2)];
+        for (sum, now) in frame.force_n[finger][e].iter_mut().zip(reading) {
+            *sum += now as f32;
+        }
+    }
+    frame.seal();
+}
+
+/// How the pressure of a round contact around `centre` is spread within an angle: the share of each element, summing to
+/// one.
+pub(crate) fn spread(centre: Vector3<f64>, half_angle_deg: f64) -> impl Fn(Vector3<f64>) -> f64 {
+    let weight =
+        move |d: Vector3<f64>| (d.dot(&centre) - half_angle_deg.to_radians().cos()).max(0.0);
+    let layout = &dome().0;
+    let sum: f64 = layout.normal[..layout.count]
+        .iter()
+        .map(|d| weight(Vector3::from(*d)))
+        .sum();
+    move |d| weight(d) / sum
+}
+
+/// A joint state at these positions, rad.
+pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &[f64; ROBOT_JOINTS]) -> JointState {
+    let mut state = JointState {
+        stamp: Stamp {
+            sequence,
+            captured_ns,
+            writer_epoch: EPOCH,
+        },
+        joint_count: ROBOT_JOINTS as u32,
+        ..JointState::default()
+    };
+    state.position_rad[..ROBOT_JOINTS].copy_from_slice(q_rad);
+    state
+}

@@ -1,0 +1,262 @@
+//! A tiny world for the whole controller: joints that follow at once, two sensors, and perhaps one springy object.
+
+use crate::support::{MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
+use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use nalgebra::Vector3;
+use robot_model::{FINGERS, ROBOT_JOINTS, Side};
+use shm_schemas::{
+    GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, HandFrame, JointState, Mode,
+};
+use std::sync::LazyLock;
+
+/// Where the object of these tests stands, m, and how wide it is, m.
+pub(crate) const OBJECT_M: [f64; 3] = [0.3, -0.1, 0.06];
+pub(crate) const WIDTH_M: f64 = 0.05;
+/// Stiffness of the object, N/m, its weight, N, and its friction.
+const OBJECT_N_M: f64 = 8000.0;
+const LOAD_N: f64 = 1.0;
+const FRICTION: f64 = 0.8;
+/// How fast the load comes over while lifting, N/m.
+const LOADING_N_M: f64 = 400.0;
+
+/// A controller and what surrounds it.
+#[derive(Clone)]
+pub(crate) struct World {
+    pub(crate) controller: Controller,
+    pub(crate) ms: u64,
+    pub(crate) q_rad: [f64; ROBOT_JOINTS],
+    /// Sensors and joints that say nothing: left, right, joints.
+    pub(crate) mute: [bool; 3],
+    /// What happens to every joint state on its way.
+    pub(crate) joint_fault: Option<fn(&mut JointState)>,
+    pub(crate) has_object: bool,
+}
+
+impl World {
+    /// A world at home before the first tick.
+    pub(crate) fn new() -> Self {
+        Self {
+            controller: Controller::new(robot(), Wiring::default(), Settings::default()),
+            ms: 1_000,
+            q_rad: home_rad(),
+            mute: [false; 3],
+            joint_fault: None,
+            has_object: false,
+        }
+    }
+
+    /// A world whose controller is READY.
+    pub(crate) fn ready() -> Self {
+        static READY: LazyLock<World> = LazyLock::new(|| {
+            let mut world = World::new();
+            world.run(50);
+            assert_eq!(world.mode(), Mode::READY);
+            world
+        });
+        READY.clone()
+    }
+
+    /// A world whose right hand is on its way to the object, in the step `reach`.
+    pub(crate) fn reaching() -> Self {
+        let mut world = Self::ready();
+        world.order(Order::Start(grasp()));
+        world.run(300);
+        assert_eq!(
+            (world.mode(), world.controller.step_name()),
+            (Mode::RUN, "reach")
+        );
+        world
+    }
+
+    /// A world whose right hand has lifted the object and holds it; the goal is reached.
+    pub(crate) fn holding() -> Self {
+        static HOLDING: LazyLock<World> = LazyLock::new(|| {
+            let mut world = World::ready();
+            world.has_object = true;
+            world.order(Order::Start(grasp()));
+            let (outputs, _) = world.run_until(60_000, |world| {
+                world.controller.goal().unwrap().state.is_final()
+            });
+            let update = outputs.goal_update.unwrap();
+            assert_eq!(
+                update.state,
+                GoalState::SUCCEEDED,
+                "{}: {:?}",
+                update.reason,
+                update.figures
+            );
+            world
+        });
+        HOLDING.clone()
+    }
+
+    pub(crate) fn mode(&self) -> Mode {
+        self.controller.mode().0
+    }
+
+    /// One tick.
+    pub(crate) fn tick(&mut self) -> Outputs {
+        self.tick_with(None)
+    }
+
+    /// One tick with an order.
+    pub(crate) fn order(&mut self, order: Order) -> Outputs {
+        self.tick_with(Some(&order))
+    }
+
+    /// Some ticks; gives out the last.
+    pub(crate) fn run(&mut self, ticks: usize) -> Outputs {
+        (0..ticks).map(|_| self.tick()).last().unwrap()
+    }
+
+    /// Ticks until something holds after one; gives out that one and how many they were.
+    pub(crate) fn run_until(
+        &mut self,
+        at_most: usize,
+        holds: impl Fn(&World) -> bool,
+    ) -> (Outputs, usize) {
+        for ticks in 1..=at_most {
+            let outputs = self.tick();
+            if holds(self) {
+                return (outputs, ticks);
+            }
+        }
+        panic!(
+            "did not come to pass: mode {}, step {}",
+            self.mode(),
+            self.controller.step_name()
+        );
+    }
+
+    fn tick_with(&mut self, order: Option<&Order>) -> Outputs {
+        self.ms += 1;
+        let now_ns = self.ms * MS_NS;
+        let frames = [
+            self.feel(Side::Left, now_ns),
+            self.feel(Side::Right, now_ns),
+        ];
+        let mut state = joints(self.ms, now_ns, &self.q_rad);
+        if let Some(fault) = self.joint_fault {
+            fault(&mut state);
+        }
+        let heard = |i: usize| {
+            if self.mute[i] {
+                &[][..]
+            } else {
+                &frames[i..=i]
+            }
+        };
+        let outputs = *self.controller.step(&Inputs {
+            tick: Tick {
+                index: self.ms,
+                now_ns,
+            },
+            frames: [heard(0), heard(1)],
+            joints: (!self.mute[2]).then_some(&state),
+            order,
+        });
+        if outputs.command.joint_count > 0 {
+            self.q_rad
+                .copy_from_slice(&outputs.command.position_rad[..ROBOT_JOINTS]);
+        }
+        outputs
+    }
+
+    /// What one hand's fingertips feel of the object, if there is one.
+    fn feel(&self, side: Side, now_ns: u64) -> HandFrame {
+        let mut frame = frame(Hand::BOTH[side.index()], self.ms, now_ns);
+        if side == Side::Left || !self.has_object {
+            return frame;
+        }
+        let hand = robot().hand(side);
+        let pose = hand.forward(&hand_of(&self.q_rad, side));
+        let centre_m = (pose.tip_m(0) + pose.tip_m(1)) / 2.0;
+        let away_m = (centre_m - Vector3::from(OBJECT_M)).xy().norm();
+        let across = (pose.tip_m(0) - pose.tip_m(1)).normalize();
+        for finger in 0..FINGERS {
+            let out = if finger == 0 { across } else { -across };
+            let reach_m = (pose.tip_m(finger) - Vector3::from(OBJECT_M)).dot(&out)
+                - hand.dome_radius_m()[finger];
+            let pressed_m = WIDTH_M / 2.0 - reach_m;
+            if pressed_m <= 0.0 || away_m > 0.02 {
+                continue;
+            }
+            let tip = &self.controller.settings().perception;
+            let bends_m =
+                |f: f64| tip.tip_compression_m * f.powf(tip.tip_exponent) + f / OBJECT_N_M;
+            let normal_n = solve(bends_m, pressed_m, 50.0);
+            let wanted_n = (LOADING_N_M * (centre_m.z - OBJECT_M[2])).clamp(0.0, LOAD_N / 2.0);
+            let base_from_tip = pose.base_from_tip()[finger].rotation;
+            let down = base_from_tip.transpose() * -Vector3::z();
+            press(&mut frame, finger, sheared(normal_n, wanted_n, down));
+        }
+        frame
+    }
+}
+
+/// A round contact at the pole that carries a load by stick and slip: every element moves alike until it slips.
+fn sheared(
+    normal_n: f64,
+    load_n: f64,
+    down: Vector3<f64>,
+) -> impl Fn(Vector3<f64>) -> Vector3<f64> {
+    let share = spread(Vector3::z(), 33.0);
+    let layout = &crate::support::dome().0;
+    let shares: Vec<f64> = layout.normal[..layout.count]
+        .iter()
+        .map(|d| share(Vector3::from(*d)))
+        .collect();
+    let carried_n = |slide_n: f64| {
+        shares
+            .iter()
+            .map(|s| (FRICTION * normal_n * s).min(slide_n))
+            .sum::<f64>()
+    };
+    let slide_n = solve(carried_n, load_n, normal_n);
+    let along = Vector3::new(down.x, down.y, 0.0).normalize();
+    move |d| {
+        let pressed_n = normal_n * share(d);
+        along * (FRICTION * pressed_n).min(slide_n) - Vector3::z() * pressed_n
+    }
+}
+
+/// Where a rising function takes a value, by bisection between 0 and `high`.
+fn solve(rising: impl Fn(f64) -> f64, value: f64, mut high: f64) -> f64 {
+    let mut low = 0.0;
+    for _ in 0..30 {
+        let middle = (low + high) / 2.0;
+        if rising(middle) < value {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    high
+}
+
+/// The goal of these tests: the right hand grasps the object.
+pub(crate) fn grasp() -> GoalRequest {
+    GoalRequest {
+        goal_id: 7,
+        kind: GoalKind::GRASP,
+        hand: Hand::RIGHT,
+        policy: GoalPolicy::DETACHED,
+        from_m: OBJECT_M,
+        width_m: WIDTH_M,
+        lift_m: 0.03,
+        hold_s: 0.2,
+        ..GoalRequest::default()
+    }
+}
+
+/// Distance between the fingertips of the right hand as commanded, m.
+pub(crate) fn commanded_gap_m(outputs: &Outputs) -> f64 {
+    let q_rad = outputs.command.position_rad[..ROBOT_JOINTS]
+        .try_into()
+        .unwrap();
+    atas::kinematics::gap_m(
+        &robot()
+            .hand(Side::Right)
+            .forward(&hand_of(&q_rad, Side::Right)),
+    )
+}
