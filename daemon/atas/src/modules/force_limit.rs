@@ -41,7 +41,11 @@ enum Suspicion {
     /// It has slipped at F_2 since the hand had carried this far, m.
     Slipping(f64),
     /// The hand tugs back from here, m; loads before and least load since, N.
-    Tugging { from_m: f64, load_n: f64, least_n: f64 },
+    Tugging {
+        from_m: f64,
+        load_n: f64,
+        least_n: f64,
+    },
     /// It hangs.
     Cleared,
 }
@@ -51,7 +55,12 @@ impl Module for ForceLimit {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
         let (_, strongest_n) = force_range_n(percept);
-        self.active = strongest_n > if self.active { RELEASE_SHARE * f2_n } else { f2_n };
+        self.active = strongest_n
+            > if self.active {
+                RELEASE_SHARE * f2_n
+            } else {
+                f2_n
+            };
         let ceiling_m_s = match self.active {
             true if strongest_n > settings.relieve_at * f2_n => -settings.relieve_m_s,
             true => 0.0,
@@ -62,8 +71,16 @@ impl Module for ForceLimit {
         Proposal {
             active: self.active,
             closing_ceiling_m_s: [ceiling_m_s; FINGERS],
-            carry_ceiling: if matches!(self.suspicion, Suspicion::Tugging { .. }) { -1.0 } else { 1.0 },
-            verdict: if too_heavy { Verdict::Refuse(reason) } else { Verdict::None },
+            carry_ceiling: if matches!(self.suspicion, Suspicion::Tugging { .. }) {
+                -1.0
+            } else {
+                1.0
+            },
+            verdict: if too_heavy {
+                Verdict::Refuse(reason)
+            } else {
+                Verdict::None
+            },
             ..Proposal::default()
         }
     }
@@ -77,16 +94,32 @@ impl ForceLimit {
         let (carried_m, load_n) = (context.carried_m, load_n(percept));
         self.suspicion = match self.suspicion {
             Suspicion::None if slips => Suspicion::Slipping(carried_m),
-            Suspicion::Slipping(from_m) if slips && carried_m - from_m > settings.too_heavy_travel_m => {
-                Suspicion::Tugging { from_m: carried_m, load_n, least_n: load_n }
+            Suspicion::Slipping(from_m)
+                if slips && carried_m - from_m > settings.too_heavy_travel_m =>
+            {
+                Suspicion::Tugging {
+                    from_m: carried_m,
+                    load_n,
+                    least_n: load_n,
+                }
             }
-            Suspicion::Tugging { from_m, load_n: before_n, least_n } if from_m - carried_m > TUG_M => {
+            Suspicion::Tugging {
+                from_m,
+                load_n: before_n,
+                least_n,
+            } if from_m - carried_m > TUG_M => {
                 self.suspicion = Suspicion::Cleared;
                 return least_n < HANGING_SHARE * before_n;
             }
-            Suspicion::Tugging { from_m, load_n: before_n, least_n } => {
-                Suspicion::Tugging { from_m, load_n: before_n, least_n: if load_n < least_n { load_n } else { least_n } }
-            }
+            Suspicion::Tugging {
+                from_m,
+                load_n: before_n,
+                least_n,
+            } => Suspicion::Tugging {
+                from_m,
+                load_n: before_n,
+                least_n: if load_n < least_n { load_n } else { least_n },
+            },
             unchanged => unchanged,
         };
         false
@@ -95,19 +128,31 @@ impl ForceLimit {
     /// True when every finger has slid at F_2 for so long that the object is on its way out of the hand.
     fn slides(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.grasp;
-        let least = percept.fingers[..FINGERS].iter().map(|f| f.utilisation_now).fold(f64::INFINITY, f64::min);
+        let least = percept.fingers[..FINGERS]
+            .iter()
+            .map(|f| f.utilisation_now)
+            .fold(f64::INFINITY, f64::min);
         self.gross += (least - self.gross) * context.step_s / (GROSS_FILTER_S + context.step_s);
         let sliding = self.active && self.gross > settings.too_heavy_gross;
-        self.gross_s = if sliding { self.gross_s + context.step_s } else { 0.0 };
+        self.gross_s = if sliding {
+            self.gross_s + context.step_s
+        } else {
+            0.0
+        };
         self.gross_s > settings.too_heavy_s
     }
 }
 
 fn slips_everywhere(percept: &Percept, settings: &Grasp) -> bool {
-    percept.fingers[..FINGERS].iter().all(|finger| finger.utilisation > settings.too_heavy_utilisation)
+    percept.fingers[..FINGERS]
+        .iter()
+        .all(|finger| finger.utilisation > settings.too_heavy_utilisation)
 }
 
 /// Tangential force that all fingers carry, N.
 fn load_n(percept: &Percept) -> f64 {
-    percept.fingers[..FINGERS].iter().map(|f| f.tangential_n).sum()
+    percept.fingers[..FINGERS]
+        .iter()
+        .map(|f| f.tangential_n)
+        .sum()
 }

@@ -30,7 +30,10 @@ impl Module for Probe {
         Proposal {
             active: !done,
             closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; FINGERS],
-            verdict: self.fit.filter(|_| done).map_or(Verdict::None, Verdict::Hardness),
+            verdict: self
+                .fit
+                .filter(|_| done)
+                .map_or(Verdict::None, Verdict::Hardness),
             ..Proposal::default()
         }
     }
@@ -42,9 +45,15 @@ impl Probe {
         if percept.step_s <= 0.0 {
             return;
         }
-        let mean_n = percept.fingers[..FINGERS].iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64;
+        let mean_n = percept.fingers[..FINGERS]
+            .iter()
+            .map(|f| f.normal_n)
+            .sum::<f64>()
+            / FINGERS as f64;
         let settings = &context.settings.perception;
-        let news = self.hardness.add(context.closing_m, mean_n, percept.step_s, settings);
+        let news = self
+            .hardness
+            .add(context.closing_m, mean_n, percept.step_s, settings);
         self.fit = news.or(self.fit);
     }
 }

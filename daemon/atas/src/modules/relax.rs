@@ -20,12 +20,29 @@ impl Module for Relax {
         let settings = &context.settings.grasp;
         let fingers = &percept.fingers[..FINGERS];
         let (weakest_n, _) = force_range_n(percept);
-        let steady = fingers.iter().all(|f| f.increment_n < settings.dr_n && f.gross_slip_s == 0.0);
+        let steady = fingers
+            .iter()
+            .all(|f| f.increment_n < settings.dr_n && f.gross_slip_s == 0.0);
         let known = fingers.iter().all(|f| f.utilisation > 0.0);
-        let utilisation = fingers.iter().fold(0.0, |most: f64, f| if f.utilisation > most { f.utilisation } else { most });
+        let utilisation = fingers.iter().fold(0.0, |most: f64, f| {
+            if f.utilisation > most {
+                f.utilisation
+            } else {
+                most
+            }
+        });
         let spare = 1.0 - utilisation / settings.relax_below;
-        let active = steady && known && spare > 0.0 && weakest_n > F1_MARGIN * context.thresholds.f1_n;
-        let opening_m_s = if active { settings.relax_m_s * spare } else { 0.0 };
-        Proposal { active, closing_m_s: [-opening_m_s; FINGERS], ..Proposal::default() }
+        let active =
+            steady && known && spare > 0.0 && weakest_n > F1_MARGIN * context.thresholds.f1_n;
+        let opening_m_s = if active {
+            settings.relax_m_s * spare
+        } else {
+            0.0
+        };
+        Proposal {
+            active,
+            closing_m_s: [-opening_m_s; FINGERS],
+            ..Proposal::default()
+        }
     }
 }

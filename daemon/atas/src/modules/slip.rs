@@ -29,17 +29,30 @@ impl Module for Slip {
         let settings = &context.settings.grasp;
         let mut cause = false;
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
-            *slipping = finger.utilisation > if *slipping { settings.slip_off } else { settings.slip_on };
+            *slipping = finger.utilisation
+                > if *slipping {
+                    settings.slip_off
+                } else {
+                    settings.slip_on
+                };
             cause |= *slipping || slips_grossly(finger, settings) || is_loading(finger, settings);
         }
-        self.latch_s = if cause { settings.slip_latch_s } else { self.latch_s - context.step_s };
+        self.latch_s = if cause {
+            settings.slip_latch_s
+        } else {
+            self.latch_s - context.step_s
+        };
         let active = cause || self.latch_s > 0.0;
         let (_, strongest_n) = force_range_n(percept);
         let helps = strongest_n < context.thresholds.f2_n;
         Proposal {
             active,
             closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; FINGERS],
-            carry_ceiling: if active && helps { settings.slip_carry_scale } else { 1.0 },
+            carry_ceiling: if active && helps {
+                settings.slip_carry_scale
+            } else {
+                1.0
+            },
             ..Proposal::default()
         }
     }

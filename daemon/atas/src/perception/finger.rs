@@ -90,7 +90,12 @@ impl Finger {
         settings: &Settings,
     ) -> FingerPercept {
         self.filter(finger, frame, settings);
-        let patch = Patch::of(&self.axes, &self.filtered_n, self.noise.variance_n2(), settings.element_floor_n);
+        let patch = Patch::of(
+            &self.axes,
+            &self.filtered_n,
+            self.noise.variance_n2(),
+            settings.element_floor_n,
+        );
         self.touch(&patch, settings);
         if !self.percept.in_contact {
             self.noise
@@ -139,10 +144,11 @@ impl Finger {
             let Some(force_n) = frame.element_n(finger, element) else {
                 continue;
             };
-            for axis in 0..3 {
-                let unbiased = force_n[axis] - self.bias_n[element][axis];
-                self.filtered_n[element][axis] +=
-                    (unbiased - self.filtered_n[element][axis]) * share;
+            let axes = self.filtered_n[element]
+                .iter_mut()
+                .zip(self.bias_n[element]);
+            for ((filtered, bias), force) in axes.zip(force_n) {
+                *filtered += (force - bias - *filtered) * share;
             }
         }
     }

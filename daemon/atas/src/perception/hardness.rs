@@ -39,13 +39,20 @@ pub struct HardnessFit {
 impl Hardness {
     /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
     /// the frame before, s. Only a force beyond every force before is new; it gives a refined fit, if there is one.
-    pub fn add(&mut self, closing_m: f64, normal_n: f64, step_s: f64, settings: &Settings) -> Option<HardnessFit> {
+    pub fn add(
+        &mut self,
+        closing_m: f64,
+        normal_n: f64,
+        step_s: f64,
+        settings: &Settings,
+    ) -> Option<HardnessFit> {
         let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
         if normal_n <= settings.touch_off_n || normal_n <= self.hardest_n {
             return None;
         }
         self.hardest_n = normal_n;
-        let tips_m = FACES * settings.tip_compression_m * libm::pow(normal_n, settings.tip_exponent);
+        let tips_m =
+            FACES * settings.tip_compression_m * libm::pow(normal_n, settings.tip_exponent);
         let (x, y) = (normal_n, closing_m - tips_m);
         self.n += 1.0;
         self.x += x;
@@ -59,7 +66,11 @@ impl Hardness {
     /// The forces come through a low-pass; the closing must be as late as they are.
     fn delayed(&mut self, closing_m: f64, step_s: f64, filter_s: f64) -> f64 {
         let before_m = self.filtered_closing_m.unwrap_or(closing_m);
-        let share = if filter_s > 0.0 { step_s / (filter_s + step_s) } else { 1.0 };
+        let share = if filter_s > 0.0 {
+            step_s / (filter_s + step_s)
+        } else {
+            1.0
+        };
         let after_m = before_m + (closing_m - before_m) * share;
         self.filtered_closing_m = Some(after_m);
         after_m
@@ -74,7 +85,11 @@ impl Hardness {
         let slope = (self.n * self.xy - self.x * self.y) / spread_x;
         let spread_y = self.n * self.yy - self.y * self.y;
         let residual = spread_y - slope * slope * spread_x;
-        let variance = if residual > 0.0 { residual / spread_x / (self.n - 2.0) } else { 0.0 };
+        let variance = if residual > 0.0 {
+            residual / spread_x / (self.n - 2.0)
+        } else {
+            0.0
+        };
         let floor = FACES * COMPLIANCE_FLOOR_M_N;
         let slope = if slope > floor { slope } else { floor };
         Some(HardnessFit {

@@ -59,8 +59,7 @@ impl Patch {
     ) -> Self {
         let mut force_n = Vector3::zeros();
         let mut lean = Vector3::zeros();
-        for element in 0..axes.count {
-            let reading = elements_n[element];
+        for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
             force_n += axes.force(element, reading);
             if reading[0] > NORMAL_FLOOR_N {
                 lean += axes.normal[element] * reading[0];
@@ -94,15 +93,19 @@ impl Patch {
     ) {
         let clear_n = NOISE_CLEARANCE * libm::sqrt(noise_n2);
         let floor_n = if clear_n > floor_n { clear_n } else { floor_n };
-        for element in 0..axes.count {
-            if elements_n[element][0] <= NORMAL_FLOOR_N {
+        for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
+            if reading[0] <= NORMAL_FLOOR_N {
                 continue;
             }
-            let force_n = axes.force(element, elements_n[element]);
+            let force_n = axes.force(element, reading);
             let normal_n = -force_n.dot(&self.normal);
             if normal_n > floor_n {
                 let squared_n2 = (force_n + self.normal * normal_n).norm_squared() - 2.0 * noise_n2;
-                let tangential_n = if squared_n2 > 0.0 { libm::sqrt(squared_n2) } else { 0.0 };
+                let tangential_n = if squared_n2 > 0.0 {
+                    libm::sqrt(squared_n2)
+                } else {
+                    0.0
+                };
                 self.ratios[self.pressed] = (tangential_n / normal_n, normal_n);
                 self.pressed += 1;
             }

@@ -109,7 +109,7 @@ fn a_grasp_tells_its_story_in_order() {
     let mut world = World::ready();
     world.has_object = true;
     let mut updates = vec![world.order(Order::Start(grasp())).goal_update.unwrap()];
-    let (mut steps, mut sequence) = (vec![String::new(); 0], None);
+    let (mut steps, mut sequence) = (Vec::<String>::new(), None);
     while !updates.last().unwrap().state.is_final() {
         let outputs = world.tick();
         updates.extend(outputs.goal_update);
