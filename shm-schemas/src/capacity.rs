@@ -12,3 +12,5 @@ pub const JOINTS: usize = 32;
 pub const AGENTS: usize = 1024;
 /// Stages of the tick that are timed separately, see [`crate::TickReport::stage_ns`].
 pub const STAGES: usize = 8;
+/// Tunable numbers of the controller; it has about half as many.
+pub const SETTINGS: usize = 96;

@@ -28,6 +28,7 @@ mod goal;
 mod joints;
 pub mod layout;
 mod reason;
+mod record;
 pub mod service;
 mod stamp;
 mod status;
@@ -43,6 +44,7 @@ pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFi
 pub use joints::{JointCommand, JointState, Mode};
 pub use layout::Layout;
 pub use reason::{Cause, Reason};
+pub use record::{HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, TickInputs};
 pub use service::Payload;
 pub use stamp::{Hand, Stamp};
 pub use status::{HandStatus, JointStatus, Percentiles, SensorStatus, Status, StatusFlags};

@@ -29,6 +29,10 @@ pub const STATUS: &str = "atas/v1/status";
 pub const TICK_REPORT: &str = "atas/v1/tick-report";
 /// Publish-subscribe: [`crate::ModuleEvent`], on change, from the daemon's non-real-time side.
 pub const MODULE_EVENT: &str = "atas/v1/module-event";
+/// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
+pub const RUN_HEADER: &str = "atas/v1/run-header";
+/// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
+pub const TICK_INPUTS: &str = "atas/v1/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.

@@ -70,7 +70,7 @@ word! {
         pub wake_late_ns: u32,
         /// Mode after the tick.
         pub mode: Mode,
-        /// Duration of each stage, ns: intake, perception, modules, kinematics, safety, publish, report, spare.
+        /// Duration of each stage, ns: intake, perception, modules, kinematics, safety, publish, report, recording.
         pub stage_ns: [u32; STAGES],
         /// From the newest frame's capture to the command's publication, ns.
         pub sensor_to_command_ns: u32,

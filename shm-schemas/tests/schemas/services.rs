@@ -16,6 +16,8 @@ fn service_names_are_unique_and_versioned() {
         STATUS,
         TICK_REPORT,
         MODULE_EVENT,
+        RUN_HEADER,
+        TICK_INPUTS,
         SENSOR_STATUS,
         WORLD_TRUTH,
         AGENT_SENSORS,

@@ -1,0 +1,157 @@
+//! What a recorder needs so that a run can be replayed bit for bit: how it began, and what every tick took in.
+//!
+//! The daemon publishes these only when it was started with recording switched on, because a replay begins with the
+//! controller's first tick. A recorder that joins later misses the beginning, sees that by the sequence, and must say so.
+
+use crate::capacity::{ELEMENTS, HANDS, JOINTS, SETTINGS};
+use crate::code::code;
+use crate::service::word;
+use crate::{GoalRequest, HandFrame, JointCommand, JointState, Reason, Stamp, Text};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
+code! {
+    /// What a tick was told by the daemon's supervisor.
+    OrderKind as "atas.OrderKind.v1" {
+        /// Nothing.
+        NONE = 0, "none";
+        /// Start `goal`.
+        START = 1, "start";
+        /// End the goal `goal_id`.
+        CANCEL = 2, "cancel";
+        /// The client of the goal `goal_id` went away.
+        CLIENT_GONE = 3, "client-gone";
+        /// Stop and latch for `reason`.
+        STOP = 4, "stop";
+        /// Leave SAFE_STOP.
+        RECOVER = 5, "recover";
+        /// Set the parameter with this `index` to `value`.
+        SET_PARAMETER = 6, "set-parameter";
+        /// Replace all settings by `settings`.
+        CONFIGURE = 7, "configure";
+        /// Take the reading of the hand with this `index` as zero force.
+        BIAS = 8, "bias";
+    }
+}
+
+word! {
+    /// Every tunable number, in the order of the daemon's table of parameters.
+    SettingsRecord as "atas.SettingsRecord.v1" {
+        /// FNV-1a 64 of the names: values of another table mean something else.
+        pub names_hash: u64,
+        /// Numbers that are used, at most [`SETTINGS`].
+        pub count: u32,
+        /// Written as zero.
+        pub pad: u32,
+        /// The numbers.
+        pub value: [f64; SETTINGS],
+    }
+}
+
+word! {
+    /// One order; only what its kind names is used, the rest is zero.
+    OrderRecord as "atas.OrderRecord.v1" {
+        /// What is ordered.
+        pub kind: OrderKind,
+        /// Index of a parameter or of a hand.
+        pub index: u32,
+        /// Which goal.
+        pub goal_id: u64,
+        /// Value of a parameter.
+        pub value: f64,
+        /// Why.
+        pub reason: Reason,
+        /// A goal to start.
+        pub goal: GoalRequest,
+        /// All settings.
+        pub settings: SettingsRecord,
+    }
+}
+
+word! {
+    /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
+    /// several parts, one after the other.
+    TickInputs as "atas.TickInputs.v1" {
+        /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
+        pub stamp: Stamp,
+        /// Index of the tick; a gap means missed ticks.
+        pub tick: u64,
+        /// Which part this is, from 0. What is not per frame stands in every part.
+        pub part: u32,
+        /// Parts of this tick.
+        pub parts: u32,
+        /// Per hand, 1 if this part has a frame.
+        pub has_frame: [u32; HANDS],
+        /// 1 if a joint state arrived.
+        pub has_joints: u32,
+        /// Written as zero.
+        pub pad: u32,
+        /// Frame number `part` of each hand, as it came, unchecked.
+        pub frames: [HandFrame; HANDS],
+        /// The newest joint state, as it came, unchecked.
+        pub joints: JointState,
+        /// The order that was taken.
+        pub order: OrderRecord,
+        /// The command that was published.
+        pub command: JointCommand,
+    }
+}
+
+word! {
+    /// One hand's sensor, as the controller is wired to it.
+    HandWiringRecord as "atas.HandWiringRecord.v1" {
+        /// Fingers that carry sensors.
+        pub fingers: u32,
+        /// 1 if the robot must hold when this hand is silent.
+        pub required: u32,
+        /// Nominal frame rate, Hz.
+        pub rate_hz: f64,
+        /// Elements of the layout, at most [`ELEMENTS`].
+        pub element_count: u32,
+        /// Written as zero.
+        pub pad: u32,
+        /// [`crate::Layout::normal`].
+        pub normal: [[f64; 3]; ELEMENTS],
+        /// [`crate::Layout::tangent1`].
+        pub tangent1: [[f64; 3]; ELEMENTS],
+        /// [`crate::Layout::tangent2`].
+        pub tangent2: [[f64; 3]; ELEMENTS],
+        /// [`crate::Layout::radius_m`].
+        pub radius_m: f64,
+        /// [`crate::Layout::element_area_m2`].
+        pub element_area_m2: f64,
+    }
+}
+
+word! {
+    /// How a run began: what the controller was made from.
+    RunHeader as "atas.RunHeader.v1" {
+        /// `captured_ns` is when the daemon started; the epoch is that of its commands.
+        pub stamp: Stamp,
+        /// Version of the daemon. Another version may compute another command.
+        pub version: Text<32>,
+        /// FNV-1a 64 of `config`.
+        pub config_hash: u64,
+        /// The robot: `built-in`, or the path of its URDF.
+        pub robot: Text<256>,
+        /// FNV-1a 64 of the URDF's text, 0 for the built-in robot.
+        pub robot_hash: u64,
+        /// Tick rate, Hz.
+        pub rate_hz: u32,
+        /// [`crate::StatusFlags`].
+        pub flags: u32,
+        /// Nominal tick period, s.
+        pub tick_s: f64,
+        /// 1 if joint feedback exists.
+        pub joints_required: u32,
+        /// Written as zero.
+        pub pad: u32,
+        /// Servo stiffness of each joint of one hand, N·m/rad; zero where there is no joint.
+        pub stiffness_n_m_rad: [f64; JOINTS],
+        /// Per hand.
+        pub hands: [HandWiringRecord; HANDS],
+        /// The settings of the first tick. Later changes are orders.
+        pub settings: SettingsRecord,
+        /// The whole configuration as TOML, for people: what a replay needs of it stands in the other fields.
+        pub config: Text<16384>,
+    }
+}
