@@ -3,6 +3,7 @@
 use crate::ModuleId;
 use crate::code::code;
 use crate::service::word;
+use core::fmt::{self, Formatter};
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
@@ -142,8 +143,27 @@ impl Reason {
     }
 }
 
-impl core::fmt::Display for Reason {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.cause.0 {
+            0..=9 => self.tell_goal(f),
+            10..=19 => self.tell_task(f),
+            20..=29 => self.tell_frames(f),
+            30..=39 => self.tell_joints(f),
+            _ => self.tell_daemon(f),
+        }?;
+        if self.module != ModuleId::NONE {
+            write!(f, " ({})", self.module)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The sentences, by tens of the cause's number.
+impl Reason {
+    /// Why a goal was not begun.
+    fn tell_goal(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
             value,
             limit,
@@ -193,6 +213,14 @@ impl core::fmt::Display for Reason {
                     crate::Hand(index)
                 )
             }
+            _ => self.tell_unknown(f),
+        }
+    }
+
+    /// Why a task ended.
+    fn tell_task(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { value, limit, .. } = *self;
+        match self.cause {
             Cause::NOTHING_TOUCHED => {
                 write!(
                     f,
@@ -219,6 +247,19 @@ impl core::fmt::Display for Reason {
             Cause::TIMED_OUT => write!(f, "took {value:.1} s, allowed {limit:.1} s"),
             Cause::CANCELLED => f.write_str("cancelled by the client"),
             Cause::CLIENT_GONE => f.write_str("the client of this attached goal went away"),
+            _ => self.tell_unknown(f),
+        }
+    }
+
+    /// What is wrong with the tactile frames.
+    fn tell_frames(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            value,
+            limit,
+            index,
+            ..
+        } = *self;
+        match self.cause {
             Cause::FRAMES_STOPPED => write!(
                 f,
                 "no tactile frame of hand {} for {:.1} ms, allowed {:.1} ms; is the sensor process running?",
@@ -272,6 +313,19 @@ impl core::fmt::Display for Reason {
                 "the sensor process of hand {} restarted",
                 crate::Hand(index)
             ),
+            _ => self.tell_unknown(f),
+        }
+    }
+
+    /// What is wrong with joints and commands.
+    fn tell_joints(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            value,
+            limit,
+            index,
+            ..
+        } = *self;
+        match self.cause {
             Cause::JOINTS_STOPPED => write!(
                 f,
                 "no joint state for {:.1} ms, allowed {:.1} ms; is the robot process running?",
@@ -303,6 +357,14 @@ impl core::fmt::Display for Reason {
                     "grip force {value:.2} N of finger {index} is above its ceiling {limit:.2} N"
                 )
             }
+            _ => self.tell_unknown(f),
+        }
+    }
+
+    /// What became of the daemon.
+    fn tell_daemon(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { value, limit, .. } = *self;
+        match self.cause {
             Cause::MODULE_PANICKED => {
                 f.write_str("a module panicked; restart the daemon and report this")
             }
@@ -316,13 +378,18 @@ impl core::fmt::Display for Reason {
             }
             Cause::ESTOP => f.write_str("stopped by `atas estop`; `atas recover` re-arms"),
             Cause::SHUTDOWN => f.write_str("the daemon is shutting down"),
-            unknown => write!(f, "{unknown}: value {value}, limit {limit}"),
-        }?;
-        if self.module != ModuleId::NONE {
-            write!(f, " ({})", self.module)
-        } else {
-            Ok(())
+            _ => self.tell_unknown(f),
         }
+    }
+
+    fn tell_unknown(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            cause,
+            value,
+            limit,
+            ..
+        } = *self;
+        write!(f, "{cause}: value {value}, limit {limit}")
     }
 }
 
