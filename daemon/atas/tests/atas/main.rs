@@ -1,6 +1,7 @@
 //! Tests of the pure heart through its public API: every rung of the ladder alone, then the whole controller.
 
 mod arbitration;
+mod bench;
 mod controller;
 mod determinism;
 mod faults;
@@ -8,11 +9,13 @@ mod gate;
 mod goal;
 mod hardness;
 mod intake;
+mod intake_series;
 mod joints;
 mod mode;
 mod modules;
 mod path;
 mod perception;
+mod rig;
 mod settings;
 mod support;
 mod tasks;

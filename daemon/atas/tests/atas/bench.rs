@@ -1,0 +1,122 @@
+//! One module on the bench.
+
+use atas::Settings;
+use atas::modules::{Context, IDS, Modules, Proposal, Selection};
+use atas::path::{Path, Speeds};
+use atas::perception::{FingerPercept, Percept};
+use atas::tasks::Thresholds;
+use nalgebra::Vector3;
+use robot_model::GraspFrame;
+use shm_schemas::ModuleId;
+
+/// Lifts by 50 mm within 5 s.
+pub(crate) fn path() -> Path {
+    let from = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    let to = GraspFrame {
+        centre_m: Vector3::new(0.3, 0.0, 0.15),
+        ..from
+    };
+    Path::gripping(
+        from,
+        to,
+        &Speeds {
+            move_m_s: 0.01,
+            turn_rad_s: 1.0,
+            open_m_s: 0.01,
+        },
+    )
+}
+
+/// One module with the settings and the context that it sees.
+pub(crate) struct Bench {
+    pub(crate) modules: Modules,
+    pub(crate) id: ModuleId,
+    pub(crate) settings: Settings,
+    pub(crate) path: Path,
+    pub(crate) all_touched: bool,
+    pub(crate) closing_m: f64,
+    pub(crate) carried_m: f64,
+    pub(crate) carry_scale: f64,
+}
+
+impl Bench {
+    pub(crate) fn new(id: ModuleId) -> Self {
+        Self {
+            modules: Modules::default(),
+            id,
+            settings: Settings::default(),
+            path: path(),
+            all_touched: true,
+            closing_m: 0.0,
+            carried_m: 0.0,
+            carry_scale: 1.0,
+        }
+    }
+
+    /// F_1 is 0.5 N, F_2 is 4 N.
+    pub(crate) fn evaluate(&mut self, percept: &Percept) -> Proposal {
+        let context = Context {
+            settings: &self.settings,
+            step_s: 1e-3,
+            thresholds: Thresholds {
+                f1_n: 0.5,
+                f2_n: 4.0,
+            },
+            all_touched: self.all_touched,
+            closing_m: self.closing_m,
+            carried_m: self.carried_m,
+            path: &self.path,
+            carry_scale: self.carry_scale,
+        };
+        let proposals = self
+            .modules
+            .evaluate(Selection::of(&[self.id]), percept, &context);
+        for (id, proposal) in IDS.iter().zip(&proposals) {
+            assert!(
+                *id == self.id || *proposal == Proposal::default(),
+                "{id} was not asked"
+            );
+        }
+        proposals[IDS.iter().position(|id| *id == self.id).unwrap()]
+    }
+
+    pub(crate) fn evaluate_for(&mut self, ticks: usize, percept: &Percept) -> Proposal {
+        (0..ticks).map(|_| self.evaluate(percept)).last().unwrap()
+    }
+}
+
+/// A finger that presses.
+pub(crate) fn finger(normal_n: f64) -> FingerPercept {
+    FingerPercept {
+        normal_n,
+        in_contact: normal_n > 0.06,
+        ..FingerPercept::default()
+    }
+}
+
+/// What a hand feels with these two fingers.
+pub(crate) fn percept(fingers: [FingerPercept; 2]) -> Percept {
+    let [a, b] = fingers;
+    Percept {
+        fingers: [a, b, FingerPercept::default(), FingerPercept::default()],
+        captured_ns: 1,
+        step_s: 1e-3,
+    }
+}
+
+/// Both fingers press alike.
+pub(crate) fn pressed(normal_n: f64) -> Percept {
+    percept([finger(normal_n); 2])
+}
+
+/// Both fingers press alike and use this much of their friction.
+pub(crate) fn sliding(normal_n: f64, utilisation: f64) -> Percept {
+    percept(
+        [FingerPercept {
+            utilisation,
+            utilisation_now: utilisation,
+            tangential_n: 0.5 * normal_n,
+            ..finger(normal_n)
+        }; 2],
+    )
+}

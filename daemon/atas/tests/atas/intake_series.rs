@@ -1,0 +1,200 @@
+//! Intake over time: silence, slow sensors, frozen data, restarts and masquerade (fault catalogue F01 to F20).
+
+use crate::intake::{altered, at, feed, intake, limits, tick, warm};
+use crate::support::{EPOCH, MS_NS};
+use atas::HandWiring;
+use atas::intake::{FrameCounts, FrameIntake};
+use shm_schemas::{Cause, Hand, HandFrame};
+
+/// F01, F03: silence and age lead to a doubt after `hold_age_s`, and end with the next frame.
+#[test]
+fn silence_is_doubted_after_five_milliseconds() {
+    let mut intake = warm();
+    for (ms, cause) in [
+        (10, Cause::NONE),
+        (14, Cause::NONE),
+        (15, Cause::FRAMES_STOPPED),
+        (500, Cause::FRAMES_STOPPED),
+    ] {
+        intake.begin();
+        assert_eq!(intake.doubt(tick(ms), &limits()).cause, cause, "at {ms} ms");
+    }
+    // Frames that keep coming, but old.
+    assert!(feed(
+        &mut intake,
+        &altered(at(510), |f| f.stamp.captured_ns -= 20 * MS_NS),
+        tick(510)
+    ));
+    assert_eq!(intake.doubt(tick(510), &limits()).cause, Cause::FRAMES_LOST);
+    assert!(feed(
+        &mut intake,
+        &altered(at(511), |f| f.stamp.captured_ns -= 20 * MS_NS),
+        tick(511)
+    ));
+    assert_eq!(intake.doubt(tick(511), &limits()).cause, Cause::FRAME_STALE);
+    assert!(feed(&mut intake, &at(512), tick(512)));
+    assert_eq!(intake.doubt(tick(512), &limits()).cause, Cause::NONE);
+}
+
+#[test]
+fn before_the_first_frame_only_a_required_hand_is_doubted() {
+    let doubt = |required| {
+        let wiring = HandWiring {
+            required,
+            ..HandWiring::default()
+        };
+        FrameIntake::new(Hand::LEFT, &wiring)
+            .doubt(tick(0), &limits())
+            .cause
+    };
+    assert_eq!(doubt(true), Cause::FRAMES_STOPPED);
+    assert_eq!(doubt(false), Cause::NONE);
+}
+
+/// F18: a sensor at 100 Hz is silent for 10 ms between its frames.
+#[test]
+fn a_slow_sensor_may_be_silent_for_three_and_a_half_periods() {
+    let mut intake = intake(100.0);
+    assert!(feed(&mut intake, &at(0), tick(0)));
+    for (ms, cause) in [
+        (9, Cause::NONE),
+        (34, Cause::NONE),
+        (36, Cause::FRAMES_STOPPED),
+    ] {
+        intake.begin();
+        assert_eq!(intake.doubt(tick(ms), &limits()).cause, cause, "at {ms} ms");
+    }
+}
+
+/// F09.
+#[test]
+fn a_counter_that_wraps_is_no_fault() {
+    let mut intake = intake(1000.0);
+    for ms in 0..20 {
+        let wrapping = altered(at(ms), |f| {
+            f.stamp.sequence = (u64::MAX - 9).wrapping_add(ms)
+        });
+        assert!(feed(&mut intake, &wrapping, tick(ms)), "at {ms} ms");
+        assert_eq!(intake.doubt(tick(ms), &limits()).cause, Cause::NONE);
+    }
+    assert_eq!(
+        *intake.counts(),
+        FrameCounts {
+            frames: 20,
+            ..FrameCounts::default()
+        }
+    );
+}
+
+/// A hostile counter must not overflow the statistics.
+#[test]
+fn absurd_gaps_are_counted_without_overflow() {
+    let mut intake = intake(1000.0);
+    let sequences = [
+        0,
+        u64::MAX / 2,
+        u64::MAX - 5,
+        u64::MAX / 2 - 8,
+        u64::MAX - 9,
+    ];
+    for (ms, sequence) in (0..).zip(sequences) {
+        assert!(feed(
+            &mut intake,
+            &altered(at(ms), |f| f.stamp.sequence = sequence),
+            tick(ms)
+        ));
+    }
+    assert_eq!(intake.counts().lost, u64::MAX);
+}
+
+/// F02: data that repeats bit by bit while the counter advances.
+#[test]
+fn frozen_readings_are_doubted_after_forty_frames() {
+    for reading in [0.0, 0.5, f32::NAN] {
+        let mut intake = intake(1000.0);
+        let mut doubted = None;
+        for ms in 0..60 {
+            let frozen = altered(at(ms), |f| {
+                f.force_n = HandFrame::default().force_n;
+                f.force_n[0][0][0] = reading;
+            });
+            assert!(feed(&mut intake, &frozen, tick(ms)));
+            if intake.doubt(tick(ms), &limits()).cause == Cause::FRAMES_FROZEN {
+                doubted = doubted.or(Some(ms));
+            }
+        }
+        assert_eq!(doubted, Some(40), "frozen at {reading}");
+        assert!(feed(&mut intake, &at(60), tick(60)));
+        assert!(!intake.doubt(tick(60), &limits()).is_some());
+    }
+}
+
+/// F20: a restarted sensor is believed after a silence and twenty good frames, with the robot held meanwhile.
+#[test]
+fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
+    let mut intake = warm();
+    let restarted = |ms: u64| {
+        altered(at(ms), |f| {
+            (f.stamp.writer_epoch, f.stamp.sequence) = (99, ms - 20)
+        })
+    };
+    let mut seen = Vec::new();
+    for ms in 20..60 {
+        let believed = feed(&mut intake, &restarted(ms), tick(ms));
+        seen.push((
+            believed,
+            intake.doubt(tick(ms), &limits()).cause,
+            intake.writer_epoch(),
+        ));
+    }
+    // Until 29 ms the old writer may only be late; then 20 frames on probation.
+    assert!(
+        seen[..9]
+            .iter()
+            .all(|s| *s == (false, Cause::FRAMES_STOPPED, EPOCH)),
+        "{seen:?}"
+    );
+    assert!(
+        seen[9..28]
+            .iter()
+            .all(|s| *s == (false, Cause::SENSOR_RESTARTED, EPOCH)),
+        "{seen:?}"
+    );
+    assert_eq!(seen[28], (true, Cause::SENSOR_RESTARTED, 99));
+    assert!(
+        seen[29..].iter().all(|s| *s == (true, Cause::NONE, 99)),
+        "{seen:?}"
+    );
+    assert_eq!((intake.counts().restarts, intake.counts().foreign), (1, 9));
+}
+
+/// F11: whoever speaks between the frames of a slow, living sensor is never believed.
+#[test]
+fn a_second_writer_cannot_take_over_from_a_living_one() {
+    for rate_hz in [1000.0, 100.0, 30.0] {
+        let mut intake = intake(rate_hz);
+        let period_ms = (1000.0 / rate_hz) as u64;
+        for ms in 0..3000 {
+            if ms % period_ms == 0 {
+                assert!(feed(
+                    &mut intake,
+                    &altered(at(ms), |f| f.stamp.sequence = ms / period_ms),
+                    tick(ms)
+                ));
+            } else {
+                let rogue = altered(at(ms), |f| {
+                    (f.stamp.writer_epoch, f.stamp.sequence) = (66, ms)
+                });
+                assert!(!feed(&mut intake, &rogue, tick(ms)));
+            }
+            assert!(
+                !intake.doubt(tick(ms), &limits()).is_some(),
+                "at {ms} ms of {rate_hz} Hz"
+            );
+        }
+        assert_eq!(
+            (intake.writer_epoch(), intake.counts().restarts),
+            (EPOCH, 0)
+        );
+    }
+}
