@@ -27,6 +27,9 @@ pub enum Error {
         /// What the system said.
         source: io::Error,
     },
+    /// The bus could not be used.
+    #[error(transparent)]
+    Bus(#[from] shm_bus::BusError),
     /// Somebody pressed Ctrl-C; the sentence says what was saved.
     #[error("{0}")]
     Interrupted(String),
@@ -60,13 +63,14 @@ impl Error {
         }
     }
 
-    /// The exit code of the process: 3 refused, 4 busy, 5 system, 130 interrupted. Clap uses 2 for bad usage; 0 is success.
+    /// The exit code of the process: 3 refused, 4 busy, 5 system, 6 bus, 130 interrupted. Clap uses 2 for bad usage; 0 is success.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Refused(_) => 3,
             Self::Busy(_) => 4,
             Self::Io { .. } => 5,
+            Self::Bus(_) => 6,
             Self::Interrupted(_) => 130,
         }
     }

@@ -5,7 +5,7 @@
 //!
 //! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
 //! select; [`evaluate`] turns genomes into fitness with the `field` crate's simulators; [`run`] puts these together for one
-//! seed; [`checkpoint`] and [`experiment`] keep runs on disk.
+//! seed; [`checkpoint`] and [`experiment`] keep runs on disk; [`agents`] drives the robots of a field on the bus.
 //!
 //! Invariants:
 //!
@@ -19,6 +19,7 @@
 
 pub mod agents;
 pub mod analysis;
+pub mod built_in;
 pub mod checkpoint;
 pub mod condition;
 pub mod error;

@@ -1,7 +1,7 @@
 //! `ebts`: evolves behaviour tables, repeats the paper's experiment, shows what came out.
 //!
 //! Exit codes, stable: 0 done; 2 wrong usage; 3 something given was refused; 4 the output folder is in use; 5 the system
-//! refused (disk full, no permission); 130 interrupted, with everything finished saved.
+//! refused (disk full, no permission); 6 the bus could not be used; 130 interrupted, with everything finished saved.
 
 mod cli;
 
@@ -23,7 +23,7 @@ struct Args {
 }
 
 const AFTER_HELP: &str = "Exit codes: 0 done, 2 wrong usage, 3 something given was refused, 4 the output folder is in use, \
-                          5 the system refused (disk full, no permission), 130 interrupted with everything finished saved.";
+                          5 the system refused (disk full, no permission), 6 the bus could not be used, 130 interrupted with everything finished saved.";
 
 fn main() -> ExitCode {
     let args = Args::parse();

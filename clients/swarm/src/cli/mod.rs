@@ -1,5 +1,6 @@
 //! Commands: what can be asked for, and how answers are printed.
 
+mod agents;
 mod evolve;
 mod experiment;
 mod inspect;
@@ -39,6 +40,8 @@ pub(crate) enum Command {
     Plot(inspect::PlotArgs),
     /// Show a table in the paper's words, and which of its rows were ever read.
     Show(inspect::ShowArgs),
+    /// Drive the robots of a field on the bus by tables, which may be exchanged while they drive.
+    Agents(agents::AgentsArgs),
     /// Write an animation of a table at work: one web page that needs nothing else.
     Replay(inspect::ReplayArgs),
 }
@@ -51,6 +54,7 @@ pub(crate) fn run(command: Command, format: Format) -> Result<()> {
         Command::Analyse(args) => experiment::analyse(args, format),
         Command::Plot(args) => inspect::plot(args, format),
         Command::Show(args) => inspect::show(args, format),
+        Command::Agents(args) => agents::agents(args, format),
         Command::Replay(args) => inspect::replay(args, format),
     }
 }

@@ -1,12 +1,9 @@
-//! The agents' side of a field that somebody else runs: rows in, output bits out, table by table.
-//!
-//! A [`Lookup`] is all an agents process needs per frame. A process that takes tables while it runs builds the new `Lookup`
-//! first and exchanges it between two frames: a file that cannot be used never replaces the one in use.
-//!
-//! Deliberately absent: how rows and outputs travel.
+//! Tables ready to be looked up: rows in, output bits out, table by table.
 
 use field::ROWS;
 
+use crate::files::sha256;
+use crate::table::Table;
 use crate::table_file::TableFile;
 
 /// The tables of a team, ready to be looked up.
@@ -18,29 +15,39 @@ pub struct Lookup {
 }
 
 impl Lookup {
-    /// Prepares the tables of a checked file.
+    /// Prepares the tables of checked files, file after file.
     #[must_use]
-    pub fn new(file: &TableFile) -> Self {
-        let sensors = file.condition.sensors;
-        let tables = file.condition.tables_of(&file.individual.genome);
-        let outputs = |table: &crate::table::Table| {
-            std::array::from_fn(|field_row| table.output(sensors.table_row(field_row as u8)))
+    pub fn new(files: &[TableFile]) -> Self {
+        let hash = match files {
+            [file] => file.hash(),
+            _ => sha256(
+                files
+                    .iter()
+                    .map(TableFile::hash)
+                    .collect::<String>()
+                    .as_bytes(),
+            ),
         };
-        let hash = u64::from_str_radix(&file.hash()[..16], 16).unwrap_or(0);
         Self {
-            outputs: tables.iter().map(outputs).collect(),
-            hash,
+            outputs: files.iter().flat_map(outputs).collect(),
+            hash: u64::from_str_radix(&hash[..16], 16).unwrap_or(0),
         }
     }
 
-    /// The first eight bytes of the file's hash, as a number.
+    /// Number of tables.
+    #[must_use]
+    pub fn tables(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// The first eight bytes of the file's hash, as a number; of several files, of the SHA-256 over their hashes in turn.
     #[must_use]
     pub fn hash(&self) -> u64 {
         self.hash
     }
 
     /// Per agent, the output bits (L1 lowest, then L2, R1, R2) for the row its sensors select: IR left is bit 0, then IR
-    /// front, IR right, photo left, photo right. Agents take the file's tables in turn; of a row only the lowest five bits
+    /// front, IR right, photo left, photo right. Agents take the tables in turn; of a row only the lowest five bits
     /// matter. As many agents as the shorter slice has.
     pub fn answer(&self, rows: &[u32], outputs: &mut [u32]) {
         let tables = self.outputs.iter().cycle();
@@ -50,6 +57,16 @@ impl Lookup {
     }
 }
 
+/// Per table of a file, the output bits of every row of the field.
+fn outputs(file: &TableFile) -> Vec<[u32; ROWS]> {
+    let sensors = file.condition.sensors;
+    let outputs = |table: &Table| {
+        std::array::from_fn(|field_row| table.output(sensors.table_row(field_row as u8)))
+    };
+    let tables = file.condition.tables_of(&file.individual.genome);
+    tables.iter().map(outputs).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,9 +74,9 @@ mod tests {
 
     #[test]
     fn agents_do_what_their_table_says() {
-        let text = include_str!("../tests/golden/table.toml");
+        let text = include_str!("../../tests/golden/table.toml");
         let file = TableFile::parse(text, Hash::Required).expect("an intact file");
-        let lookup = Lookup::new(&file);
+        let lookup = Lookup::new(std::slice::from_ref(&file));
         let rows: Vec<u32> = (0..1000).map(|agent| agent * 7 % 32).collect();
         let mut outputs = vec![99; rows.len()];
         lookup.answer(&rows, &mut outputs);

@@ -1,0 +1,87 @@
+//! Answers the field's frames on the bus.
+
+use serde::Serialize;
+use shm_bus::{Bus, BusError, Publisher, Subscriber, writer_epoch};
+use shm_schemas::capacity::AGENTS;
+use shm_schemas::{AgentSensors, WheelCommands, service};
+
+use super::{Exchange, Lookup};
+
+/// What a desk has seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// Frames answered.
+    pub answered: u64,
+    /// Frames that were published and never seen here: a newer one had taken their place.
+    pub lost: u64,
+    /// Frames with more agents than a payload holds; not answered.
+    pub malformed: u64,
+}
+
+/// The agents' place on the bus.
+pub struct AgentsDesk {
+    subscriber: Subscriber<AgentSensors>,
+    publisher: Publisher<WheelCommands>,
+    sensors: AgentSensors,
+    commands: WheelCommands,
+    lookup: Lookup,
+    tally: Tally,
+}
+
+impl AgentsDesk {
+    /// Joins the bus with tables to begin with.
+    ///
+    /// # Errors
+    /// The bus cannot be used, or another process answers on it already.
+    pub fn open(bus: &Bus, lookup: Lookup) -> Result<Self, BusError> {
+        let mut commands = WheelCommands::default();
+        commands.stamp.writer_epoch = writer_epoch();
+        Ok(Self {
+            publisher: bus.publisher(service::WHEEL_COMMANDS)?,
+            subscriber: bus.subscriber(service::AGENT_SENSORS)?,
+            sensors: AgentSensors::default(),
+            commands,
+            lookup,
+            tally: Tally::default(),
+        })
+    }
+
+    /// Answers the newest frame, if one has come, by the tables on offer from this frame on. True if one had come.
+    ///
+    /// # Errors
+    /// The shared memory is damaged.
+    pub fn answer(&mut self, exchange: &Exchange) -> Result<bool, BusError> {
+        let before = self.sensors.stamp;
+        if !self.subscriber.newest(&mut self.sensors)? {
+            return Ok(false);
+        }
+        exchange.take(&mut self.lookup);
+        let asked = &self.sensors;
+        if asked.stamp.writer_epoch == before.writer_epoch {
+            let step = asked.stamp.sequence.saturating_sub(before.sequence);
+            self.tally.lost += step.saturating_sub(1);
+        }
+        let count = asked.agent_count as usize;
+        if count > AGENTS {
+            self.tally.malformed += 1;
+            return Ok(true);
+        }
+        let commands = &mut self.commands;
+        commands.stamp.captured_ns = asked.stamp.captured_ns;
+        (commands.trial, commands.frame) = (asked.trial, asked.frame);
+        commands.agent_count = asked.agent_count;
+        commands.table_hash = self.lookup.hash();
+        self.lookup
+            .answer(&asked.row[..count], &mut commands.output);
+        self.publisher.send(commands)?;
+        commands.stamp.sequence += 1;
+        self.tally.answered += 1;
+        Ok(true)
+    }
+
+    /// What it has seen so far.
+    #[must_use]
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+}

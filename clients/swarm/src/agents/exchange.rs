@@ -1,0 +1,69 @@
+//! Hands new tables to a loop that must never wait.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use super::Lookup;
+
+/// One place in which the next tables lie until the loop takes them, and the former ones until somebody clears them away.
+#[derive(Debug)]
+pub struct Exchange {
+    offered: AtomicBool,
+    place: Mutex<Option<Lookup>>,
+}
+
+impl Default for Exchange {
+    fn default() -> Self {
+        Self {
+            offered: AtomicBool::new(false),
+            place: Mutex::new(None),
+        }
+    }
+}
+
+impl Exchange {
+    /// Offers tables. What lay there, taken or not, is freed here and not in the loop.
+    pub fn offer(&self, lookup: Lookup) {
+        let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
+        *place = Some(lookup);
+        self.offered.store(true, Ordering::Release);
+    }
+
+    /// Takes the tables on offer and leaves `current` in their place. Neither waits nor allocates nor frees: while an offer
+    /// is just being made there is none.
+    pub fn take(&self, current: &mut Lookup) -> bool {
+        if !self.offered.load(Ordering::Acquire) {
+            return false;
+        }
+        let Ok(mut place) = self.place.try_lock() else {
+            return false;
+        };
+        if let Some(next) = place.as_mut() {
+            std::mem::swap(next, current);
+        }
+        self.offered.swap(false, Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::built_in;
+
+    #[test]
+    fn an_offer_is_taken_once_and_leaves_the_former_tables_behind() {
+        let file = built_in::table("r3-two-agents").expect("built in");
+        let mut current = Lookup::new(std::slice::from_ref(&file));
+        let former = current.hash();
+        let exchange = Exchange::default();
+        assert!(!exchange.take(&mut current), "nothing on offer");
+        let next = Lookup::new(&[file.clone(), file]);
+        let hash = next.hash();
+        assert_ne!(hash, former);
+        exchange.offer(next);
+        assert!(exchange.take(&mut current));
+        assert_eq!((current.hash(), current.tables()), (hash, 2));
+        assert!(!exchange.take(&mut current), "taken already");
+        assert_eq!(current.hash(), hash);
+    }
+}

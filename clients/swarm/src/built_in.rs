@@ -1,0 +1,43 @@
+//! Tables that ship with the program, so that a team can be seen at work before anything was evolved.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::table_file::{Hash, TableFile};
+
+/// Name and text of every table that ships.
+///
+/// `r3-two-agents`: the best of seeds 1 to 80 for two agents on preset R3 by
+/// `ebts experiment fig14 --seeds 80`, again to the bit by `ebts evolve --agents 2 --seed 71`.
+const TABLES: [(&str, &str); 1] = [(
+    "r3-two-agents",
+    include_str!("../tables/r3-two-agents.toml"),
+)];
+
+/// A table that ships, by its name, or that of a file.
+///
+/// # Errors
+/// It is neither, or the file is not an intact table file.
+pub fn table(name: &str) -> Result<TableFile> {
+    match TABLES.iter().find(|(ours, _)| *ours == name) {
+        Some((_, text)) => TableFile::parse(text, Hash::Required).map_err(Error::from_part),
+        None => TableFile::read(Path::new(name)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluator;
+    use field::Engine;
+
+    #[test]
+    fn every_table_that_ships_is_worth_what_it_says() {
+        for (name, _) in TABLES {
+            let file = table(name).expect(name);
+            let mut evaluator = Evaluator::new(file.condition.clone(), Engine::fastest(), 1);
+            let evaluated = evaluator.evaluate(vec![vec![file.individual.genome.clone()]]);
+            assert_eq!(evaluated[0][0].points, file.individual.points, "{name}");
+        }
+    }
+}
