@@ -11,6 +11,8 @@ use shm_schemas::{Cause, ModuleId, Reason};
 
 /// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
 const LOST_AFTER_S: f64 = 0.05;
+/// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
+const MEET_M: f64 = 0.001;
 /// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
 
@@ -306,7 +308,7 @@ impl Runner {
             ));
         }
         if step.until == Until::AllTouched {
-            let deepest_m = self.width_m / 2.0 - settings.motion.search_m;
+            let deepest_m = (self.width_m / 2.0 - settings.motion.search_m).max(MEET_M);
             let closed_m = now
                 .half_opening_m
                 .iter()

@@ -188,6 +188,20 @@ fn an_empty_place_is_reported_and_the_hand_stays() {
     assert_eq!(world.mode(), Mode::READY);
 }
 
+/// Where a narrow object is missing the fingertips must not take each other for it.
+#[test]
+fn the_search_for_a_narrow_object_ends_before_the_fingers_meet() {
+    let mut world = World::ready();
+    world.order(Order::Start(GoalRequest {
+        width_m: 0.02,
+        ..grasp()
+    }));
+    let (outputs, _) = world.run_until(60_000, |w| w.controller.goal().unwrap().state.is_final());
+    let reason = outputs.goal_update.unwrap().reason;
+    assert_eq!(reason.cause, Cause::NOTHING_TOUCHED);
+    assert!(reason.value > 0.0019 && reason.value < 0.002, "{reason}");
+}
+
 #[test]
 fn a_cancelled_goal_ends_where_the_hand_is() {
     let mut world = World::reaching();
