@@ -10,7 +10,7 @@ code! {
     ControlOp as "atas.ControlOp.v1" {
         /// Stop now and latch (SAFE_STOP).
         ESTOP = 1, "estop";
-        /// Leave SAFE_STOP or HOLD, if its cause is gone.
+        /// Leave SAFE_STOP. The robot then waits in HOLD until nothing is in doubt; HOLD ends by itself.
         RECOVER = 2, "recover";
         /// Read the parameter `name`.
         PARAM_GET = 3, "param-get";

@@ -11,7 +11,7 @@ use crate::wiring::HandWiring;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Cause, Hand, HandFrame, Reason};
 
-/// A frame that passed every check. Invalid elements are masked out and read as zero.
+/// A frame that passed every check. Invalid elements are masked out.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckedFrame<'a> {
     frame: &'a HandFrame,

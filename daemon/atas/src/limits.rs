@@ -47,7 +47,7 @@ pub const TANGENTIAL_FLOOR_N: f64 = 0.04;
 pub const FRICTION_CLIP: f64 = 1.2;
 /// Smallest friction estimate that is divided by (prototype: 0.05).
 pub const FRICTION_FLOOR: f64 = 0.05;
-/// Share of the friction estimate that follows F_t/F_n per frame of 1 ms during gross slip (prototype: 2 %).
+/// Time constant with which the friction estimate follows F_t/F_n during gross slip, s (prototype: 2 % per 1 ms).
 pub const FRICTION_RELAX_S: f64 = 0.05;
 /// Longest slip window in samples; longer windows are thinned out.
 pub const INCREMENT_SAMPLES: usize = 100;
