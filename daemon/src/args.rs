@@ -26,6 +26,9 @@ pub struct Args {
     /// Ticks when the simulator has sent a joint state instead of by the clock. Deterministic; never real-time.
     #[arg(long)]
     pub lockstep: bool,
+    /// Publishes what every tick takes in, for `atas record`; the same as `--set recording.stream=true`.
+    #[arg(long)]
+    pub record_stream: bool,
     /// How the log on standard error looks; RUST_LOG says how much of it there is.
     #[arg(long, value_enum, default_value_t = LogFormat::Human)]
     pub log_format: LogFormat,
@@ -59,7 +62,14 @@ impl Args {
     pub fn source(&self) -> Source {
         Source {
             files: self.config.clone(),
-            flags: self.set.clone(),
+            flags: self.flags(),
         }
+    }
+
+    fn flags(&self) -> Vec<String> {
+        let recording = self
+            .record_stream
+            .then(|| "recording.stream=true".to_owned());
+        self.set.iter().cloned().chain(recording).collect()
     }
 }

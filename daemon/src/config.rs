@@ -20,6 +20,9 @@ pub use keys::{known_keys, nearest_parameter};
 pub use layout::{CustomLayout, LayoutChoice};
 pub use source::Source;
 
+use std::ffi::OsStr;
+use std::path::PathBuf;
+
 use atas::{HandWiring, STIFFNESS_N_M_RAD, Settings, Wiring, settings};
 use robot_model::{HAND_JOINTS, HandVector, ModelError, RobotModel};
 use serde::{Deserialize, Serialize};
@@ -35,6 +38,8 @@ pub struct Config {
     pub robot: Robot,
     /// The sensors.
     pub hands: Hands,
+    /// What is kept of a run.
+    pub recording: Recording,
     /// Which frames and joint states are believed.
     pub intake: settings::Intake,
     /// From element forces to what a fingertip feels.
@@ -45,6 +50,16 @@ pub struct Config {
     pub motion: settings::Motion,
     /// The last gate.
     pub safety: settings::Safety,
+}
+
+/// What is kept of a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Recording {
+    /// Whether every tick's inputs are published, for a recorder.
+    pub stream: bool,
+    /// Folder of the flight recorder; empty for the service's own.
+    pub flight_folder: String,
 }
 
 /// Whether the daemon insists on real-time scheduling.
@@ -258,5 +273,19 @@ impl HandSensor {
             required: self.required,
             rate_hz: self.rate_hz,
         })
+    }
+}
+
+impl Recording {
+    /// Folder of the flight recorder: the configured one, else `flight` in the state folder that a service manager gives
+    /// (`$STATE_DIRECTORY`), else none.
+    #[must_use]
+    pub fn flight_folder(&self, state_directory: Option<&OsStr>) -> Option<PathBuf> {
+        if !self.flight_folder.is_empty() {
+            return Some(self.flight_folder.clone().into());
+        }
+        // Several folders are separated by colons.
+        let state = std::env::split_paths(state_directory?).next()?;
+        Some(state.join("flight"))
     }
 }

@@ -16,7 +16,7 @@ use crate::link::Link;
 use crate::pacer::{FreePacer, LockStep, Pacer};
 use crate::panics::{self, TICK_THREAD};
 use crate::realtime::{self, Granted, Refused};
-use crate::supervisor::{Knowledge, Signals, Supervisor, TickThreadEnded};
+use crate::supervisor::{Knowledge, OpenError, Signals, Supervisor, TickThreadEnded};
 use crate::tick::TickLoop;
 
 /// Name under which others see the daemon on the bus.
@@ -45,6 +45,15 @@ pub enum Failure {
     /// The tick thread.
     #[error(transparent)]
     Ticks(#[from] TickThreadEnded),
+}
+
+impl From<OpenError> for Failure {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Bus(error) => error.into(),
+            OpenError::Thread(error) => error.into(),
+        }
+    }
 }
 
 impl Failure {
@@ -78,7 +87,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let wiring = config.wiring(if args.lockstep { 1 } else { writer_epoch() })?;
     let controller = Box::new(Controller::new(&robot, wiring.clone(), config.settings()));
     let granted = realtime::lock_memory(&config.realtime)?;
-    let link = Arc::new(Link::default());
+    let link = Arc::new(if config.recording.stream {
+        Link::recording()
+    } else {
+        Link::default()
+    });
     let start = Start {
         bus: args.bus.clone(),
         config: config.clone(),
@@ -89,11 +102,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (ticks, granted) = start.spawn(&link)?;
     let flags = flags(&granted, args.lockstep);
     let knowledge = Knowledge::new(source, config, robot, wiring, flags);
-    let ended = supervise(args, &link, knowledge, signals, &ticks);
-    link.quit();
-    // A panic of the tick thread is in `ended`.
-    let _joined = ticks.join();
-    ended.inspect(|()| tracing::info!("stopped"))
+    supervise(args, &link, knowledge, signals, ticks).inspect(|()| tracing::info!("stopped"))
 }
 
 fn supervise(
@@ -101,11 +110,18 @@ fn supervise(
     link: &Arc<Link>,
     knowledge: Knowledge,
     signals: Signals,
-    ticks: &JoinHandle<()>,
+    ticks: JoinHandle<()>,
 ) -> Result<(), Failure> {
-    let bus = Bus::open(&args.bus, ROLE, Deadline::No)?;
-    let mut supervisor = Supervisor::open(bus, Arc::clone(link), knowledge, signals)?;
-    Ok(supervisor.run(ticks)?)
+    let opened = Bus::open(&args.bus, ROLE, Deadline::No)
+        .map_err(OpenError::from)
+        .and_then(|bus| Supervisor::open(bus, Arc::clone(link), knowledge, signals));
+    let supervised = opened.map(|mut supervisor| (supervisor.run(&ticks), supervisor));
+    link.quit();
+    // A panic of the tick thread is in `supervised`.
+    let _joined = ticks.join();
+    let (ended, mut supervisor) = supervised?;
+    supervisor.conclude();
+    Ok(ended?)
 }
 
 fn flags(granted: &Granted, lockstep: bool) -> u32 {

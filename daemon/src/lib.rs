@@ -39,4 +39,5 @@ pub mod pacer;
 mod panics;
 pub mod realtime;
 pub mod supervisor;
+pub mod tape;
 pub mod tick;

@@ -6,6 +6,8 @@ use atas::Order;
 use crossbeam::queue::ArrayQueue;
 use shm_schemas::{GoalUpdate, ModuleEvent, Status, TickReport};
 
+use crate::tape::Tape;
+
 /// Orders that wait; a goal that finds the queue full is refused as BUSY. Ours: the tick takes a thousand a second.
 const ORDERS: usize = 32;
 /// Stops that wait beside them, so that no flood of goals can hold up a stop.
@@ -54,6 +56,7 @@ pub struct Link {
     records: ArrayQueue<TickRecord>,
     events: ArrayQueue<ModuleEvent>,
     snapshot: ArrayQueue<Status>,
+    tape: Option<Tape>,
     dropped: AtomicU64,
     quit: AtomicBool,
 }
@@ -67,9 +70,27 @@ impl Default for Link {
             records: ArrayQueue::new(RECORDS),
             events: ArrayQueue::new(EVENTS),
             snapshot: ArrayQueue::new(1),
+            tape: None,
             dropped: AtomicU64::new(0),
             quit: AtomicBool::new(false),
         }
+    }
+}
+
+impl Link {
+    /// A link with a tape for a recorder.
+    #[must_use]
+    pub fn recording() -> Self {
+        Self {
+            tape: Some(Tape::default()),
+            ..Self::default()
+        }
+    }
+
+    /// The tape, if recording is switched on.
+    #[must_use]
+    pub fn tape(&self) -> Option<&Tape> {
+        self.tape.as_ref()
     }
 }
 
@@ -105,10 +126,11 @@ impl Link {
         self.snapshot.pop()
     }
 
-    /// Records and events dropped because the supervisor did not come round.
+    /// Records, events and parts of the tape dropped because the supervisor did not come round.
     #[must_use]
     pub fn dropped(&self) -> u64 {
-        self.dropped.load(Ordering::Relaxed)
+        let parts = self.tape.as_ref().map_or(0, Tape::dropped);
+        self.dropped.load(Ordering::Relaxed) + parts
     }
 
     /// Ends the tick loop before its next tick.

@@ -8,15 +8,18 @@
 //!   now is the controller's to say.
 
 mod controls;
+mod flight;
 mod goals;
 mod journal;
 mod knowledge;
+mod recording;
 mod service;
 mod telemetry;
 
 pub use knowledge::Knowledge;
 pub use service::Signals;
 
+use std::io;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -27,8 +30,10 @@ use shm_schemas::{Cause, Reason};
 
 use crate::link::Link;
 use controls::ControlDesk;
+use flight::FlightRecorder;
 use goals::GoalDesk;
 use journal::Journal;
+use recording::RecordStream;
 use service::ServiceManager;
 use telemetry::Telemetry;
 
@@ -52,9 +57,22 @@ pub struct Supervisor {
     controls: ControlDesk,
     telemetry: Telemetry,
     journal: Journal,
+    flight: FlightRecorder,
+    recording: Option<RecordStream>,
     manager: ServiceManager,
     signals: Signals,
     resting_ticks: u32,
+}
+
+/// Why the supervisor could not begin.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The bus.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// A thread.
+    #[error("could not start the flight recorder because of: {0}")]
+    Thread(#[from] io::Error),
 }
 
 /// The tick thread ended although nobody asked it to.
@@ -66,18 +84,26 @@ impl Supervisor {
     /// Opens the ports of the supervisor.
     ///
     /// # Errors
-    /// [`BusError`] if the bus refuses.
+    /// [`OpenError`] if the bus or the operating system refuses.
     pub fn open(
         bus: Bus,
         link: Arc<Link>,
         knowledge: Knowledge,
         signals: Signals,
-    ) -> Result<Self, BusError> {
+    ) -> Result<Self, OpenError> {
+        let state_directory = std::env::var_os("STATE_DIRECTORY");
+        let recording = &knowledge.config.recording;
+        let flight_folder = recording.flight_folder(state_directory.as_deref());
+        let records = recording.stream;
         Ok(Self {
             goals: GoalDesk::open(&bus)?,
             controls: ControlDesk::open(&bus)?,
             telemetry: Telemetry::open(&bus)?,
             journal: Journal::default(),
+            flight: FlightRecorder::new(flight_folder)?,
+            recording: records
+                .then(|| RecordStream::open(&bus, &knowledge))
+                .transpose()?,
             manager: ServiceManager::from_environment(),
             resting_ticks: 0,
             bus,
@@ -116,6 +142,11 @@ impl Supervisor {
         }
     }
 
+    /// Publishes what the ticks left after [`Supervisor::run`], when no more ticks come.
+    pub fn conclude(&mut self) {
+        self.take_records();
+    }
+
     fn round(&mut self) {
         self.take_records();
         let Self {
@@ -145,6 +176,7 @@ impl Supervisor {
         while let Some(record) = self.link.next_record() {
             self.knowledge.learn(&record);
             self.telemetry.publish_record(&record);
+            self.flight.note(&record.report);
             if let Some(update) = &record.goal_update {
                 self.goals.tell(update);
             }
@@ -156,6 +188,10 @@ impl Supervisor {
         while let Some(event) = self.link.next_event() {
             self.telemetry.publish_event(&event);
             self.journal.write_event(&event);
+            self.flight.watch(&event);
+        }
+        if let (Some(recording), Some(tape)) = (&self.recording, self.link.tape()) {
+            recording.publish(tape);
         }
         self.journal.watch_dropped(self.link.dropped());
     }

@@ -19,6 +19,7 @@ use crate::pacer::{Beat, Pacer};
 /// Places of the stages after the controller's own in [`TickReport::stage_ns`].
 const PUBLISH: usize = 5;
 const REPORT: usize = 6;
+const RECORDING: usize = 7;
 /// How often the status is renewed when nothing happens, Hz.
 const STATUS_HZ: u64 = 50;
 
@@ -102,7 +103,12 @@ impl TickLoop {
         let sent = commands.send(step.command);
         watch.passed(PUBLISH);
         counts.count(&beat, sent.is_ok());
-        let mut record = record_of(&step, &beat, watch);
+        let body_ns = watch.total_ns();
+        if let Some(tape) = link.tape() {
+            tape.keep(&inputs, step.command);
+            watch.passed(RECORDING);
+        }
+        let mut record = record_of(&step, &beat, watch.stage_ns, body_ns);
         record.ticket = order.map_or(0, |o| o.ticket);
         record.bus_failures = counts.unsent + inlet.failures();
         record.phase_locked = pacer.learn(&beat, &record.report);
@@ -133,14 +139,13 @@ impl Counts {
     }
 }
 
-fn record_of(step: &Step<'_>, beat: &Beat, watch: &Stopwatch) -> TickRecord {
+fn record_of(step: &Step<'_>, beat: &Beat, stage_ns: [u32; STAGES], body_ns: u32) -> TickRecord {
     let ages = step.report.hands.iter().map(|hand| hand.frame_age_ns);
     let frame_age_ns = ages.min().unwrap_or(u64::MAX);
-    let body_ns = watch.total_ns();
     let report = TickReport {
         missed_ticks: beat.missed,
         wake_late_ns: clipped(beat.late_ns),
-        stage_ns: watch.stage_ns,
+        stage_ns,
         sensor_to_command_ns: clipped(frame_age_ns.saturating_add(u64::from(body_ns))),
         ..*step.report
     };

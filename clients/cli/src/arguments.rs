@@ -83,6 +83,8 @@ pub enum Command {
 pub enum Demo {
     /// Grasp, lift and hold objects of known physics, and compare what became of them with what physics allows
     Grasp(DemoGrasp),
+    /// Let a team of mobile robots carry its object to eight goals, each robot by an evolved behaviour table
+    Swarm(DemoSwarm),
 }
 
 /// The tasks of `atas eval`.
@@ -123,6 +125,23 @@ pub struct DemoGrasp {
     /// By the clock at 1 kHz; the default
     #[arg(long)]
     pub realtime: bool,
+}
+
+/// `atas demo swarm`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoSwarm {
+    /// A table file of `ebts evolve`, or the table that ships. Field and team are those it was evolved for
+    #[arg(long, value_name = "NAME|FILE", default_value = "r3-two-agents")]
+    pub table: String,
+    /// Frames of the field per second
+    #[arg(long, value_name = "HZ", default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    pub frame_rate_hz: u32,
+    /// Frame by frame as fast as the machine goes
+    #[arg(long, conflicts_with = "frame_rate_hz")]
+    pub lockstep: bool,
+    /// Write an animation of the eight trials: one web page that needs nothing else
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
 }
 
 /// `atas eval grasp`.

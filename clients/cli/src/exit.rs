@@ -20,7 +20,7 @@ pub enum Exit {
     Refused = 4,
     /// Ctrl-C or SIGTERM, after cleaning up.
     Interrupted = 5,
-    /// A demo ran, but an object did not end as physics says it should.
+    /// A demo ran, but an object did not end as physics, or evolution, says it should.
     Unexpected = 6,
 }
 
@@ -34,7 +34,7 @@ Exit codes:
   3  no daemon answers on the bus
   4  the goal or the request was refused, failed or was cancelled
   5  interrupted, after cleaning up
-  6  a demo's object did not end as physics says it should";
+  6  a demo's object did not end as physics, or evolution, says it should";
 
     /// The code that an error leads to.
     #[must_use]

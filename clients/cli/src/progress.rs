@@ -46,6 +46,13 @@ impl Progress {
         }
     }
 
+    /// Shows what changes too often to be told line by line.
+    pub(crate) fn live(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(text.to_owned());
+        }
+    }
+
     /// Shows where the goal stands. `status` adds the active modules; `lifted_m` is the height to show.
     pub(crate) fn show(&mut self, story: &Story, status: Option<&Status>, lifted_m: f64) {
         let last = story.last();

@@ -26,6 +26,9 @@ fn accepted() {
     check("atas demo grasp");
     check("atas demo grasp --object bottle --seed 7 --lockstep");
     check("atas demo grasp --all --realtime --format json");
+    check("atas demo swarm");
+    check("atas demo swarm --table mine.toml --frame-rate-hz 60 --replay page.html");
+    check("atas demo swarm --lockstep --format json");
     check("atas eval grasp --seeds 100 --noise 2 --rate-hz 100 --threads 2");
     check("atas eval grasp --objects wood,sponge,./mine.toml");
     check("atas grasp --at 0.32,-0.15,0.04 --width 50");

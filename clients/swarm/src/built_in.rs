@@ -21,7 +21,16 @@ const TABLES: [(&str, &str); 1] = [(
 pub fn table(name: &str) -> Result<TableFile> {
     match TABLES.iter().find(|(ours, _)| *ours == name) {
         Some((_, text)) => TableFile::parse(text, Hash::Required).map_err(Error::from_part),
-        None => TableFile::read(Path::new(name)),
+        None if Path::new(name).exists() => TableFile::read(Path::new(name)),
+        None => Err(Error::refused(
+            "choose a table",
+            format_args!("{name:?} is neither a table that ships nor a file"),
+            format_args!(
+                "{} or a table file",
+                TABLES.map(|(ours, _)| ours).join(", ")
+            ),
+            "correct --table",
+        )),
     }
 }
 

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use crate::analysis::Trace;
-use crate::condition::Condition;
+use crate::analysis::{Trace, trace};
+use crate::condition::{Condition, GOALS};
 use crate::error::{Error, Result};
+use crate::table_file::TableFile;
 
 /// The page; the data go where the marker is.
 const PAGE: &str = include_str!("replay.html");
@@ -29,7 +30,32 @@ struct Trial {
     frames: Vec<Vec<f32>>,
 }
 
-/// Builds the page.
+/// Follows the team of a table file through its eight trials, goal 1 first.
+#[must_use]
+pub fn traces(file: &TableFile) -> [Trace; GOALS] {
+    let condition = &file.condition;
+    let responses = condition.responses(&file.individual.genome);
+    condition
+        .layouts()
+        .map(|layout| trace(condition, responses, &layout))
+}
+
+/// Builds the page of a table file.
+///
+/// # Errors
+/// As [`replay`].
+pub fn page(file: &TableFile) -> Result<String> {
+    let condition = &file.condition;
+    let title = format!(
+        "EBTS, preset {}, {} agents, fitness {:.1}",
+        condition.model.preset().name,
+        condition.team.get(),
+        file.individual.fitness()
+    );
+    replay(condition, &title, &traces(file), &file.individual.points)
+}
+
+/// Builds the page of any trials.
 ///
 /// # Errors
 /// A coordinate was not finite; the simulator produces none.

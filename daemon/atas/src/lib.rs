@@ -31,6 +31,7 @@ mod mode;
 pub mod modules;
 pub mod path;
 pub mod perception;
+pub mod record;
 pub mod safety;
 pub mod settings;
 pub mod tasks;

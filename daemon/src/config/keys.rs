@@ -122,6 +122,16 @@ const FIXED: &[FixedKey] = &[
         needs: YES_NO,
         holds: |_| true,
     },
+    FixedKey {
+        name: "recording.stream",
+        needs: YES_NO,
+        holds: |_| true,
+    },
+    FixedKey {
+        name: "recording.flight_folder",
+        needs: "the path of a folder, or \"\"",
+        holds: |_| true,
+    },
 ];
 
 /// Jaro-Winkler likeness from which a suggestion helps more than it confuses. Ours, by trying misspellings.

@@ -75,7 +75,7 @@ impl Telemetry {
     }
 }
 
-fn report_failure(sent: Result<(), BusError>) {
+pub(super) fn report_failure(sent: Result<(), BusError>) {
     if let Err(error) = sent {
         tracing::debug!(%error, "an observer missed something");
     }

@@ -242,3 +242,40 @@ fn real_time_is_granted_or_visibly_not() {
         daemon.log()
     );
 }
+
+#[test]
+fn the_ticks_before_a_fault_go_into_a_file() {
+    let bus = FreshBus::new("flight");
+    let mut world = World::on(&bus);
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let daemon = Daemon::start_with(&bus, PATIENT, &[], |command| {
+        command.env("STATE_DIRECTORY", folder.path());
+    });
+    world.until_mode(Mode::READY);
+    world.control(ControlOp::ESTOP, "", 0.0);
+    world.until_mode(Mode::SAFE_STOP);
+    let text = wait_for("a file", || {
+        let mut files = std::fs::read_dir(folder.path().join("flight")).ok()?;
+        let file =
+            files.find_map(|file| Some(file.ok()?.path()).filter(|p| p.extension().is_some()))?;
+        std::fs::read_to_string(file).ok()
+    });
+    assert!(text.starts_with("# atasd "), "{text}");
+    assert!(text.contains("stopped by `atas estop`"), "{text}");
+    assert!(text.lines().count() > 2, "{text}");
+    // A folder that cannot be written is said, and hinders nothing.
+    drop(daemon);
+    let nowhere = ["--set", "recording.flight_folder=/proc/nowhere"];
+    let daemon = Daemon::start_with(&bus, PATIENT, &nowhere, |_| ());
+    world.until("ready", |s| s.pid == daemon.pid() && s.mode == Mode::READY);
+    world.control(ControlOp::ESTOP, "", 0.0);
+    world.until_mode(Mode::SAFE_STOP);
+    wait_for("a line in the log", || {
+        let log = daemon.log();
+        log.contains("could not write the last ticks").then_some(())
+    });
+    assert_eq!(
+        world.control(ControlOp::RECOVER, "", 0.0).outcome,
+        ControlOutcome::DONE
+    );
+}

@@ -4,6 +4,7 @@ mod config;
 mod example;
 mod goals;
 mod lives;
+mod replay;
 mod service;
 mod support;
 mod unit;

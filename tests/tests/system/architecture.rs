@@ -23,6 +23,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "atas",
             "sim-backend",
             "robot-model",
+            "ebts",
         ],
     ),
     ("ebts", &["field", "shm-bus", "shm-schemas"]),

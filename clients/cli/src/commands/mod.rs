@@ -38,6 +38,9 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
         Command::Demo {
             task: Demo::Grasp(arguments),
         } => demo::grasp(arguments, &interrupt, output),
+        Command::Demo {
+            task: Demo::Swarm(arguments),
+        } => demo::swarm(arguments, &interrupt, output),
         Command::Eval {
             task: Eval::Grasp(arguments),
         } => evaluate(arguments, &interrupt, output),

@@ -21,6 +21,7 @@ pub(super) struct Child {
     name: &'static str,
     process: Process,
     log: PathBuf,
+    results: PathBuf,
 }
 
 impl Child {
@@ -33,22 +34,32 @@ impl Child {
         folder: &Path,
     ) -> anyhow::Result<Self> {
         let program = beside_this_program(name)?;
-        let log = folder.join(format!("{name}.log"));
-        let file = File::create(&log)
-            .with_context(|| format!("could not make the log file {}", log.display()))?;
+        let (log, results) = (
+            folder.join(format!("{name}.log")),
+            folder.join(format!("{name}.out")),
+        );
+        let create = |path: &Path| {
+            File::create(path)
+                .with_context(|| format!("could not make the log file {}", path.display()))
+        };
         let mut command = Command::new(&program);
         command
             .args(arguments)
             .env("NO_COLOR", "1")
             .stdin(Stdio::null())
-            .stdout(file.try_clone()?)
-            .stderr(file)
+            .stdout(create(&results)?)
+            .stderr(create(&log)?)
             .process_group(0);
         end_with_this_process(&mut command);
         let process = command
             .spawn()
             .with_context(|| format!("could not start {}", program.display()))?;
-        Ok(Self { name, process, log })
+        Ok(Self {
+            name,
+            process,
+            log,
+            results,
+        })
     }
 
     /// An error with the end of its log if it has ended, which it must not by itself.
@@ -62,6 +73,13 @@ impl Child {
             self.log.display(),
             self.tail()
         )
+    }
+
+    /// The whole lines that it has written to standard output so far.
+    pub(super) fn results(&self) -> Vec<String> {
+        let text = std::fs::read_to_string(&self.results).unwrap_or_default();
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        whole.lines().map(str::to_owned).collect()
     }
 
     /// The last lines of its log.

@@ -5,6 +5,7 @@
 //!                                                  ├─ client::Pursuit: the goal, as any client would send it
 //!                                                  └─ judge: what the simulator's truth says of the outcome
 //! ```
+//!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal, against what evolution saw
 //!
 //! A demo is a client like any other: it uses nothing of the daemon but the bus.
 
@@ -12,6 +13,7 @@ mod child;
 mod logs;
 mod performance;
 mod stage;
+mod swarm;
 mod table;
 
 use sim_backend::Object;
@@ -21,6 +23,8 @@ use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use performance::Performance;
+
+pub(crate) use swarm::swarm;
 
 /// `atas demo grasp`.
 pub(crate) fn grasp(

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use ebts::analysis::{HeldOut, Trace, held_out, trace};
-use ebts::condition::{Condition, GOALS};
+use ebts::analysis::{HeldOut, held_out};
 use ebts::error::{Error, Result};
 use ebts::evaluate::{Evaluator, GoalPoints};
 use ebts::experiment::read_folder;
 use ebts::files::write_atomically;
 use ebts::plot::{BehaviourRow, behaviour_rows, behaviour_strip, fig14, trajectories};
+use ebts::replay::traces;
 use ebts::table::behaviour;
 use ebts::table_file::TableFile;
 use field::{Engine, SENSORS, run_trial};
@@ -277,14 +277,6 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
     })
 }
 
-fn traces(file: &TableFile) -> [Trace; GOALS] {
-    let condition: &Condition = &file.condition;
-    let responses = condition.responses(&file.individual.genome);
-    condition
-        .layouts()
-        .map(|layout| trace(condition, responses, &layout))
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {
     /// Table file.
@@ -312,17 +304,7 @@ pub(super) fn replay(args: ReplayArgs, format: Format) -> Result<()> {
             "name another --out",
         ));
     }
-    let (agents, fitness) = (file.condition.team.get(), file.individual.fitness());
-    let title = format!(
-        "EBTS, preset {}, {agents} agents, fitness {fitness:.1}",
-        file.condition.model.preset().name
-    );
-    let html = ebts::replay::replay(
-        &file.condition,
-        &title,
-        &traces(&file),
-        &file.individual.points,
-    )?;
+    let html = ebts::replay::page(&file)?;
     write_atomically(&page, html.as_bytes())?;
     answer(format, &Replayed { page: page.clone() }, || {
         format!("animation: {}", page.display())

@@ -1,0 +1,237 @@
+//! Record and replay: what the controller was made from and what it took in, as words for the bus, and back again.
+//!
+//! [`Replay`] is fed the recorded ticks in order, runs the controller on them, and compares every command bit for bit.
+//!
+//! * **Invariants:** writing and reading back changes no bit. What cannot be read back (another table of parameters, an
+//!   unknown order) is an error, never a guess.
+//! * **Absent on purpose:** files. And the ticks after a panic: there the daemon held without the controller.
+
+mod replay;
+
+pub use replay::{Replay, ReplayError, Replayed};
+
+use crate::settings::PARAMETERS;
+use crate::{Controller, HandWiring, Order, Settings, Wiring};
+use robot_model::{HAND_JOINTS, HandVector, RobotModel};
+use shm_schemas::capacity::{ELEMENTS, JOINTS, SETTINGS};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use shm_schemas::{HandWiringRecord, Layout, OrderKind, OrderRecord, RunHeader, SettingsRecord};
+
+const _: () = assert!(PARAMETERS.len() <= SETTINGS);
+
+/// Why a record could not be read back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unreadable {
+    /// The settings follow another table of parameters.
+    OtherParameters,
+    /// A setting is out of its range.
+    SettingOutOfRange {
+        /// Which one.
+        name: &'static str,
+    },
+    /// The order is of a kind that this version does not know.
+    UnknownOrder {
+        /// Its number.
+        kind: u32,
+    },
+    /// A hand is wired to more elements or fingers than there can be, or to none.
+    ImpossibleHand,
+}
+
+impl core::fmt::Display for Unreadable {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::OtherParameters => f.write_str(
+                "could not read the settings because they were recorded with another table of parameters; \
+                 replay with the version that recorded them",
+            ),
+            Self::SettingOutOfRange { name } => {
+                write!(f, "could not read the settings because {name} is out of its range; is the recording damaged?")
+            }
+            Self::UnknownOrder { kind } => write!(
+                f,
+                "could not read an order because its kind was {kind}, which this version does not know; \
+                 replay with the version that recorded it"
+            ),
+            Self::ImpossibleHand => f.write_str(
+                "could not read the wiring because a hand has an impossible layout; is the recording damaged?",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Unreadable {}
+
+/// All settings as a record.
+#[must_use]
+pub fn write_settings(settings: &Settings) -> SettingsRecord {
+    let mut record = SettingsRecord {
+        names_hash: names_hash(),
+        count: PARAMETERS.len() as u32,
+        ..SettingsRecord::default()
+    };
+    for (value, parameter) in record.value.iter_mut().zip(PARAMETERS) {
+        *value = (parameter.get)(settings);
+    }
+    record
+}
+
+/// The settings of a record.
+///
+/// # Errors
+/// [`Unreadable`] if the record follows another table, or a value is out of its range.
+pub fn read_settings(record: &SettingsRecord) -> Result<Settings, Unreadable> {
+    if record.names_hash != names_hash() || record.count as usize != PARAMETERS.len() {
+        return Err(Unreadable::OtherParameters);
+    }
+    let mut settings = Settings::default();
+    for (value, parameter) in record.value.iter().zip(PARAMETERS) {
+        let name = parameter.name;
+        settings
+            .set(name, *value)
+            .map_err(|_| Unreadable::SettingOutOfRange { name })?;
+    }
+    Ok(settings)
+}
+
+/// FNV-1a 64 of the names of all parameters, in order.
+fn names_hash() -> u64 {
+    PARAMETERS.iter().fold(FNV_OFFSET, |hash, parameter| {
+        fnv1a(fnv1a(hash, parameter.name.as_bytes()), b"\n")
+    })
+}
+
+/// What a tick was ordered, as a record.
+#[must_use]
+pub fn write_order(order: Option<&Order>) -> OrderRecord {
+    let mut record = OrderRecord::default();
+    let kind = match order {
+        None => OrderKind::NONE,
+        Some(Order::Start(goal)) => {
+            record.goal = *goal;
+            OrderKind::START
+        }
+        Some(Order::Cancel { goal_id }) => {
+            record.goal_id = *goal_id;
+            OrderKind::CANCEL
+        }
+        Some(Order::ClientGone { goal_id }) => {
+            record.goal_id = *goal_id;
+            OrderKind::CLIENT_GONE
+        }
+        Some(Order::Stop(reason)) => {
+            record.reason = *reason;
+            OrderKind::STOP
+        }
+        Some(Order::Recover) => OrderKind::RECOVER,
+        Some(Order::SetParameter { index, value }) => {
+            (record.index, record.value) = (index_word(*index), *value);
+            OrderKind::SET_PARAMETER
+        }
+        Some(Order::Configure(settings)) => {
+            record.settings = write_settings(settings);
+            OrderKind::CONFIGURE
+        }
+        Some(Order::Bias { hand }) => {
+            record.index = index_word(*hand);
+            OrderKind::BIAS
+        }
+    };
+    record.kind = kind;
+    record
+}
+
+/// An index that does not fit names nothing, before and after.
+fn index_word(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+/// What a tick was ordered.
+///
+/// # Errors
+/// [`Unreadable`] if the kind is unknown or its settings cannot be read.
+pub fn read_order(record: &OrderRecord) -> Result<Option<Order>, Unreadable> {
+    let (goal_id, index) = (record.goal_id, record.index as usize);
+    Ok(Some(match record.kind {
+        OrderKind::NONE => return Ok(None),
+        OrderKind::START => Order::Start(record.goal),
+        OrderKind::CANCEL => Order::Cancel { goal_id },
+        OrderKind::CLIENT_GONE => Order::ClientGone { goal_id },
+        OrderKind::STOP => Order::Stop(record.reason),
+        OrderKind::RECOVER => Order::Recover,
+        OrderKind::SET_PARAMETER => Order::SetParameter {
+            index,
+            value: record.value,
+        },
+        OrderKind::CONFIGURE => Order::Configure(read_settings(&record.settings)?),
+        OrderKind::BIAS => Order::Bias { hand: index },
+        unknown => return Err(Unreadable::UnknownOrder { kind: unknown.0 }),
+    }))
+}
+
+/// Writes what the controller is made from into the header of a run; the header's other fields are the daemon's.
+pub fn write_origin(header: &mut RunHeader, wiring: &Wiring, settings: &Settings) {
+    header.stamp.writer_epoch = wiring.writer_epoch;
+    header.tick_s = wiring.tick_s;
+    header.joints_required = u32::from(wiring.joints_required);
+    header.stiffness_n_m_rad = [0.0; JOINTS];
+    header.stiffness_n_m_rad[..HAND_JOINTS].copy_from_slice(wiring.stiffness_n_m_rad.as_slice());
+    header.hands = wiring.hands.each_ref().map(write_hand);
+    header.settings = write_settings(settings);
+}
+
+/// A controller in the state in which the recorded one began. `robot` must be the one that the header names.
+///
+/// # Errors
+/// [`Unreadable`] if the header is of another version or damaged.
+pub fn read_origin(header: &RunHeader, robot: &RobotModel) -> Result<Controller, Unreadable> {
+    let [left, right] = &header.hands;
+    let wiring = Wiring {
+        hands: [read_hand(left)?, read_hand(right)?],
+        joints_required: header.joints_required != 0,
+        stiffness_n_m_rad: HandVector::from_row_slice(&header.stiffness_n_m_rad[..HAND_JOINTS]),
+        tick_s: header.tick_s,
+        writer_epoch: header.stamp.writer_epoch,
+    };
+    let settings = read_settings(&header.settings)?;
+    Ok(Controller::new(robot, wiring, settings))
+}
+
+fn write_hand(hand: &HandWiring) -> HandWiringRecord {
+    let layout = &hand.layout;
+    HandWiringRecord {
+        fingers: index_word(hand.fingers),
+        required: u32::from(hand.required),
+        rate_hz: hand.rate_hz,
+        element_count: index_word(layout.count),
+        pad: 0,
+        normal: layout.normal,
+        tangent1: layout.tangent1,
+        tangent2: layout.tangent2,
+        radius_m: layout.radius_m,
+        element_area_m2: layout.element_area_m2,
+    }
+}
+
+fn read_hand(record: &HandWiringRecord) -> Result<HandWiring, Unreadable> {
+    let (count, fingers) = (record.element_count as usize, record.fingers as usize);
+    let possible = (1..=ELEMENTS).contains(&count)
+        && (1..=shm_schemas::capacity::FINGERS).contains(&fingers)
+        && record.rate_hz > 0.0;
+    if !possible {
+        return Err(Unreadable::ImpossibleHand);
+    }
+    Ok(HandWiring {
+        layout: Layout {
+            count,
+            normal: record.normal,
+            tangent1: record.tangent1,
+            tangent2: record.tangent2,
+            radius_m: record.radius_m,
+            element_area_m2: record.element_area_m2,
+        },
+        fingers,
+        required: record.required != 0,
+        rate_hz: record.rate_hz,
+    })
+}

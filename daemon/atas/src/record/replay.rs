@@ -1,0 +1,171 @@
+//! The controller on recorded inputs.
+
+use super::{Unreadable, read_order};
+use crate::{Controller, Inputs, Outputs, Tick};
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{HandFrame, Mode, TickInputs};
+use zerocopy::IntoBytes;
+
+/// Why a replay cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReplayError {
+    /// The recording does not begin with the run's first tick.
+    NoBeginning {
+        /// Parts that are missing before the first one.
+        missing: u64,
+    },
+    /// Parts are missing in the middle.
+    Gap {
+        /// Tick after the gap.
+        tick: u64,
+        /// Parts that are missing.
+        missing: u64,
+    },
+    /// The daemon's controller panicked; from here on the daemon held without it.
+    Panicked {
+        /// First tick without the controller.
+        tick: u64,
+    },
+    /// A tick has more frames than the storage of the replay, or its parts contradict each other.
+    Malformed {
+        /// The tick.
+        tick: u64,
+    },
+    /// An order cannot be read.
+    Order {
+        /// The tick.
+        tick: u64,
+        /// Why.
+        why: Unreadable,
+    },
+}
+
+impl core::fmt::Display for ReplayError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoBeginning { missing } => write!(
+                f,
+                "could not replay because the first {missing} parts of the run were not recorded; \
+                 start the recorder before the daemon"
+            ),
+            Self::Gap { tick, missing } => {
+                write!(
+                    f,
+                    "could not replay beyond tick {tick} because {missing} parts before it were lost"
+                )
+            }
+            Self::Panicked { tick } => {
+                write!(
+                    f,
+                    "the controller panicked in tick {tick}; what the daemon did from there on cannot be replayed"
+                )
+            }
+            Self::Malformed { tick } => {
+                write!(
+                    f,
+                    "could not replay tick {tick} because its parts contradict each other; is the recording damaged?"
+                )
+            }
+            Self::Order { tick, why } => write!(f, "tick {tick}: {why}"),
+        }
+    }
+}
+
+impl core::error::Error for ReplayError {}
+
+/// One tick, replayed.
+#[derive(Clone, Copy, Debug)]
+pub struct Replayed<'a> {
+    /// What the controller gave out now.
+    pub outputs: &'a Outputs,
+    /// Whether its command equals the recorded one in every bit.
+    pub is_equal: bool,
+}
+
+/// A controller that is fed a recording.
+#[derive(Debug)]
+pub struct Replay<'a> {
+    controller: Controller,
+    frames: [&'a mut [HandFrame]; HANDS],
+    counts: [usize; HANDS],
+    next_sequence: u64,
+    next_part: u32,
+}
+
+impl<'a> Replay<'a> {
+    /// A replay from the beginning, with room for the frames of one tick per hand: 64 are enough for any recording of
+    /// the daemon. `controller` comes from [`super::read_origin`].
+    #[must_use]
+    pub fn new(controller: Controller, frames: [&'a mut [HandFrame]; HANDS]) -> Self {
+        Self {
+            controller,
+            frames,
+            counts: [0; HANDS],
+            next_sequence: 0,
+            next_part: 0,
+        }
+    }
+
+    /// Takes the next part; when a tick is complete, runs it and compares its command.
+    ///
+    /// # Errors
+    /// [`ReplayError`]; the replay cannot go on after it.
+    pub fn feed(&mut self, part: &TickInputs) -> Result<Option<Replayed<'_>>, ReplayError> {
+        self.check(part)?;
+        self.collect(part)?;
+        if part.part + 1 < part.parts {
+            self.next_part = part.part + 1;
+            return Ok(None);
+        }
+        let order = read_order(&part.order).map_err(|why| ReplayError::Order {
+            tick: part.tick,
+            why,
+        })?;
+        let [left, right] = &self.frames;
+        let outputs = self.controller.step(&Inputs {
+            tick: Tick {
+                index: part.tick,
+                now_ns: part.stamp.captured_ns,
+            },
+            frames: [&left[..self.counts[0]], &right[..self.counts[1]]],
+            joints: (part.has_joints != 0).then_some(&part.joints),
+            order: order.as_ref(),
+        });
+        (self.counts, self.next_part) = ([0; HANDS], 0);
+        Ok(Some(Replayed {
+            is_equal: outputs.command.as_bytes() == part.command.as_bytes(),
+            outputs,
+        }))
+    }
+
+    fn check(&mut self, part: &TickInputs) -> Result<(), ReplayError> {
+        let (expected, tick) = (self.next_sequence, part.tick);
+        let missing = part.stamp.sequence.wrapping_sub(expected);
+        match (expected, missing) {
+            (_, 0) => {}
+            (0, missing) => return Err(ReplayError::NoBeginning { missing }),
+            (_, missing) => return Err(ReplayError::Gap { tick, missing }),
+        }
+        if part.part != self.next_part || part.parts <= part.part {
+            return Err(ReplayError::Malformed { tick });
+        }
+        if part.command.mode == Mode::FAULT {
+            return Err(ReplayError::Panicked { tick });
+        }
+        self.next_sequence += 1;
+        Ok(())
+    }
+
+    fn collect(&mut self, part: &TickInputs) -> Result<(), ReplayError> {
+        for hand in 0..HANDS {
+            if part.has_frame[hand] == 0 {
+                continue;
+            }
+            let count = &mut self.counts[hand];
+            let slot = self.frames[hand].get_mut(*count);
+            *slot.ok_or(ReplayError::Malformed { tick: part.tick })? = part.frames[hand];
+            *count += 1;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,236 @@
+//! The flight recorder: whenever the robot has to hold or stop, the last 256 ticks go into a file.
+//!
+//! * **In:** every tick's report, and the mode changes. **Out:** `flight-<seconds since 1970>-<tick>-<mode>.csv`, one
+//!   line per tick, a first line that says why.
+//! * **Invariants:** files are written by a thread of their own, so that a full or hanging disk holds up nobody; what it
+//!   cannot write is logged and forgotten. There are never more than [`FILES`] files.
+//! * **Absent on purpose:** stops that were asked for by a shutdown.
+
+mod table;
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::{fs, io, thread};
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, TickReport};
+
+/// Ticks before a fault that are kept.
+const TICKS: usize = 256;
+/// Files that are kept; the oldest go first. 256 ticks are about 150 KiB. Ours.
+const FILES: usize = 64;
+/// Shortest time between two files, so that a flickering fault does not push out what came before. Ours.
+const QUIET: Duration = Duration::from_secs(1);
+/// Stack of the writing thread, bytes: it is locked memory.
+const STACK_BYTES: usize = 128 << 10;
+
+/// The recorder.
+#[derive(Debug)]
+pub(super) struct FlightRecorder {
+    reports: VecDeque<TickReport>,
+    writer: Option<Sender<Flight>>,
+    saved_at: Option<Instant>,
+}
+
+/// What goes into one file.
+#[derive(Debug)]
+struct Flight {
+    fault: ModuleEvent,
+    reports: Vec<TickReport>,
+}
+
+impl FlightRecorder {
+    /// A recorder that writes into this folder, which is made when needed; `None` writes nothing.
+    pub(super) fn new(folder: Option<PathBuf>) -> io::Result<Self> {
+        let start = |folder: PathBuf| {
+            let (send, receive) = bounded(1);
+            let builder = thread::Builder::new().name("atasd-flight".to_owned());
+            builder
+                .stack_size(STACK_BYTES)
+                .spawn(move || write_all(&folder, &receive))?;
+            io::Result::Ok(send)
+        };
+        Ok(Self {
+            reports: VecDeque::with_capacity(TICKS),
+            writer: folder.map(start).transpose()?,
+            saved_at: None,
+        })
+    }
+
+    /// Remembers a tick.
+    pub(super) fn note(&mut self, report: &TickReport) {
+        if self.reports.len() == TICKS {
+            self.reports.pop_front();
+        }
+        self.reports.push_back(*report);
+    }
+
+    /// Writes the last ticks if this event is a fault.
+    pub(super) fn watch(&mut self, event: &ModuleEvent) {
+        let Some(writer) = &self.writer else { return };
+        if !is_fault(event) || self.saved_at.is_some_and(|at| at.elapsed() < QUIET) {
+            return;
+        }
+        self.saved_at = Some(Instant::now());
+        let until_fault = |report: &&TickReport| report.tick <= event.tick;
+        let flight = Flight {
+            fault: *event,
+            reports: self.reports.iter().filter(until_fault).copied().collect(),
+        };
+        if writer.try_send(flight).is_err() {
+            tracing::warn!(
+                tick = event.tick,
+                "the flight recorder's disk is too slow; the ticks before this fault are lost"
+            );
+        }
+    }
+}
+
+fn is_fault(event: &ModuleEvent) -> bool {
+    event.kind == EventKind::MODE
+        && matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP | Mode::FAULT)
+        && event.reason.cause != Cause::SHUTDOWN
+}
+
+fn write_all(folder: &Path, flights: &Receiver<Flight>) {
+    for flight in flights {
+        match write(folder, &flight) {
+            Ok(file) => tracing::info!(file = %file.display(), "flight recorder"),
+            Err(error) => tracing::warn!(
+                folder = %folder.display(), %error,
+                "could not write the last ticks; is the disk full, and the folder writable?"
+            ),
+        }
+    }
+}
+
+/// First under another name, so that nobody ever reads half a file.
+fn write(folder: &Path, flight: &Flight) -> io::Result<PathBuf> {
+    fs::create_dir_all(folder)?;
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let (seconds, fault) = (now.map_or(0, |now| now.as_secs()), &flight.fault);
+    let name = format!("flight-{seconds:010}-{:012}-{}.csv", fault.tick, fault.mode);
+    let (unfinished, file) = (folder.join("unfinished"), folder.join(name));
+    fs::write(&unfinished, table::render(fault, &flight.reports))?;
+    fs::rename(&unfinished, &file)?;
+    remove_oldest(folder)?;
+    Ok(file)
+}
+
+fn remove_oldest(folder: &Path) -> io::Result<()> {
+    let is_ours = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        name.is_some_and(|name| name.starts_with("flight-") && name.ends_with(".csv"))
+    };
+    let entries = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<PathBuf> = entries.filter(is_ours).collect();
+    files.sort();
+    let surplus = files.len().saturating_sub(FILES);
+    files[..surplus].iter().try_for_each(fs::remove_file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::Reason;
+    use tempfile::TempDir;
+
+    fn fault(tick: u64) -> ModuleEvent {
+        ModuleEvent {
+            tick,
+            kind: EventKind::MODE,
+            mode: Mode::HOLD,
+            reason: Reason::limit(Cause::LOOP_STALLED, 3e7, 2e7),
+            ..ModuleEvent::default()
+        }
+    }
+
+    #[test]
+    fn a_file_holds_the_ticks_up_to_the_fault_and_why() {
+        let folder = TempDir::new().expect("a temporary folder");
+        let mut recorder = FlightRecorder::new(None).expect("no thread to refuse");
+        for tick in 0..1000 {
+            recorder.note(&TickReport {
+                tick,
+                ..TickReport::default()
+            });
+        }
+        assert_eq!(recorder.reports.len(), TICKS);
+        let reports = recorder.reports.into_iter().collect();
+        let file = write(
+            folder.path(),
+            &Flight {
+                fault: fault(999),
+                reports,
+            },
+        )
+        .expect("written");
+        let text = fs::read_to_string(&file).expect("readable");
+        let mut lines = text.lines();
+        let why = lines.next().expect("a first line");
+        assert!(why.contains("the loop stood still for 30.0 ms"), "{why}");
+        let columns = lines.next().expect("names").split(',').count();
+        let ticks: Vec<&str> = lines.collect();
+        assert_eq!(ticks.len(), TICKS);
+        assert!(
+            ticks.iter().all(|line| line.split(',').count() == columns),
+            "{}",
+            ticks[0]
+        );
+        assert!(ticks[0].starts_with("744,") && ticks[TICKS - 1].starts_with("999,"));
+    }
+
+    #[test]
+    fn files_are_bounded_and_others_are_left_alone() {
+        let folder = TempDir::new().expect("a temporary folder");
+        fs::write(folder.path().join("a-note.txt"), "").expect("writable");
+        for tick in 0..FILES as u64 + 5 {
+            write(
+                folder.path(),
+                &Flight {
+                    fault: fault(tick),
+                    reports: vec![],
+                },
+            )
+            .expect("written");
+        }
+        let names: Vec<_> = fs::read_dir(folder.path()).expect("readable").collect();
+        assert_eq!(names.len(), FILES + 1);
+        assert!(folder.path().join("a-note.txt").exists());
+    }
+
+    #[test]
+    fn only_faults_are_written() {
+        let check = |event: ModuleEvent, is: bool| assert_eq!(is_fault(&event), is);
+        check(fault(0), true);
+        check(
+            ModuleEvent {
+                mode: Mode::SAFE_STOP,
+                ..fault(0)
+            },
+            true,
+        );
+        check(
+            ModuleEvent {
+                mode: Mode::RUN,
+                ..fault(0)
+            },
+            false,
+        );
+        check(
+            ModuleEvent {
+                kind: EventKind::WARNING,
+                ..fault(0)
+            },
+            false,
+        );
+        check(
+            ModuleEvent {
+                reason: Reason::of(Cause::SHUTDOWN),
+                ..fault(0)
+            },
+            false,
+        );
+    }
+}

@@ -1,0 +1,63 @@
+//! Publishes what a recorder needs: how the run began, and what every tick took in.
+
+use shm_bus::{Bus, BusError, Publisher};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
+
+use super::Knowledge;
+use crate::config::BUILT_IN;
+use crate::tape::Tape;
+
+/// The publishers, open only while recording is switched on.
+#[derive(Debug)]
+pub(super) struct RecordStream {
+    headers: Publisher<RunHeader>,
+    inputs: Publisher<TickInputs>,
+}
+
+impl RecordStream {
+    /// Opens the streams and publishes the header.
+    pub(super) fn open(bus: &Bus, knowledge: &Knowledge) -> Result<Self, BusError> {
+        let stream = Self {
+            headers: bus.publisher(service::RUN_HEADER)?,
+            inputs: bus.publisher(service::TICK_INPUTS)?,
+        };
+        stream.headers.send(&header(knowledge))?;
+        Ok(stream)
+    }
+
+    /// Publishes the parts that wait, and lets recorders that came late have the header.
+    pub(super) fn publish(&self, tape: &Tape) {
+        while let Some(part) = tape.next() {
+            super::telemetry::report_failure(self.inputs.send(&part));
+            tape.give_back(part);
+        }
+        super::telemetry::report_failure(self.headers.greet());
+    }
+}
+
+fn header(knowledge: &Knowledge) -> Box<RunHeader> {
+    let config = &knowledge.config;
+    let mut header: Box<RunHeader> = Box::default();
+    header.stamp = Stamp {
+        captured_ns: knowledge.started_ns,
+        ..Stamp::default()
+    };
+    header.version = Text::new(env!("CARGO_PKG_VERSION"));
+    header.config_hash = knowledge.config_hash;
+    header.robot = Text::new(&config.robot.urdf);
+    header.robot_hash = robot_hash(&config.robot.urdf);
+    header.rate_hz = config.realtime.rate_hz;
+    header.flags = knowledge.flags;
+    header.config = Text::new(&config.text());
+    atas::record::write_origin(&mut header, &knowledge.wiring, &config.settings());
+    header
+}
+
+/// 0 for the built-in robot, and for a file that has gone since the start.
+fn robot_hash(urdf: &str) -> u64 {
+    if urdf == BUILT_IN {
+        return 0;
+    }
+    std::fs::read(urdf).map_or(0, |text| fnv1a(FNV_OFFSET, &text))
+}

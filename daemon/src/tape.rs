@@ -1,0 +1,193 @@
+//! The tape: what every tick took in and gave out, on its way from the tick to a recorder.
+//!
+//! A fixed number of boxes goes round: the tick fills a blank one and passes it on, the supervisor publishes it and gives
+//! it back. Nothing is allocated, nothing waits; if the blanks are used up, parts are dropped, counted, and missing from
+//! the sequence, so that no reader can mistake the rest for the whole.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use atas::{Inputs, record};
+use crossbeam::queue::ArrayQueue;
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
+
+/// Boxes of 9 KiB: the supervisor may fall behind by a second at 1 kHz. Ours.
+const BOXES: usize = 1024;
+/// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
+const WARM: usize = 8;
+
+/// The tape.
+#[derive(Debug)]
+pub struct Tape {
+    /// Blank boxes that were used lately; taken first.
+    warm: ArrayQueue<Box<TickInputs>>,
+    spare: ArrayQueue<Box<TickInputs>>,
+    full: ArrayQueue<Box<TickInputs>>,
+    sequence: AtomicU64,
+    dropped: AtomicU64,
+}
+
+impl Default for Tape {
+    fn default() -> Self {
+        let spare = ArrayQueue::new(BOXES);
+        while spare.push(Box::default()).is_ok() {}
+        Self {
+            warm: ArrayQueue::new(WARM),
+            spare,
+            full: ArrayQueue::new(BOXES),
+            sequence: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
+        }
+    }
+}
+
+/// The tick's end.
+impl Tape {
+    /// Keeps what a tick took in, and the command that it gave out.
+    pub fn keep(&self, inputs: &Inputs<'_>, command: &JointCommand) {
+        let frames = inputs.frames.iter().map(|frames| frames.len());
+        let parts = frames.max().unwrap_or(0).max(1);
+        let first = self.sequence.fetch_add(parts as u64, Ordering::Relaxed);
+        for part in 0..parts {
+            let Some(mut blank) = self.warm.pop().or_else(|| self.spare.pop()) else {
+                let lost = (parts - part) as u64;
+                self.dropped.fetch_add(lost, Ordering::Relaxed);
+                return;
+            };
+            blank.stamp = Stamp {
+                sequence: first + part as u64,
+                captured_ns: inputs.tick.now_ns,
+                writer_epoch: command.stamp.writer_epoch,
+            };
+            (blank.part, blank.parts) = (part as u32, parts as u32);
+            fill(&mut blank, inputs, part, command);
+            if let Err(blank) = self.full.push(blank) {
+                self.give_back(blank);
+            }
+        }
+    }
+}
+
+/// The supervisor's end.
+impl Tape {
+    /// The next part; give it back after use.
+    #[must_use]
+    pub fn next(&self) -> Option<Box<TickInputs>> {
+        self.full.pop()
+    }
+
+    /// Makes a box blank again.
+    pub fn give_back(&self, used: Box<TickInputs>) {
+        if let Err(used) = self.warm.push(used) {
+            // There is room for every box there is.
+            let _kept = self.spare.push(used);
+        }
+    }
+
+    /// Parts dropped because no box was blank.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.dropped.load(Ordering::Relaxed)
+    }
+}
+
+/// Writes one part. What a part has not is zero; it is only written where the box had something before.
+fn fill(blank: &mut TickInputs, inputs: &Inputs<'_>, part: usize, command: &JointCommand) {
+    blank.tick = inputs.tick.index;
+    for hand in 0..HANDS {
+        match inputs.frames[hand].get(part) {
+            Some(frame) => blank.frames[hand] = *frame,
+            None if blank.has_frame[hand] != 0 => blank.frames[hand] = HandFrame::default(),
+            None => {}
+        }
+        blank.has_frame[hand] = u32::from(part < inputs.frames[hand].len());
+    }
+    match inputs.joints {
+        Some(joints) => blank.joints = *joints,
+        None if blank.has_joints != 0 => blank.joints = JointState::default(),
+        None => {}
+    }
+    blank.has_joints = u32::from(inputs.joints.is_some());
+    if inputs.order.is_some() || blank.order.kind != OrderKind::NONE {
+        blank.order = record::write_order(inputs.order);
+    }
+    blank.command = *command;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use atas::{Order, Tick};
+
+    fn inputs<'a>(index: u64, frames: &'a [HandFrame], order: Option<&'a Order>) -> Inputs<'a> {
+        Inputs {
+            tick: Tick {
+                index,
+                now_ns: index,
+            },
+            frames: [frames, &[]],
+            joints: None,
+            order,
+        }
+    }
+
+    #[test]
+    fn a_used_box_carries_nothing_over() {
+        let tape = Tape::default();
+        let command = JointCommand::default();
+        let frame = HandFrame {
+            finger_count: 2,
+            ..HandFrame::default()
+        };
+        tape.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
+        let first = tape.next().expect("a part");
+        assert_eq!(
+            (first.has_frame, first.order.kind),
+            ([1, 0], OrderKind::RECOVER)
+        );
+        assert_eq!(first.frames[0], frame);
+        tape.give_back(first);
+        tape.keep(&inputs(1, &[], None), &command);
+        let mut second = tape.next().expect("a part");
+        assert_eq!((second.stamp.sequence, second.parts), (1, 1));
+        (second.stamp, second.tick, second.parts) = (Stamp::default(), 0, 0);
+        assert_eq!(*second, TickInputs::default());
+    }
+
+    #[test]
+    fn several_frames_are_several_parts() {
+        let tape = Tape::default();
+        let frame = |finger_count| HandFrame {
+            finger_count,
+            ..HandFrame::default()
+        };
+        tape.keep(
+            &inputs(5, &[frame(1), frame(2), frame(3)], None),
+            &JointCommand::default(),
+        );
+        for part in 0..3 {
+            let told = tape.next().expect("a part");
+            assert_eq!((told.part, told.parts, told.tick), (part, 3, 5));
+            assert_eq!(
+                (told.frames[0].finger_count, told.stamp.sequence),
+                (part + 1, u64::from(part))
+            );
+        }
+        assert!(tape.next().is_none());
+    }
+
+    #[test]
+    fn what_finds_no_blank_box_is_counted_and_missing_from_the_sequence() {
+        let tape = Tape::default();
+        for index in 0..BOXES as u64 + 3 {
+            tape.keep(&inputs(index, &[], None), &JointCommand::default());
+        }
+        assert_eq!(tape.dropped(), 3);
+        while let Some(part) = tape.next() {
+            tape.give_back(part);
+        }
+        tape.keep(&inputs(9, &[], None), &JointCommand::default());
+        let after = tape.next().expect("a part");
+        assert_eq!(after.stamp.sequence, BOXES as u64 + 3);
+    }
+}

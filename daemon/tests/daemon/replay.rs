@@ -1,0 +1,212 @@
+//! What the daemon publishes for recorders is all that its commands depend on: fed to a fresh controller, it gives the
+//! same commands bit for bit.
+
+use std::time::{Duration, Instant};
+
+use atas::record::{Replay, ReplayError, read_origin};
+use rustix::process::Signal;
+use shm_bus::{FreshBus, GoalClient, Subscriber};
+use shm_schemas::{
+    ControlOp, GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, HandFrame, Mode, OrderKind,
+    RunHeader, TickInputs, service,
+};
+
+use crate::support::{Daemon, World, wait_for};
+
+/// A recorder that was there before the daemon.
+struct Recorder {
+    headers: Subscriber<RunHeader>,
+    inputs: Subscriber<TickInputs>,
+    header: Box<RunHeader>,
+    parts: Vec<TickInputs>,
+}
+
+impl Recorder {
+    fn on(world: &World) -> Self {
+        let bus = &world.bus;
+        Self {
+            headers: bus.subscriber(service::RUN_HEADER).expect("there is room"),
+            inputs: bus.subscriber(service::TICK_INPUTS).expect("there is room"),
+            header: Box::default(),
+            parts: Vec::new(),
+        }
+    }
+
+    fn listen(&mut self) {
+        self.headers.newest(&mut self.header).expect("readable");
+        let parts = &mut self.parts;
+        let keep = |part: &TickInputs| parts.push(*part);
+        self.inputs.drain(256, keep).expect("readable");
+    }
+
+    /// Replays from this part on; how many ticks were replayed, or why it ended.
+    fn replay(&self, from: usize) -> Result<usize, ReplayError> {
+        let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let controller = read_origin(&self.header, &robot).expect("of this version");
+        let mut frames = [0, 1].map(|_| vec![HandFrame::default(); 64]);
+        let mut replay = Replay::new(controller, frames.each_mut().map(|hand| &mut hand[..]));
+        let mut ticks = 0;
+        for part in &self.parts[from..] {
+            if let Some(replayed) = replay.feed(part)? {
+                assert!(
+                    replayed.is_equal,
+                    "tick {}: {:?}\nrecorded {:?}",
+                    part.tick, replayed.outputs.command, part.command
+                );
+                ticks += 1;
+            }
+        }
+        Ok(ticks)
+    }
+
+    fn has_order(&self, kind: OrderKind) -> bool {
+        self.parts.iter().any(|part| part.order.kind == kind)
+    }
+}
+
+fn grasp(goal_id: u64) -> GoalRequest {
+    GoalRequest {
+        goal_id,
+        kind: GoalKind::GRASP,
+        hand: Hand::RIGHT,
+        policy: GoalPolicy::DETACHED,
+        from_m: [0.3, -0.1, 0.08],
+        width_m: 0.05,
+        lift_m: 0.03,
+        ..GoalRequest::default()
+    }
+}
+
+/// Patient enough for a loaded machine, so that the goal runs for a while.
+const PATIENT: &str =
+    "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n";
+
+/// Lets time go by: two frames and joint states per millisecond, so that many ticks take several.
+fn go_on(
+    world: &mut World,
+    recorder: &mut Recorder,
+    millis: u64,
+    mut until: impl FnMut(&mut World) -> bool,
+) {
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_millis(millis) && !until(world) {
+        world.publish(shm_bus::now_ns());
+        std::thread::sleep(Duration::from_micros(300));
+        world.publish(shm_bus::now_ns());
+        world.listen();
+        recorder.listen();
+        std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+#[test]
+fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
+    let bus = FreshBus::new("replay");
+    let mut world = World::on(&bus);
+    let mut recorder = Recorder::on(&world);
+    let mut daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
+    go_on(&mut world, &mut recorder, 30_000, |w| {
+        w.newest.mode == Mode::READY
+    });
+    let goals: GoalClient = world.bus.goal_client().expect("there is room");
+    let mut goal = wait_for("the goal server", || goals.send(&grasp(1)).ok());
+    go_on(&mut world, &mut recorder, 300, |_| false);
+    world.control(ControlOp::PARAM_SET, "grasp.approach_m_s", 0.003);
+    daemon.signal(Signal::HUP);
+    go_on(&mut world, &mut recorder, 200, |_| false);
+    goal.cancel();
+    go_on(&mut world, &mut recorder, 30_000, |_| {
+        let update = goal.next().expect("the daemon lives");
+        update.is_some_and(|update| update.state == GoalState::CANCELLED)
+    });
+    world.control(ControlOp::BIAS, "", 1.0);
+    world.odd_position_rad = Some(f64::NAN);
+    go_on(&mut world, &mut recorder, 30_000, |w| {
+        w.newest.mode == Mode::SAFE_STOP
+    });
+    world.odd_position_rad = None;
+    go_on(&mut world, &mut recorder, 100, |_| false);
+    world.control(ControlOp::RECOVER, "", 0.0);
+    go_on(&mut world, &mut recorder, 30_000, |w| {
+        w.newest.mode == Mode::READY
+    });
+    daemon.signal(Signal::TERM);
+    assert!(daemon.wait().success());
+    wait_for("the last tick", || {
+        recorder.listen();
+        let last = recorder.parts.last()?;
+        (last.command.mode == Mode::SAFE_STOP).then_some(())
+    });
+    world.listen();
+
+    assert_eq!(
+        recorder.header.config_hash, world.newest.config_hash,
+        "reloaded as it was"
+    );
+    for kind in [
+        OrderKind::START,
+        OrderKind::CANCEL,
+        OrderKind::SET_PARAMETER,
+        OrderKind::CONFIGURE,
+        OrderKind::BIAS,
+        OrderKind::RECOVER,
+        OrderKind::STOP,
+    ] {
+        assert!(recorder.has_order(kind), "{kind}");
+    }
+    assert!(
+        recorder.parts.iter().any(|part| part.parts > 1),
+        "ticks with several frames"
+    );
+    assert!(
+        recorder
+            .parts
+            .iter()
+            .any(|part| part.command.mode == Mode::RUN)
+    );
+    let ticks = recorder.replay(0).expect("complete");
+    assert!(
+        ticks as u64 >= world.newest.ticks,
+        "{ticks}, {}",
+        world.newest.ticks
+    );
+}
+
+#[test]
+fn a_recorder_that_missed_something_is_told() {
+    let bus = FreshBus::new("missed");
+    let mut world = World::on(&bus);
+    let mut recorder = Recorder::on(&world);
+    let _daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
+    go_on(&mut world, &mut recorder, 30_000, |w| {
+        w.newest.mode == Mode::READY
+    });
+    recorder.listen();
+    assert_eq!(
+        recorder.replay(3),
+        Err(ReplayError::NoBeginning { missing: 3 })
+    );
+    let lost = recorder.parts.remove(5);
+    let tick = recorder.parts[5].tick;
+    assert_eq!(
+        recorder.replay(0),
+        Err(ReplayError::Gap { tick, missing: 1 })
+    );
+    recorder.parts.insert(5, lost);
+    recorder.parts[7].command.mode = Mode::FAULT;
+    let tick = recorder.parts[7].tick;
+    assert_eq!(recorder.replay(0), Err(ReplayError::Panicked { tick }));
+}
+
+#[test]
+fn without_the_flag_nothing_is_published() {
+    let bus = FreshBus::new("norecord");
+    let mut world = World::on(&bus);
+    let mut recorder = Recorder::on(&world);
+    let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    go_on(&mut world, &mut recorder, 30_000, |w| {
+        w.newest.mode == Mode::READY
+    });
+    recorder.listen();
+    assert!(recorder.parts.is_empty() && recorder.header.config_hash == 0);
+}
