@@ -7,7 +7,7 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// The true state of one simulated object.
-    ObjectTruth as "atas.ObjectTruth.v1" {
+    ObjectTruth as "atas.ObjectTruth.v2" {
         /// Name of the object, as in its data file.
         pub name: Text<32>,
         /// Centre of mass, base frame, m.
@@ -24,26 +24,43 @@ word! {
         pub crush_n: f64,
         /// Largest force it has felt, N.
         pub max_force_n: f64,
-        /// Sum of table contact forces, N.
+        /// Sum of the forces of the table, or of what else it stands on, N.
         pub table_n: f64,
-        /// Angle of a cap against its closing angle, rad; 0 for other objects.
+        /// When it first stood again after it had been lifted, simulated time, ns; 0 if never.
+        pub landed_ns: u64,
+        /// When the last fingertip let go of it after it had been lifted, simulated time, ns; 0 if never.
+        pub released_ns: u64,
+        /// Its height above what was under it at that moment, m.
+        pub released_above_m: f64,
+        /// How far a cap has been turned since the threads met, rad, positive closing. This and the following are 0 for
+        /// other objects.
         pub cap_angle_rad: f64,
-        /// Torque on a cap's thread, N·m; 0 for other objects.
+        /// Angle at which a cap is closed, rad.
+        pub cap_closing_rad: f64,
+        /// Friction torque of a cap's thread before it closes, N·m.
+        pub cap_friction_n_m: f64,
+        /// Torque on a cap's thread now, N·m.
         pub cap_torque_n_m: f64,
+        /// Torque that it takes to turn a cap any further, N·m: how tight it is.
+        pub cap_holding_n_m: f64,
+        /// 1 while a cap is on the neck and its thread engaged.
+        pub cap_engaged: u32,
+        /// 1 while it is engaged and turned to its closing angle or beyond.
+        pub cap_closed: u32,
         /// 1 once crushed.
         pub crushed: u32,
         /// 1 once dropped: it fell out of the hand after it had been lifted.
         pub dropped: u32,
         /// 1 once it tipped over.
         pub tipped: u32,
-        /// Written as zero.
-        pub pad: u32,
+        /// 1 once spilt: a bottle that tilted while it was not closed.
+        pub spilt: u32,
     }
 }
 
 word! {
     /// The true state of the simulated world.
-    WorldTruth as "atas.WorldTruth.v1" {
+    WorldTruth as "atas.WorldTruth.v2" {
         /// `captured_ns` is the simulated time.
         pub stamp: Stamp,
         /// Objects that carry data.

@@ -1,13 +1,14 @@
 //! A rigid object and the table it stands on.
 //!
-//! Semi-implicit Euler: forces change the velocity first, the new velocity moves the body. The table acts on the
-//! object's corners through springs with dampers, and along its surface through springs that slip at the friction limit.
-//! Base frame; the table is the plane z = 0.
+//! Semi-implicit Euler: forces change the velocity first, the new velocity moves the body. What it stands on (`support.rs`)
+//! acts on the object's corners through springs with dampers, and along its surface through springs that slip at the
+//! friction limit. Base frame; the table is the plane z = 0.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::contact::Wrench;
 use crate::shape::Shape;
+use crate::support::{Ground, RimLoad};
 
 /// Standard gravity, m/s² (the prototype's 9.81).
 pub const GRAVITY_M_S2: f64 = 9.81;
@@ -45,8 +46,22 @@ pub(crate) struct Body {
     /// Angular velocity, base frame, rad/s.
     pub(crate) angular_rad_s: Vector3<f64>,
     load: Wrench,
-    /// Sum of the table's normal forces in the last step, N.
+    /// Sum of the supports' normal forces in the last step, N.
     pub(crate) table_n: f64,
+    /// The rim's share of it, N.
+    pub(crate) rim_n: f64,
+    rim_load: RimLoad,
+}
+
+/// Where a body is and how it moves, base frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// Centre of mass, m.
+    pub(crate) position_m: Vector3<f64>,
+    /// Quaternion w, x, y, z of unit length.
+    pub(crate) orientation: [f64; 4],
+    pub(crate) velocity_m_s: Vector3<f64>,
+    pub(crate) angular_rad_s: Vector3<f64>,
 }
 
 /// A point that the table may touch.
@@ -59,8 +74,8 @@ struct Corner {
 }
 
 impl Body {
-    /// A body standing upright on the table, pressed in by its own weight so that it is at rest.
-    pub(crate) fn standing(shape: Shape, mass_kg: f64, at_m: [f64; 2], yaw_rad: f64) -> Self {
+    /// A body standing upright on a level support, pressed in by its own weight so that it is at rest.
+    pub(crate) fn standing(shape: Shape, mass_kg: f64, at_m: [f64; 3], yaw_rad: f64) -> Self {
         let corners: Vec<Corner> = shape
             .corners_m()
             .into_iter()
@@ -71,22 +86,29 @@ impl Body {
             .collect();
         let standing_on = corners.len() / 2;
         let sunk_m = mass_kg * GRAVITY_M_S2 / (TABLE_N_M * standing_on as f64);
-        let (sin, cos) = libm::sincos(0.5 * yaw_rad);
-        let orientation = [cos, 0.0, 0.0, sin];
+        let orientation = about_z(yaw_rad);
         Self {
             shape,
             mass_kg,
             inertia_kg_m2: shape.inertia_kg_m2(mass_kg),
             corners,
             table_damping_n_s_m: table_damping_n_s_m(mass_kg),
-            position_m: Vector3::new(at_m[0], at_m[1], shape.half_height_m() - sunk_m),
+            position_m: Vector3::from(at_m) + Vector3::z() * (shape.half_height_m() - sunk_m),
             orientation,
             base_from_body: rotation(orientation),
             velocity_m_s: Vector3::zeros(),
             angular_rad_s: Vector3::zeros(),
             load: Wrench::default(),
             table_n: mass_kg * GRAVITY_M_S2,
+            rim_n: 0.0,
+            rim_load: RimLoad::default(),
         }
+    }
+
+    /// The same with at least this moment of inertia about every axis.
+    pub(crate) fn with_inertia_of(mut self, least_kg_m2: f64) -> Self {
+        self.inertia_kg_m2 = self.inertia_kg_m2.sup(&Vector3::repeat(least_kg_m2));
+        self
     }
 
     /// Adds a wrench about the centre of mass, given in the body's frame, to the coming step.
@@ -95,42 +117,75 @@ impl Body {
         self.load.moment_n_m += self.base_from_body * wrench.moment_n_m;
     }
 
-    /// One step under the applied wrenches, gravity and the table; forgets the wrenches.
-    pub(crate) fn step(&mut self, dt_s: f64) {
+    /// Adds a wrench about a point, all in the base frame, to the coming step.
+    pub(crate) fn apply_at(&mut self, point_m: &Vector3<f64>, wrench: &Wrench) {
+        let arm_m = point_m - self.position_m;
+        self.load.force_n += wrench.force_n;
+        self.load.moment_n_m += wrench.moment_n_m + arm_m.cross(&wrench.force_n);
+    }
+
+    /// The applied wrenches and the weight about the centre of mass, base frame; forgets the wrenches.
+    pub(crate) fn take_load(&mut self) -> Wrench {
         let mut load = core::mem::take(&mut self.load);
-        load.force_n.z -= self.mass_kg * GRAVITY_M_S2;
-        self.stand(&mut load, dt_s);
+        load.force_n.z -= self.weight_n();
+        load
+    }
+
+    /// Its weight, N.
+    pub(crate) fn weight_n(&self) -> f64 {
+        self.mass_kg * GRAVITY_M_S2
+    }
+
+    /// What the body pressed on the rim with in the last step.
+    pub(crate) fn take_rim_load(&mut self) -> Wrench {
+        core::mem::take(&mut self.rim_load).0
+    }
+
+    /// One step under the applied wrenches, gravity and the supports; forgets the wrenches.
+    pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
+        let mut load = self.take_load();
+        self.stand(ground, &mut load, dt_s);
         self.velocity_m_s += load.force_n * (dt_s / self.mass_kg);
         self.turn(&load.moment_n_m, dt_s);
         self.position_m += self.velocity_m_s * dt_s;
     }
 
-    /// Adds the table's forces to the load.
-    fn stand(&mut self, load: &mut Wrench, dt_s: f64) {
-        self.table_n = 0.0;
-        if self.position_m.z > self.shape.bounding_radius_m() {
+    /// Adds the supports' forces to the load.
+    fn stand(&mut self, ground: &Ground<'_>, load: &mut Wrench, dt_s: f64) {
+        (self.table_n, self.rim_n) = (0.0, 0.0);
+        if self.position_m.z - self.shape.bounding_radius_m() > ground.highest_m() {
             return;
         }
         for corner in &mut self.corners {
             let arm_m = self.base_from_body * corner.place_m;
-            let height_m = self.position_m.z + arm_m.z;
+            let point_m = self.position_m + arm_m;
+            let support = ground.under(&point_m);
+            let height_m = point_m.z - support.height_m;
             if height_m >= 0.0 {
                 corner.shear_m = [0.0; 2];
                 continue;
             }
-            let velocity = self.velocity_m_s + self.angular_rad_s.cross(&arm_m);
-            let normal_n = (-TABLE_N_M * height_m - self.table_damping_n_s_m * velocity.z).max(0.0);
-            let [x, y] = corner.rub(
-                [velocity.x, velocity.y],
-                normal_n,
-                self.table_damping_n_s_m,
-                dt_s,
-            );
-            let force_n = Vector3::new(x, y, normal_n);
-            self.table_n += normal_n;
+            let velocity =
+                self.velocity_m_s + self.angular_rad_s.cross(&arm_m) - support.velocity_m_s;
+            let force_n = corner.press(height_m, &velocity, self.table_damping_n_s_m, dt_s);
+            self.table_n += force_n.z;
             load.force_n += force_n;
             load.moment_n_m += arm_m.cross(&force_n);
+            if let Some(rim) = ground.rim.filter(|_| support.is_rim) {
+                self.rim_n += force_n.z;
+                self.rim_load.react(&rim, &point_m, &force_n);
+            }
         }
+    }
+
+    /// Moves as something else says; what it stands on feels nothing of it.
+    pub(crate) fn follow(&mut self, motion: &Motion) {
+        self.position_m = motion.position_m;
+        self.orientation = motion.orientation;
+        self.base_from_body = rotation(motion.orientation);
+        self.velocity_m_s = motion.velocity_m_s;
+        self.angular_rad_s = motion.angular_rad_s;
+        (self.table_n, self.rim_n) = (0.0, 0.0);
     }
 
     /// Euler's equation in the body's axes, then the orientation by its quaternion's derivative.
@@ -144,10 +199,16 @@ impl Body {
         self.base_from_body = rotation(self.orientation);
     }
 
-    /// Height of the lowest corner above the table, m.
-    pub(crate) fn clearance_m(&self) -> f64 {
-        let lowest = |low: f64, corner: &Corner| low.min((self.base_from_body * corner.place_m).z);
-        self.position_m.z + self.corners.iter().fold(f64::INFINITY, lowest)
+    /// Height of the lowest corner above what is under it, m.
+    pub(crate) fn clearance_m(&self, ground: &Ground<'_>) -> f64 {
+        let above_m = |corner: &Corner| {
+            let point_m = self.position_m + self.base_from_body * corner.place_m;
+            point_m.z - ground.under(&point_m).height_m
+        };
+        self.corners
+            .iter()
+            .map(above_m)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Orientation, base frame, quaternion w, x, y, z.
@@ -174,6 +235,19 @@ fn table_damping_n_s_m(mass_kg: f64) -> f64 {
 }
 
 impl Corner {
+    /// Force of the support on the corner at this height above it, N.
+    fn press(
+        &mut self,
+        height_m: f64,
+        velocity: &Vector3<f64>,
+        damping_n_s_m: f64,
+        dt_s: f64,
+    ) -> Vector3<f64> {
+        let normal_n = (-TABLE_N_M * height_m - damping_n_s_m * velocity.z).max(0.0);
+        let [x, y] = self.rub([velocity.x, velocity.y], normal_n, damping_n_s_m, dt_s);
+        Vector3::new(x, y, normal_n)
+    }
+
     /// Friction force of the table on the corner after one step of sliding at `velocity_m_s`, N.
     fn rub(
         &mut self,
@@ -201,7 +275,7 @@ impl Corner {
 
 /// A unit quaternion turned by a small rotation vector of the base frame, rad: first order, then brought back to unit
 /// length. The neglected angle is the cube of the step's angle over 12: 10⁻¹⁰ rad at 4 rad/s and 250 µs.
-fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
+pub(crate) fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
     let half = by * 0.5;
     let turned = [
         w - half.x * x - half.y * y - half.z * z,
@@ -213,8 +287,24 @@ fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
     turned.map(|component| component / length)
 }
 
+/// A unit quaternion times another: first the right one, then the left one.
+pub(crate) fn product([a, b, c, d]: [f64; 4], [w, x, y, z]: [f64; 4]) -> [f64; 4] {
+    [
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    ]
+}
+
+/// The unit quaternion of a turn about z.
+pub(crate) fn about_z(angle_rad: f64) -> [f64; 4] {
+    let (sin, cos) = libm::sincos(0.5 * angle_rad);
+    [cos, 0.0, 0.0, sin]
+}
+
 /// The rotation matrix of a unit quaternion.
-fn rotation([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
+pub(crate) fn rotation([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::new(
         1.0 - 2.0 * (y * y + z * z),
         2.0 * (x * y - w * z),

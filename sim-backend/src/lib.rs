@@ -21,12 +21,13 @@
 //! * **Beside it:** [`swarm`], the field of methodology 2 as its host runs it, frame by frame.
 //! * **Two ways to use it:** in process, in virtual time (tests, `atas eval`), or as the process `atas-sim` on the bus.
 //! * **Absent on purpose:** contact of links other than the fingertips, of fingertips with each other and with the table,
-//!   and of objects with each other; rigid-body coupling between joints (the servos hide it, see `plant.rs`). A fingertip
+//!   and of objects with each other, but for a cap and its bottle (`closure.rs`); fingertips do not feel plates; rigid-body coupling between joints (the servos hide it, see `plant.rs`). A fingertip
 //!   touches one object at a time and has no skin beyond its 35° sensing cap.
 #![forbid(unsafe_code)]
 
 mod body;
 mod clock;
+mod closure;
 mod contact;
 mod drive;
 mod encoder;
@@ -39,16 +40,20 @@ pub mod random;
 mod scene;
 mod sensor;
 mod shape;
+mod support;
 pub mod swarm;
 mod thing;
+mod thread;
 mod vibration;
 mod world;
 
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
-pub use object::{Object, ObjectError};
+pub use object::{Neck, Object, ObjectError};
 pub use plant::servo_stiffness_n_m_rad;
-pub use scene::{GraspHint, OBJECTS_MAX, Placed, Scene, SceneError, home_rad};
+pub use scene::{GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError, home_rad};
 pub use shape::Shape;
+pub use support::Plate;
+pub use thread::{Thread, Turn};
 pub use world::{Sensed, World, WorldFault};

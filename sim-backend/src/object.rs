@@ -10,6 +10,13 @@
 //! # or: shape = { kind = "cylinder", radius_m = 0.03, height_m = 0.12 }
 //! ```
 //!
+//! A cap has a `thread`, the bottle that it belongs on has a `neck`; both are upright cylinders:
+//!
+//! ```toml
+//! thread = { friction_n_m = 0.015, closing_deg = 240, pitch_m = 0.003 }   # closes = "anticlockwise" for a left-hand thread
+//! neck = { rim_m = 0.11 }                     # where a cap's lower edge stands when it is put on, above the bottle's foot
+//! ```
+//!
 //! The file's x axis is the closing axis of a grasp; z is up. Unknown keys and values out of range are refused.
 
 use std::path::{Path, PathBuf};
@@ -18,6 +25,10 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::shape::Shape;
+use crate::thread::Thread;
+use parts::{NeckFile, ThreadFile};
+
+mod parts;
 
 /// A checked object. Rigid objects have an infinite stiffness, robust ones an infinite crushing force.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +43,19 @@ pub struct Object {
     pub stiffness_n_m: f64,
     /// Normal force of one fingertip that crushes it, N.
     pub crush_n: f64,
-    /// Its outline.
+    /// Its outline; a bottle's is that of its body below the shoulder.
     pub shape: Shape,
+    /// What makes it a cap.
+    pub thread: Option<Thread>,
+    /// What makes it a bottle that a cap belongs on.
+    pub neck: Option<Neck>,
+}
+
+/// A bottle's neck.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neck {
+    /// Height above the bottle's foot of a cap's lower edge when the threads meet, m.
+    pub rim_m: f64,
 }
 
 /// Why an object could not be had.
@@ -90,12 +112,14 @@ pub enum ObjectError {
 }
 
 macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        /// The built-in objects: name and file.
-        const BUILT_IN: &[(&str, &str)] = &[$(($name, include_str!(concat!("../objects/", $name, ".toml")))),*];
+    ($(#[$doc:meta])* $list:ident: $($name:literal),* $(,)?) => {
+        $(#[$doc])*
+        const $list: &[(&str, &str)] = &[$(($name, include_str!(concat!("../objects/", $name, ".toml")))),*];
     };
 }
 built_in!(
+    /// The built-in objects to grasp: name and file.
+    BUILT_IN:
     "wood",
     "slippery-200",
     "slippery-50",
@@ -105,10 +129,16 @@ built_in!(
     "heavy-block",
     "filled-paper-box",
 );
+built_in!(
+    /// The built-in parts to assemble: name and file.
+    PARTS: "cap", "open-bottle",
+);
 
 /// Allowed values: wide enough for anything two fingertips can hold, narrow enough for a stable simulation. Ours.
 mod range {
     pub(super) const MASS_KG: [f64; 2] = [0.0125, 5.0];
+    /// A cap may be lighter, because it is given more inertia than it has.
+    pub(super) const CAP_MASS_KG: [f64; 2] = [0.008, 0.1];
     pub(super) const FRICTION: [f64; 2] = [0.05, 2.0];
     pub(super) const STIFFNESS_N_M: [f64; 2] = [100.0, 1e6];
     pub(super) const CRUSH_N: [f64; 2] = [0.1, 1e3];
@@ -125,6 +155,8 @@ struct ObjectFile {
     stiffness_n_m: Option<f64>,
     crush_n: Option<f64>,
     shape: ShapeFile,
+    thread: Option<ThreadFile>,
+    neck: Option<NeckFile>,
 }
 
 #[derive(Deserialize)]
@@ -135,9 +167,14 @@ enum ShapeFile {
 }
 
 impl Object {
-    /// Names of the built-in objects: six that can be held, two that must be refused.
+    /// Names of the built-in objects to grasp: six that can be held, two that must be refused.
     pub fn names() -> impl Iterator<Item = &'static str> {
         BUILT_IN.iter().map(|(name, _)| *name)
+    }
+
+    /// Names of the built-in parts to assemble: a cap and its bottle.
+    pub fn part_names() -> impl Iterator<Item = &'static str> {
+        PARTS.iter().map(|(name, _)| *name)
     }
 
     /// A built-in object.
@@ -145,7 +182,11 @@ impl Object {
     /// # Errors
     /// [`ObjectError::Unknown`] if no built-in object has this name.
     pub fn built_in(name: &str) -> Result<Self, ObjectError> {
-        match BUILT_IN.iter().find(|(known, _)| *known == name) {
+        match BUILT_IN
+            .iter()
+            .chain(PARTS)
+            .find(|(known, _)| *known == name)
+        {
             Some((_, text)) => Self::parse(text, name),
             None => Err(unknown(name)),
         }
@@ -192,8 +233,13 @@ impl Object {
             file.name.len() as f64,
             range::NAME_BYTES,
         )?;
+        let shape = file.shape.checked(origin)?;
+        let masses_kg = match file.thread {
+            Some(_) => range::CAP_MASS_KG,
+            None => range::MASS_KG,
+        };
         Ok(Self {
-            mass_kg: check("mass_kg", file.mass_kg, range::MASS_KG)?,
+            mass_kg: check("mass_kg", file.mass_kg, masses_kg)?,
             friction: check("friction", file.friction, range::FRICTION)?,
             stiffness_n_m: or_infinite(file.stiffness_n_m, |k| {
                 check("stiffness_n_m", k, range::STIFFNESS_N_M)
@@ -201,7 +247,15 @@ impl Object {
             crush_n: or_infinite(file.crush_n, |force| {
                 check("crush_n", force, range::CRUSH_N)
             })?,
-            shape: file.shape.checked(origin)?,
+            thread: file
+                .thread
+                .map(|thread| thread.checked(&shape, origin))
+                .transpose()?,
+            neck: file
+                .neck
+                .map(|neck| neck.checked(&shape, origin))
+                .transpose()?,
+            shape,
             name: file.name,
         })
     }
@@ -262,7 +316,7 @@ fn or_infinite(
 }
 
 fn unknown(name: &str) -> ObjectError {
-    let known: Vec<&str> = Object::names().collect();
+    let known: Vec<&str> = Object::names().chain(Object::part_names()).collect();
     let nearest = known
         .iter()
         .map(|known| (edit_distance(known, name), known))

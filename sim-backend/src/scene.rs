@@ -9,7 +9,11 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, ROBOT_JOINTS, RobotModel, Side, Unreachable};
 
 use crate::object::Object;
-use crate::random::Random;
+use crate::support::{Ground, Plate};
+use crate::thing::Thing;
+
+mod family;
+mod tasks;
 
 /// Objects in one scene, the capacity of [`shm_schemas::WorldTruth`].
 pub const OBJECTS_MAX: usize = 4;
@@ -33,15 +37,6 @@ const VIBRATION_M: f64 = 1e-5;
 /// Rate of a sensor that keeps up with the tick, Hz.
 const FULL_RATE_HZ: u32 = 1000;
 
-/// Half widths of the seeded families (issue: mass, friction, stiffness ±20 %, pose ±2 mm and ±5°).
-mod family {
-    pub(super) const MASS: f64 = 0.2;
-    pub(super) const FRICTION: f64 = 0.2;
-    pub(super) const STIFFNESS: f64 = 0.2;
-    pub(super) const POSITION_M: f64 = 0.002;
-    pub(super) const YAW_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
-}
-
 /// An object with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
@@ -51,8 +46,22 @@ pub struct Placed {
     pub position_m: [f64; 2],
     /// Direction of its x axis, rad from +x towards +y.
     pub yaw_rad: f64,
+    /// What holds it there.
+    pub mount: Mount,
     /// What a client is told.
     nominal: GraspHint,
+}
+
+/// What holds an object in its place at the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mount {
+    /// Its weight: it stands on the table or on a plate.
+    #[default]
+    Standing,
+    /// A clamp that never gives way.
+    Clamped,
+    /// The neck of the scene's bottle: a cap put on, not turned yet. Its position is the bottle's.
+    OnNeck,
 }
 
 /// Where a client would grasp an object, from nominal knowledge: the fields of a goal.
@@ -71,6 +80,10 @@ pub struct GraspHint {
 pub struct Scene {
     /// The objects, at most [`OBJECTS_MAX`].
     pub objects: Vec<Placed>,
+    /// What stands on the table for objects to stand on.
+    pub plates: Vec<Plate>,
+    /// Where a client is told to put the first object: where the fingertips shall open.
+    pub place: Option<GraspHint>,
     /// Frames per second of each hand's sensor, 1 to 1000; left, right.
     pub sensor_rate_hz: [u32; 2],
     /// Scales the noise of the fingertip sensors; 1 is the design's, 0 is none.
@@ -103,6 +116,16 @@ pub enum SceneError {
         /// The highest value allowed.
         upper: f64,
     },
+    /// A cap has no neck to be on.
+    #[error(
+        "could not put a cap on because the scene has no bottle, needs one with a neck; add it"
+    )]
+    NoBottle,
+    /// What is on the neck is no cap.
+    #[error(
+        "could not put {0:?} on the bottle because it has no thread; give it one or let it stand"
+    )]
+    NoThread(String),
     /// The home posture is out of this robot's reach.
     #[error("could not bring the {side:?} hand home: {source}")]
     HomeUnreachable {
@@ -118,6 +141,8 @@ impl Default for Scene {
     fn default() -> Self {
         Self {
             objects: Vec::new(),
+            plates: Vec::new(),
+            place: None,
             sensor_rate_hz: [FULL_RATE_HZ; 2],
             noise_factor: 1.0,
             vibration_m: VIBRATION_M,
@@ -144,6 +169,7 @@ impl Placed {
             object,
             position_m,
             yaw_rad,
+            mount: Mount::default(),
             nominal,
         }
     }
@@ -154,20 +180,6 @@ impl Placed {
         let [x_m, off_middle_m] = DEFAULT_PLACE_M;
         Self::new(object, [x_m, side.y_sign() * off_middle_m], DEFAULT_YAW_RAD)
     }
-
-    /// The same with its true properties and pose drawn from its family.
-    fn varied(&self, random: &mut Random) -> Self {
-        let mut varied = self.clone();
-        let mut scale = |half_width: f64| random.between(1.0 - half_width, 1.0 + half_width);
-        varied.object.mass_kg *= scale(family::MASS);
-        varied.object.friction *= scale(family::FRICTION);
-        varied.object.stiffness_n_m *= scale(family::STIFFNESS);
-        let mut shift = |half_width: f64| random.between(-half_width, half_width);
-        varied.position_m[0] += shift(family::POSITION_M);
-        varied.position_m[1] += shift(family::POSITION_M);
-        varied.yaw_rad += shift(family::YAW_RAD);
-        varied
-    }
 }
 
 impl Scene {
@@ -177,22 +189,6 @@ impl Scene {
         Self {
             objects: vec![Placed::before(object, side)],
             ..Self::default()
-        }
-    }
-
-    /// The same scene with every object's true mass, friction, stiffness and pose drawn from its family. What clients are
-    /// told stays as it is.
-    #[must_use]
-    pub fn varied(&self, seed: u64) -> Self {
-        let mut random = Random::new(seed, stream::FAMILY);
-        let objects = self
-            .objects
-            .iter()
-            .map(|placed| placed.varied(&mut random))
-            .collect();
-        Self {
-            objects,
-            ..self.clone()
         }
     }
 
@@ -217,15 +213,44 @@ impl Scene {
                 f64::from(FULL_RATE_HZ),
             )?;
         }
+        self.check_places()?;
+        for angle_rad in self.start_rad.iter().flatten() {
+            in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
+        }
+        Ok(())
+    }
+
+    fn check_places(&self) -> Result<(), SceneError> {
         for placed in &self.objects {
             in_range("an object's x in metres", placed.position_m[0], -2.0, 2.0)?;
             in_range("an object's y in metres", placed.position_m[1], -2.0, 2.0)?;
             in_range("an object's yaw in radians", placed.yaw_rad, -10.0, 10.0)?;
         }
-        for angle_rad in self.start_rad.iter().flatten() {
-            in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
+        for plate in &self.plates {
+            in_range("a plate's x in metres", plate.centre_m[0], -2.0, 2.0)?;
+            in_range("a plate's y in metres", plate.centre_m[1], -2.0, 2.0)?;
+            in_range("a plate's height in metres", plate.height_m, 0.0, 0.5)?;
         }
-        Ok(())
+        let is_on_neck = |placed: &Placed| placed.mount == Mount::OnNeck;
+        let has_neck = |placed: &Placed| placed.object.neck.is_some();
+        let fits = |placed: &&Placed| is_on_neck(placed) && placed.object.thread.is_none();
+        if self.objects.iter().any(is_on_neck) && !self.objects.iter().any(has_neck) {
+            return Err(SceneError::NoBottle);
+        }
+        match self.objects.iter().find(fits) {
+            Some(placed) => Err(SceneError::NoThread(placed.object.name.clone())),
+            None => Ok(()),
+        }
+    }
+
+    /// The objects in their places.
+    pub(crate) fn things(&self) -> Vec<Thing> {
+        let plates = &self.plates;
+        let ground = Ground { plates, rim: None };
+        self.objects
+            .iter()
+            .map(|placed| Thing::new(placed, &ground))
+            .collect()
     }
 
     /// Joint angles at the start.

@@ -4,9 +4,12 @@ use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, Text};
 
 use crate::body::Body;
+use crate::closure::CapTruth;
 use crate::contact::{Surface, Wrench};
 use crate::object::Object;
-use crate::scene::Placed;
+use crate::scene::{Mount, Placed};
+use crate::support::Ground;
+use crate::thread::INERTIA_KG_M2;
 
 /// Stiffness that remains of a crushed object (tactile design: 5 %).
 const CRUSHED_STIFFNESS: f64 = 0.05;
@@ -17,11 +20,16 @@ const DROP_M_S: f64 = 0.198;
 /// Tilt beyond which an object has tipped over, rad (45°). Ours.
 const TIPPED_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
+/// Tilt at which an open bottle spills, rad (30°). Ours.
+const SPILT_RAD: f64 = core::f64::consts::FRAC_PI_6;
+
 /// One object of the world with its history.
 #[derive(Clone, Debug)]
 pub(crate) struct Thing {
     object: Object,
     pub(crate) body: Body,
+    /// It is clamped to what it stands on.
+    clamped: bool,
     /// Height of the centre of mass at the start, m.
     rest_m: f64,
     max_force_n: f64,
@@ -31,21 +39,37 @@ pub(crate) struct Thing {
     lifted: bool,
     dropped: bool,
     tipped: bool,
+    spilt: bool,
+    landing: Landing,
+}
+
+/// How an object was set down.
+#[derive(Clone, Copy, Debug, Default)]
+struct Landing {
+    /// When it first stood again after it had been lifted, ns; 0 if never.
+    landed_ns: u64,
+    /// When the last fingertip let go of it after it had been lifted, ns; 0 if never.
+    released_ns: u64,
+    /// Its height above what is under it at that moment, m.
+    released_above_m: f64,
+    held: bool,
 }
 
 impl Thing {
-    pub(crate) fn new(placed: &Placed) -> Self {
+    /// An object as a scene places it.
+    pub(crate) fn new(placed: &Placed, ground: &Ground<'_>) -> Self {
         let object = placed.object.clone();
-        let body = Body::standing(
-            object.shape,
-            object.mass_kg,
-            placed.position_m,
-            placed.yaw_rad,
-        );
+        let [x, y] = placed.position_m;
+        let foot_m = ground.under(&Vector3::new(x, y, f64::MAX)).height_m;
+        let mut body = Body::standing(object.shape, object.mass_kg, [x, y, foot_m], placed.yaw_rad);
+        if object.thread.is_some() {
+            body = body.with_inertia_of(INERTIA_KG_M2);
+        }
         let rest_m = body.position_m.z;
         Self {
             object,
             body,
+            clamped: placed.mount == Mount::Clamped,
             rest_m,
             max_force_n: 0.0,
             touched: false,
@@ -53,7 +77,23 @@ impl Thing {
             lifted: false,
             dropped: false,
             tipped: false,
+            spilt: false,
+            landing: Landing::default(),
         }
+    }
+
+    /// One step on its own; a clamped object stays.
+    pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
+        if self.clamped {
+            self.body.take_load();
+        } else {
+            self.body.step(ground, dt_s);
+        }
+    }
+
+    /// Takes the present place for where it started.
+    pub(crate) fn rest(&mut self) {
+        self.rest_m = self.body.position_m.z;
     }
 
     /// What a fingertip meets; a crushed object is soft for good.
@@ -85,22 +125,31 @@ impl Thing {
         face.normal.dot(&local_m) - face.offset_m
     }
 
-    /// Looks at what became of it, once per millisecond.
-    pub(crate) fn judge(&mut self) {
+    /// Looks at what became of it in the millisecond up to `now_ns`. An object that is `carried` by another one cannot
+    /// fall by itself; one that is `open` can spill.
+    pub(crate) fn judge(&mut self, ground: &Ground<'_>, carried: bool, open: bool, now_ns: u64) {
         let held = core::mem::take(&mut self.touched);
-        self.tipped |= self.body.tilt_rad() > TIPPED_RAD;
-        let in_the_air = self.body.table_n == 0.0;
-        if in_the_air && !self.dropped {
-            let clearance_m = self.body.clearance_m();
-            self.lifted |= clearance_m > DROP_M;
-            self.dropped |= self.lifted && !held && clearance_m > DROP_M;
-        }
+        let tilt_rad = self.body.tilt_rad();
+        self.tipped |= tilt_rad > TIPPED_RAD;
+        self.spilt |= open && tilt_rad > SPILT_RAD;
+        let in_the_air = self.body.table_n == 0.0 && !carried && !self.clamped;
+        let clearance_m = if in_the_air {
+            self.body.clearance_m(ground)
+        } else {
+            0.0
+        };
+        self.lifted |= clearance_m > DROP_M;
+        self.dropped |= self.lifted && !held && clearance_m > DROP_M;
         self.dropped |= self.lifted && !in_the_air && self.body.velocity_m_s.z < -DROP_M_S;
+        if self.lifted {
+            self.landing.look(in_the_air, held, clearance_m, now_ns);
+        }
     }
 
-    pub(crate) fn truth(&self) -> ObjectTruth {
+    /// The judge's view of it; `cap` is what its thread says if it is a cap.
+    pub(crate) fn truth(&self, cap: Option<CapTruth>) -> ObjectTruth {
         let body = &self.body;
-        ObjectTruth {
+        let mut truth = ObjectTruth {
             name: Text::new(&self.object.name),
             position_m: body.position_m.into(),
             orientation: body.orientation(),
@@ -113,7 +162,38 @@ impl Thing {
             crushed: self.crushed.into(),
             dropped: self.dropped.into(),
             tipped: self.tipped.into(),
+            spilt: self.spilt.into(),
+            landed_ns: self.landing.landed_ns,
+            released_ns: self.landing.released_ns,
+            released_above_m: self.landing.released_above_m,
             ..ObjectTruth::default()
+        };
+        if let Some(cap) = cap {
+            truth.cap_angle_rad = cap.angle_rad;
+            truth.cap_closing_rad = cap.thread.closing_rad;
+            truth.cap_friction_n_m = cap.thread.friction_n_m;
+            truth.cap_torque_n_m = cap.torque_n_m;
+            truth.cap_holding_n_m = cap.holding_n_m;
+            truth.cap_engaged = cap.engaged.into();
+            truth.cap_closed = (cap.engaged && cap.angle_rad >= cap.thread.closing_rad).into();
+        }
+        truth
+    }
+
+    /// Whether it is a bottle.
+    pub(crate) fn has_neck(&self) -> bool {
+        self.object.neck.is_some()
+    }
+}
+
+impl Landing {
+    /// Looks at a lifted object.
+    fn look(&mut self, in_the_air: bool, held: bool, clearance_m: f64, now_ns: u64) {
+        if !in_the_air && self.landed_ns == 0 {
+            self.landed_ns = now_ns;
+        }
+        if core::mem::replace(&mut self.held, held) && !held {
+            (self.released_ns, self.released_above_m) = (now_ns, clearance_m);
         }
     }
 }

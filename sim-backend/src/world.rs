@@ -4,6 +4,7 @@ use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
 
 use crate::clock::Clock;
+use crate::closure::Closure;
 use crate::drive::{Drive, Orders};
 use crate::encoder;
 use crate::hand::Hand;
@@ -11,6 +12,7 @@ use crate::pad::Pad;
 use crate::random::Random;
 use crate::scene::{Scene, SceneError, stream};
 use crate::sensor::HandSensor;
+use crate::support::{Ground, Plate};
 use crate::thing::Thing;
 use crate::vibration::Vibration;
 
@@ -50,6 +52,8 @@ pub struct World {
     hands: [Hand; 2],
     sensors: [HandSensor; 2],
     things: Vec<Thing>,
+    plates: Vec<Plate>,
+    closure: Option<Closure>,
     drive: Drive,
     pad: Pad,
     clock: Clock,
@@ -77,10 +81,17 @@ impl World {
             let rate_hz = scene.sensor_rate_hz[side.index()];
             HandSensor::new(side, rate_hz, scene.noise_factor, random)
         };
+        let mut things = scene.things();
+        let mut closure = Closure::of(&scene.objects);
+        if let Some(closure) = &mut closure {
+            closure.begin(&mut things, SUBSTEP_S);
+        }
         Ok(Self {
             hands: Side::BOTH.map(hand),
             sensors: Side::BOTH.map(sensor),
-            things: scene.objects.iter().map(Thing::new).collect(),
+            things,
+            plates: scene.plates.clone(),
+            closure,
             drive: Drive::holding(start_rad),
             pad: Pad::dome_41(),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
@@ -129,8 +140,12 @@ impl World {
             expired_commands: self.drive.lapsed(),
             ..WorldTruth::default()
         };
-        for (slot, thing) in truth.objects.iter_mut().zip(&self.things) {
-            *slot = thing.truth();
+        for (index, (slot, thing)) in truth.objects.iter_mut().zip(&self.things).enumerate() {
+            let cap = self
+                .closure
+                .as_ref()
+                .and_then(|closure| closure.truth(index));
+            *slot = thing.truth(cap);
         }
         for (hand, simulated) in self.hands.iter().enumerate() {
             for (finger, contact) in simulated.contacts.iter().enumerate() {
@@ -193,11 +208,44 @@ impl World {
                     SUBSTEP_S,
                 );
             }
-            for thing in &mut self.things {
-                thing.body.step(SUBSTEP_S);
-            }
+            self.move_things();
         }
-        self.things.iter_mut().for_each(Thing::judge);
+        self.judge();
+    }
+
+    /// One substep of everything that is not robot.
+    fn move_things(&mut self) {
+        if let Some(closure) = &mut self.closure {
+            closure.turn(&mut self.things, SUBSTEP_S);
+        }
+        for index in 0..self.things.len() {
+            let closure = self.closure.as_ref();
+            if closure.is_some_and(|closure| closure.drives(index)) {
+                continue;
+            }
+            let rim = closure.and_then(|closure| closure.rim_for(index, &self.things));
+            let plates = &self.plates;
+            self.things[index].step(&Ground { plates, rim }, SUBSTEP_S);
+        }
+        if let Some(closure) = &mut self.closure {
+            closure.follow(&mut self.things, SUBSTEP_S);
+        }
+    }
+
+    fn judge(&mut self) {
+        let closure = self.closure.as_ref();
+        let closed = closure.is_some_and(Closure::is_closed);
+        for index in 0..self.things.len() {
+            let carried = closure.is_some_and(|closure| closure.drives(index));
+            let rim = closure.and_then(|closure| closure.rim_for(index, &self.things));
+            let ground = Ground {
+                plates: &self.plates,
+                rim,
+            };
+            let thing = &mut self.things[index];
+            let open = thing.has_neck() && !closed;
+            thing.judge(&ground, carried, open, self.clock.now_ns);
+        }
     }
 
     fn find_fault(&self) -> Option<WorldFault> {

@@ -8,7 +8,7 @@ fn cube(mass_kg: f64) -> Body {
     let shape = Shape::Box {
         half_m: Vector3::repeat(0.025),
     };
-    Body::standing(shape, mass_kg, [0.3, -0.1], 0.4)
+    Body::standing(shape, mass_kg, [0.3, -0.1, 0.0], 0.4)
 }
 
 fn energy_j(body: &Body) -> f64 {
@@ -41,9 +41,9 @@ fn a_standing_object_stays() {
             0.5,
         ),
     ] {
-        let mut body = Body::standing(shape, mass_kg, [0.3, -0.1], 0.4);
+        let mut body = Body::standing(shape, mass_kg, [0.3, -0.1, 0.0], 0.4);
         let start_m = body.position_m;
-        (0..8000).for_each(|_| body.step(DT_S));
+        (0..8000).for_each(|_| body.step(&Ground::default(), DT_S));
         assert!(
             (body.position_m - start_m).norm() < 1e-9,
             "{shape:?} went to {}",
@@ -69,7 +69,7 @@ fn a_falling_object_keeps_its_energy_until_it_lands_and_loses_it_then() {
     body.position_m.z = 0.1;
     body.angular_rad_s = Vector3::new(3.0, -2.0, 5.0);
     let start_j = energy_j(&body);
-    (0..400).for_each(|_| body.step(DT_S));
+    (0..400).for_each(|_| body.step(&Ground::default(), DT_S));
     assert!(
         (energy_j(&body) / start_j - 1.0).abs() < 2e-3,
         "{} J of {start_j} J",
@@ -77,7 +77,7 @@ fn a_falling_object_keeps_its_energy_until_it_lands_and_loses_it_then() {
     );
     let mut highest_j = energy_j(&body);
     for _ in 0..40 {
-        (0..400).for_each(|_| body.step(DT_S));
+        (0..400).for_each(|_| body.step(&Ground::default(), DT_S));
         assert!(
             energy_j(&body) <= highest_j * 1.0001,
             "{} J after {highest_j} J",
@@ -97,7 +97,7 @@ fn friction_of_the_table_stops_a_sliding_object() {
     let mut body = cube(0.2);
     body.velocity_m_s.x = 0.1;
     let start_m = body.position_m.x;
-    (0..4000).for_each(|_| body.step(DT_S));
+    (0..4000).for_each(|_| body.step(&Ground::default(), DT_S));
     let expected_m = 0.1 * 0.1 / (2.0 * TABLE_FRICTION * GRAVITY_M_S2);
     let slid_m = body.position_m.x - start_m;
     assert!(
@@ -113,18 +113,18 @@ fn a_pushed_object_tips_over_and_lies_still() {
         radius_m: 0.02,
         half_height_m: 0.06,
     };
-    let mut body = Body::standing(shape, 0.2, [0.0; 2], 0.0);
+    let mut body = Body::standing(shape, 0.2, [0.0; 3], 0.0);
     body.orientation = turned(body.orientation, &Vector3::new(0.0, 0.4, 0.0));
     body.base_from_body = rotation(body.orientation);
-    (0..12_000).for_each(|_| body.step(DT_S));
+    (0..12_000).for_each(|_| body.step(&Ground::default(), DT_S));
     assert!(
         (body.tilt_rad() - core::f64::consts::FRAC_PI_2).abs() < 0.01,
         "tilt {}",
         body.tilt_rad()
     );
     assert!(
-        body.clearance_m().abs() < 1e-3,
+        body.clearance_m(&Ground::default()).abs() < 1e-3,
         "clearance {}",
-        body.clearance_m()
+        body.clearance_m(&Ground::default())
     );
 }

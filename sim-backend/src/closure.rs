@@ -1,0 +1,259 @@
+//! A cap and the neck of the bottle that it belongs on.
+//!
+//! ```text
+//!              stands on the rim, within 2 mm and 5°
+//!   loose ───────────────────────────────────────────▶ engaged: turns about the neck, travels by its pitch
+//!   (a body of its own) ◀─────────────────────────────  (one degree of freedom)
+//!              pulled up before it was turned
+//! ```
+//!
+//! An engaged cap has no motion of its own but its turn: whatever presses on it presses on the bottle, but for the torque
+//! about its axis, of which the bottle feels what the thread passes on. How far off the axis the cap was put stays at
+//! first and goes with the first quarter turn, as threads centre themselves.
+
+use core::f64::consts::FRAC_PI_2;
+
+use nalgebra::Vector3;
+
+use crate::body::{Body, Motion, about_z, product, turned};
+use crate::contact::Wrench;
+use crate::object::{Neck, Object};
+use crate::scene::{Mount, Placed};
+use crate::support::Rim;
+use crate::thing::Thing;
+use crate::thread::{Thread, Turning};
+
+/// How far off the axis a cap may be put and still engage, m (issue: 2 mm).
+const CAPTURE_M: f64 = 0.002;
+/// How far a cap may lean against its neck and still engage, rad (5°, issue).
+const CAPTURE_RAD: f64 = 0.087;
+/// Share of the cap's weight that must rest on the rim to engage. Ours: any that shows that it was put down.
+const CAPTURE_WEIGHT: f64 = 0.5;
+/// How far the rim reaches beyond the cap's radius, m. Ours: a cap just out of capture stands on the rim, askew caps fall.
+const RIM_MARGIN_M: f64 = 0.003;
+/// Turn over which the thread centres the cap, rad. Ours.
+const CENTRING_RAD: f64 = FRAC_PI_2;
+/// Turn below which a pull takes the cap off again, rad. Ours.
+const LOOSE_RAD: f64 = 0.02;
+
+/// The pair of a cap and a bottle, by their places among the things.
+#[derive(Clone, Debug)]
+pub(crate) struct Closure {
+    cap: usize,
+    bottle: usize,
+    thread: Thread,
+    /// Height of the rim above the bottle's centre of mass, m.
+    rim_m: f64,
+    cap_half_m: f64,
+    cap_radius_m: f64,
+    engaged: Option<Engaged>,
+}
+
+/// An engaged cap against its bottle.
+#[derive(Clone, Copy, Debug)]
+struct Engaged {
+    turning: Turning,
+    /// Orientation about the bottle's axis when the threads met, rad.
+    yaw_rad: f64,
+    /// How far off the axis and above the rim it was put, bottle frame, m.
+    off_m: Vector3<f64>,
+    /// How it leant, as a rotation vector in the bottle's frame, rad.
+    lean_rad: Vector3<f64>,
+}
+
+/// What a judge may know of a cap.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CapTruth {
+    pub(crate) engaged: bool,
+    pub(crate) angle_rad: f64,
+    pub(crate) torque_n_m: f64,
+    pub(crate) holding_n_m: f64,
+    pub(crate) thread: Thread,
+}
+
+impl Closure {
+    /// The scene's closure, if it has both a cap and a bottle.
+    pub(crate) fn of(scene: &[Placed]) -> Option<Self> {
+        let find = |is: fn(&Object) -> bool| scene.iter().position(|placed| is(&placed.object));
+        let (cap, bottle) = (
+            find(|object| object.thread.is_some())?,
+            find(|object| object.neck.is_some())?,
+        );
+        let (cap_object, bottle_object) = (&scene[cap].object, &scene[bottle].object);
+        let Neck { rim_m } = bottle_object.neck?;
+        let on_neck = scene[cap].mount == Mount::OnNeck;
+        Some(Self {
+            cap,
+            bottle,
+            thread: cap_object.thread?,
+            rim_m: rim_m - bottle_object.shape.half_height_m(),
+            cap_half_m: cap_object.shape.half_height_m(),
+            cap_radius_m: cap_object.shape.width_m() / 2.0,
+            engaged: on_neck.then(|| Engaged::straight(scene[cap].yaw_rad)),
+        })
+    }
+
+    /// Puts an engaged cap where it belongs when a world begins.
+    pub(crate) fn begin(&mut self, things: &mut [Thing], dt_s: f64) {
+        if self.engaged.is_some() {
+            self.follow(things, dt_s);
+            things[self.cap].rest();
+        }
+    }
+
+    /// The rim, for a loose cap to stand on; `None` for every other thing and once the cap is engaged.
+    pub(crate) fn rim_for(&self, index: usize, things: &[Thing]) -> Option<Rim> {
+        (index == self.cap && self.engaged.is_none()).then(|| self.rim(&things[self.bottle].body))
+    }
+
+    /// Whether the thing with this index moves as the thread says.
+    pub(crate) fn drives(&self, index: usize) -> bool {
+        index == self.cap && self.engaged.is_some()
+    }
+
+    /// Turns an engaged cap by what presses on it and passes the rest on to the bottle. Before the bodies move.
+    pub(crate) fn turn(&mut self, things: &mut [Thing], dt_s: f64) {
+        let Some(engaged) = &mut self.engaged else {
+            return;
+        };
+        let cap_load = things[self.cap].body.take_load();
+        let axis = things[self.bottle]
+            .body
+            .base_from_body
+            .column(2)
+            .into_owned();
+        if engaged.turning.angle_rad < LOOSE_RAD && cap_load.force_n.dot(&axis) > 0.0 {
+            self.engaged = None;
+            return;
+        }
+        let about_axis_n_m = cap_load.moment_n_m.dot(&axis);
+        let closing = self.thread.closes.sign();
+        engaged
+            .turning
+            .step(&self.thread, closing * about_axis_n_m, dt_s);
+        let passed_n_m = closing * engaged.turning.torque_n_m;
+        let load = Wrench {
+            force_n: cap_load.force_n,
+            moment_n_m: cap_load.moment_n_m + axis * (passed_n_m - about_axis_n_m),
+        };
+        let at_m = things[self.cap].body.position_m;
+        things[self.bottle].body.apply_at(&at_m, &load);
+    }
+
+    /// Moves an engaged cap with its bottle, or lets a loose one engage. After the bodies have moved.
+    pub(crate) fn follow(&mut self, things: &mut [Thing], dt_s: f64) {
+        if let Some(engaged) = &self.engaged {
+            let motion = self.motion(engaged, &things[self.bottle].body, dt_s);
+            things[self.cap].body.follow(&motion);
+            return;
+        }
+        let rim = self.rim(&things[self.bottle].body);
+        let pressed = things[self.cap].body.take_rim_load();
+        things[self.bottle].body.apply_at(&rim.centre_m, &pressed);
+        self.engaged = self.capture(&things[self.cap].body, &things[self.bottle].body);
+    }
+
+    /// How an engaged cap stands and moves.
+    fn motion(&self, engaged: &Engaged, bottle: &Body, dt_s: f64) -> Motion {
+        let Turning {
+            angle_rad,
+            rate_rad_s,
+            ..
+        } = engaged.turning;
+        let local_m = self.place_m(engaged, angle_rad);
+        let before_m = self.place_m(engaged, angle_rad - rate_rad_s * dt_s);
+        let arm_m = bottle.base_from_body * local_m;
+        let turning = bottle.base_from_body.column(2) * (self.thread.closes.sign() * rate_rad_s);
+        let along = bottle.base_from_body * (local_m - before_m) / dt_s;
+        let leaning = turned(
+            [1.0, 0.0, 0.0, 0.0],
+            &(engaged.lean_rad * off_centre(angle_rad)),
+        );
+        let yaw = about_z(engaged.yaw_rad + self.thread.closes.sign() * angle_rad);
+        Motion {
+            position_m: bottle.position_m + arm_m,
+            orientation: product(bottle.orientation(), product(leaning, yaw)),
+            velocity_m_s: bottle.velocity_m_s + bottle.angular_rad_s.cross(&arm_m) + along,
+            angular_rad_s: bottle.angular_rad_s + turning,
+        }
+    }
+
+    /// Centre of an engaged cap at an angle, bottle frame, m.
+    fn place_m(&self, engaged: &Engaged, angle_rad: f64) -> Vector3<f64> {
+        let height_m = self.rim_m + self.cap_half_m - self.thread.travel_m(angle_rad);
+        Vector3::z() * height_m + engaged.off_m * off_centre(angle_rad)
+    }
+
+    fn rim(&self, bottle: &Body) -> Rim {
+        let arm_m = bottle.base_from_body.column(2) * self.rim_m;
+        Rim {
+            centre_m: bottle.position_m + arm_m,
+            radius_m: self.cap_radius_m + RIM_MARGIN_M,
+            velocity_m_s: bottle.velocity_m_s + bottle.angular_rad_s.cross(&arm_m),
+        }
+    }
+
+    /// Whether a loose cap's thread meets the neck's, and how.
+    fn capture(&self, cap: &Body, bottle: &Body) -> Option<Engaged> {
+        if cap.rim_n < CAPTURE_WEIGHT * cap.weight_n() {
+            return None;
+        }
+        let bottle_from_cap = bottle.base_from_body.tr_mul(&cap.base_from_body);
+        let centre_m = bottle
+            .base_from_body
+            .tr_mul(&(cap.position_m - bottle.position_m));
+        let off_m = centre_m - Vector3::z() * (self.rim_m + self.cap_half_m);
+        let upright = bottle_from_cap.column(2);
+        let lean_rad = Vector3::z().cross(&upright);
+        let centred = off_m.x * off_m.x + off_m.y * off_m.y < CAPTURE_M * CAPTURE_M;
+        (centred && upright.z > 0.0 && lean_rad.norm() < CAPTURE_RAD).then(|| Engaged {
+            off_m,
+            lean_rad,
+            ..Engaged::straight(libm::atan2(
+                bottle_from_cap[(1, 0)],
+                bottle_from_cap[(0, 0)],
+            ))
+        })
+    }
+
+    /// What a judge may know of the thing with this index, if it is the cap.
+    pub(crate) fn truth(&self, index: usize) -> Option<CapTruth> {
+        let turning = self
+            .engaged
+            .map(|engaged| engaged.turning)
+            .unwrap_or_default();
+        (index == self.cap).then(|| CapTruth {
+            engaged: self.engaged.is_some(),
+            angle_rad: turning.angle_rad,
+            torque_n_m: turning.torque_n_m,
+            holding_n_m: self.thread.holding_n_m(turning.angle_rad),
+            thread: self.thread,
+        })
+    }
+
+    /// Whether the bottle is closed.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.engaged
+            .is_some_and(|engaged| engaged.turning.angle_rad >= self.thread.closing_rad)
+    }
+}
+
+impl Engaged {
+    /// A cap put on straight.
+    fn straight(yaw_rad: f64) -> Self {
+        Self {
+            turning: Turning::default(),
+            yaw_rad,
+            off_m: Vector3::zeros(),
+            lean_rad: Vector3::zeros(),
+        }
+    }
+}
+
+/// Share of a cap's first offset that remains at an angle.
+fn off_centre(angle_rad: f64) -> f64 {
+    (1.0 - angle_rad / CENTRING_RAD).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests;

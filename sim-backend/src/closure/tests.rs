@@ -1,0 +1,184 @@
+//! Caps and bottles, without fingers.
+
+use super::*;
+use crate::object::Object;
+use crate::scene::Scene;
+use crate::support::Ground;
+use robot_model::Side;
+
+const DT_S: f64 = 250e-6;
+
+/// A closure with its things, as a world would step them.
+struct Bench {
+    closure: Closure,
+    things: Vec<Thing>,
+}
+
+impl Bench {
+    fn new(mount: Mount) -> Self {
+        let part = |name| Object::built_in(name).expect("built in");
+        let mut scene = Scene::screw(part("cap"), part("open-bottle"), Side::Right);
+        scene.objects[0].mount = mount;
+        scene.objects[1].mount = Mount::Standing;
+        let mut things = scene.things();
+        let mut closure = Closure::of(&scene.objects).expect("a cap and a bottle");
+        closure.begin(&mut things, DT_S);
+        Self { closure, things }
+    }
+
+    /// A loose cap above the rim: off to the side, up, leaning.
+    fn above(off_m: f64, up_m: f64, lean_rad: f64) -> Self {
+        let mut bench = Self::new(Mount::Standing);
+        let rim = bench.closure.rim(bench.bottle());
+        let motion = Motion {
+            position_m: rim.centre_m + Vector3::new(off_m, 0.0, up_m + bench.closure.cap_half_m),
+            orientation: turned([1.0, 0.0, 0.0, 0.0], &Vector3::new(0.0, lean_rad, 0.0)),
+            velocity_m_s: Vector3::zeros(),
+            angular_rad_s: Vector3::zeros(),
+        };
+        bench.things[0].body.follow(&motion);
+        bench
+    }
+
+    /// A cap put on and turned.
+    fn turned(angle_rad: f64) -> Self {
+        let mut bench = Self::new(Mount::OnNeck);
+        while bench.truth().angle_rad < angle_rad {
+            bench.step(1, [0.0; 3], [0.0, 0.0, -0.018]);
+        }
+        bench
+    }
+
+    /// Steps under a wrench on the cap about its centre, base frame.
+    fn step(&mut self, steps: usize, force_n: [f64; 3], moment_n_m: [f64; 3]) {
+        for _ in 0..steps {
+            let at_m = self.cap().position_m;
+            let wrench = Wrench {
+                force_n: force_n.into(),
+                moment_n_m: moment_n_m.into(),
+            };
+            self.things[0].body.apply_at(&at_m, &wrench);
+            self.closure.turn(&mut self.things, DT_S);
+            for index in 0..2 {
+                let rim = self.closure.rim_for(index, &self.things);
+                if !self.closure.drives(index) {
+                    self.things[index].step(&Ground { plates: &[], rim }, DT_S);
+                }
+            }
+            self.closure.follow(&mut self.things, DT_S);
+        }
+    }
+
+    fn cap(&self) -> &Body {
+        &self.things[0].body
+    }
+
+    fn bottle(&self) -> &Body {
+        &self.things[1].body
+    }
+
+    fn truth(&self) -> CapTruth {
+        self.closure.truth(0).expect("a cap")
+    }
+}
+
+#[test]
+fn a_cap_that_is_put_on_straight_engages_and_one_beside_or_leaning_does_not() {
+    let check = |off_m: f64, lean_rad: f64, expected: bool| {
+        let mut bench = Bench::above(off_m, 0.0005, lean_rad);
+        bench.step(400, [0.0; 3], [0.0; 3]);
+        assert_eq!(bench.truth().engaged, expected, "{off_m} m, {lean_rad} rad");
+    };
+    check(0.0, 0.0, true);
+    check(0.0018, 0.0, true);
+    check(0.0, 0.07, true);
+    check(0.0025, 0.0, false);
+    check(0.010, 0.0, false);
+}
+
+#[test]
+fn an_engaged_cap_keeps_its_place_at_first_and_is_centred_by_its_thread() {
+    let mut bench = Bench::above(0.0015, 0.0001, 0.0);
+    let before_m = bench.cap().position_m;
+    bench.step(400, [0.0; 3], [0.0; 3]);
+    assert!(bench.truth().engaged);
+    let moved_m = (bench.cap().position_m - before_m).norm();
+    assert!(moved_m < 2e-4, "moved by {moved_m} m");
+    while bench.truth().angle_rad < 1.6 {
+        bench.step(1, [0.0; 3], [0.0, 0.0, -0.018]);
+    }
+    let off_m = bench.cap().position_m - bench.bottle().position_m;
+    assert!(off_m.xy().norm() < 1e-5, "off by {off_m}");
+}
+
+#[test]
+fn a_turn_takes_the_cap_down_by_its_pitch_and_turns_it_clockwise() {
+    let start = Bench::new(Mount::OnNeck);
+    let (start_m, rest) = (start.cap().position_m.z, start.cap().base_from_body);
+    let bench = Bench::turned(1.0);
+    let down_m = start_m - bench.cap().position_m.z;
+    let expected_m = 0.003 * bench.truth().angle_rad / core::f64::consts::TAU;
+    assert!(
+        (down_m - expected_m).abs() < 1e-6,
+        "{down_m} of {expected_m} m"
+    );
+    let turn = rest.tr_mul(&bench.cap().base_from_body);
+    assert!(libm::atan2(turn[(1, 0)], turn[(0, 0)]) < -0.98, "{turn}");
+}
+
+#[test]
+fn the_bottle_feels_what_the_thread_passes_on_and_the_weight_of_the_cap() {
+    let mut bench = Bench::new(Mount::OnNeck);
+    let bottle_n = bench.bottle().weight_n();
+    bench.step(2000, [0.0, 0.0, -1.0], [0.0, 0.0, -0.012]);
+    let truth = bench.truth();
+    assert!(truth.angle_rad < 0.01 && (truth.torque_n_m - 0.012).abs() < 1e-4);
+    let expected_n = bottle_n + bench.cap().weight_n() + 1.0;
+    assert!((bench.bottle().table_n / expected_n - 1.0).abs() < 1e-3);
+    assert!(
+        bench.bottle().angular_rad_s.norm() < 1e-3,
+        "the table holds it"
+    );
+}
+
+/// A stiff thread takes the bottle along once the table's friction is overcome.
+#[test]
+fn a_free_bottle_spins_with_a_closed_cap() {
+    let mut bench = Bench::new(Mount::OnNeck);
+    bench.closure.thread.friction_n_m = 0.1;
+    bench.step(1000, [0.0; 3], [0.0, 0.0, -0.05]);
+    assert!(bench.truth().angle_rad < 0.02);
+    assert!(
+        bench.bottle().angular_rad_s.z < -1.0,
+        "{}",
+        bench.bottle().angular_rad_s
+    );
+    let cap = bench.cap().angular_rad_s.z - bench.bottle().angular_rad_s.z;
+    assert!(cap.abs() < 0.1, "they turn together");
+}
+
+#[test]
+fn a_push_on_the_cap_tips_a_free_bottle() {
+    let mut bench = Bench::turned(0.1);
+    bench.step(4000, [0.3, 0.0, 0.0], [0.0; 3]);
+    assert!(bench.bottle().tilt_rad() < 0.02);
+    bench.step(1600, [0.85, 0.0, 0.0], [0.0; 3]);
+    assert!(
+        bench.bottle().tilt_rad() > 0.5,
+        "tilt {}",
+        bench.bottle().tilt_rad()
+    );
+    assert!((bench.cap().tilt_rad() - bench.bottle().tilt_rad()).abs() < 1e-6);
+}
+
+#[test]
+fn a_cap_comes_off_before_it_is_turned_and_not_after() {
+    let mut bench = Bench::new(Mount::OnNeck);
+    bench.step(40, [0.0, 0.0, 0.05], [0.0; 3]);
+    assert!(bench.truth().engaged, "its weight holds it");
+    bench.step(40, [0.0, 0.0, 0.5], [0.0; 3]);
+    assert!(!bench.truth().engaged);
+    let mut bench = Bench::turned(0.1);
+    bench.step(40, [0.0, 0.0, 0.5], [0.0; 3]);
+    assert!(bench.truth().engaged);
+}

@@ -1,0 +1,126 @@
+//! Scenes of the paper's tasks, and what a client is told of them.
+//!
+//! * [`Scene::pick_place`]: an object stands on a plate, its place is another plate that a client believes to be as high.
+//! * [`Scene::screw`]: a cap sits on the neck of a clamped bottle.
+//! * [`Scene::assembly`]: a cap lies on a stand, a bottle stands free.
+//!
+//! The cap is the first object, the bottle the second. A client is told sizes and places as they were meant, and of a
+//! thread, of friction and of mass nothing.
+
+use robot_model::Side;
+
+use super::{DEFAULT_YAW_RAD, GraspHint, Mount, Placed, Scene};
+use crate::object::Object;
+use crate::support::Plate;
+
+/// Where an object of pick and place shall go: x, and the distance from the middle towards the acting hand, m. Ours: 12 cm
+/// beside where it stands.
+const PLACE_M: [f64; 2] = [0.32, 0.27];
+/// Height of the plate that the object stands on, m: the place may then be lower by the family's 10 mm.
+const STEP_M: f64 = 0.010;
+/// Half edge of the plates of pick and place, m. Ours: wider than every built-in object and its errors.
+const STEP_HALF_M: f64 = 0.055;
+/// Where the clamped bottle of screwing stands: x, and the distance from the middle towards the acting hand, m (issue).
+const SCREW_M: [f64; 2] = [0.34, 0.12];
+/// Where the free bottle of assembly stands, m (robot design).
+const BOTTLE_M: [f64; 2] = [0.38, 0.0];
+/// Where the cap of assembly lies: x, and the distance from the middle towards the screwing hand, m (robot design).
+const STAND_M: [f64; 2] = [0.32, 0.18];
+/// Height of the cap's stand, m (robot design).
+const STAND_HEIGHT_M: f64 = 0.040;
+/// Half edge of the cap's stand, m. Ours: wider than every cap; fingertips do not feel it.
+const STAND_HALF_M: f64 = 0.025;
+/// Closing axis on the cap in assembly, rad: 60° for the right hand (robot design).
+const ASSEMBLY_YAW_RAD: f64 = core::f64::consts::FRAC_PI_3;
+/// Height at which the other hand holds the bottle, m (robot design).
+const HOLD_HEIGHT_M: f64 = 0.045;
+
+impl Scene {
+    /// An object in front of one hand, to be set down 12 cm further out.
+    #[must_use]
+    pub fn pick_place(object: Object, side: Side) -> Self {
+        let plate = |centre_m| Plate {
+            centre_m,
+            half_m: [STEP_HALF_M; 2],
+            height_m: STEP_M,
+        };
+        let mut placed = Placed::before(object, side);
+        placed.nominal.from_m[2] += STEP_M;
+        let to_m = beside(PLACE_M, side);
+        let place = GraspHint {
+            from_m: [to_m[0], to_m[1], placed.nominal.from_m[2]],
+            ..placed.nominal
+        };
+        Self {
+            plates: vec![plate(placed.position_m), plate(to_m)],
+            place: Some(place),
+            objects: vec![placed],
+            ..Self::default()
+        }
+    }
+
+    /// A cap on the neck of a clamped bottle before one hand, not turned yet.
+    #[must_use]
+    pub fn screw(cap: Object, bottle: Object, side: Side) -> Self {
+        let at_m = beside(SCREW_M, side);
+        let mounted = |object, mount| Placed {
+            mount,
+            ..Placed::new(object, at_m, DEFAULT_YAW_RAD)
+        };
+        let mut scene = Self {
+            objects: vec![mounted(cap, Mount::OnNeck), mounted(bottle, Mount::Clamped)],
+            ..Self::default()
+        };
+        scene.tell_of_closure();
+        scene
+    }
+
+    /// A cap on a stand before the hand that screws, and a free bottle between the hands.
+    #[must_use]
+    pub fn assembly(cap: Object, bottle: Object, screws: Side) -> Self {
+        let stand = Plate {
+            centre_m: beside(STAND_M, screws),
+            half_m: [STAND_HALF_M; 2],
+            height_m: STAND_HEIGHT_M,
+        };
+        let yaw_rad = -screws.y_sign() * ASSEMBLY_YAW_RAD;
+        let mut scene = Self {
+            objects: vec![
+                Placed::new(cap, stand.centre_m, yaw_rad),
+                Placed::new(bottle, BOTTLE_M, yaw_rad),
+            ],
+            plates: vec![stand],
+            ..Self::default()
+        };
+        scene.objects[1].nominal.from_m[2] = HOLD_HEIGHT_M;
+        scene.tell_of_closure();
+        scene
+    }
+
+    /// Tells clients the sizes of the scene's cap and bottle and the heights that follow from them.
+    pub(super) fn tell_of_closure(&mut self) {
+        let [cap, bottle] = &mut self.objects[..] else {
+            return;
+        };
+        let Some(neck) = bottle.object.neck else {
+            return;
+        };
+        let half_m = cap.object.shape.half_height_m();
+        let on_neck_m = neck.rim_m + half_m;
+        bottle.nominal.width_m = bottle.object.shape.width_m();
+        cap.nominal.width_m = cap.object.shape.width_m();
+        cap.nominal.from_m[2] = match cap.mount {
+            Mount::OnNeck => on_neck_m,
+            _ => STAND_HEIGHT_M + half_m,
+        };
+        let [x, y, _] = bottle.nominal.from_m;
+        self.place = Some(GraspHint {
+            from_m: [x, y, on_neck_m],
+            ..cap.nominal
+        });
+    }
+}
+
+fn beside([x_m, off_middle_m]: [f64; 2], side: Side) -> [f64; 2] {
+    [x_m, side.y_sign() * off_middle_m]
+}
