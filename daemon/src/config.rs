@@ -46,6 +46,10 @@ pub struct Config {
     pub perception: settings::Perception,
     /// Modules 1, 2 and 3.
     pub grasp: settings::Grasp,
+    /// Modules 0' and 4: placing.
+    pub place: settings::Place,
+    /// Modules 0 and 4: screwing.
+    pub screw: settings::Screw,
     /// How the hand moves.
     pub motion: settings::Motion,
     /// The last gate.
@@ -194,6 +198,8 @@ impl Config {
             intake: self.intake,
             perception: self.perception,
             grasp: self.grasp,
+            place: self.place,
+            screw: self.screw,
             motion: self.motion,
             safety: self.safety,
         }
@@ -206,6 +212,8 @@ impl Config {
             intake: settings.intake,
             perception: settings.perception,
             grasp: settings.grasp,
+            place: settings.place,
+            screw: settings.screw,
             motion: settings.motion,
             safety: settings.safety,
             ..self.clone()

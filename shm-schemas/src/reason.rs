@@ -41,6 +41,8 @@ code! {
         CANCELLED = 15, "cancelled";
         /// The client of an attached goal went away.
         CLIENT_GONE = 16, "client-gone";
+        /// Nothing carried the object where it should have been set down; the hand has lifted it again.
+        NO_SUPPORT = 17, "no-support";
         /// No tactile frame for too long.
         FRAMES_STOPPED = 20, "frames-stopped";
         /// A frame's stamp is too old.
@@ -247,6 +249,12 @@ impl Reason {
             Cause::TIMED_OUT => write!(f, "took {value:.1} s, allowed {limit:.1} s"),
             Cause::CANCELLED => f.write_str("cancelled by the client"),
             Cause::CLIENT_GONE => f.write_str("the client of this attached goal went away"),
+            Cause::NO_SUPPORT => write!(
+                f,
+                "lowered to {:.1} mm and felt no support, expected it at {:.1} mm; the hand keeps the object",
+                value * 1e3,
+                limit * 1e3
+            ),
             _ => self.tell_unknown(f),
         }
     }

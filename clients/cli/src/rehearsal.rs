@@ -191,3 +191,14 @@ pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> Goa
         ..GoalRequest::default()
     }
 }
+
+/// The goal that a client would send to carry an object to a place: where the fingertips shall be when it stands there.
+#[must_use]
+pub fn pick_place_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
+    GoalRequest {
+        kind: GoalKind::PICK_PLACE,
+        to_m,
+        to_yaw_rad: hint.yaw_rad,
+        ..grasp_goal(hint, side, lift_m, 0.0)
+    }
+}

@@ -4,7 +4,7 @@
 //!    that any wants,
 //! 2. but no faster than the lowest ceiling that any module sets; a negative ceiling opens.
 //! 3. The hand goes where the carrying module wants it, at the lowest speed factor that any module tolerates.
-//! 4. A refusal outweighs every other verdict.
+//! 4. A refusal outweighs every other verdict, and the end of a step outweighs a hardness.
 //!
 //! Speeds are slewed so that switching modules does not jerk the joints: slowly up, quickly down.
 
@@ -105,15 +105,20 @@ fn lowest(values: impl Iterator<Item = f64>, start: f64) -> f64 {
 }
 
 fn weightiest(proposals: &[Proposal]) -> Verdict {
-    let refusal = proposals
-        .iter()
-        .map(|p| p.verdict)
-        .find(|v| matches!(v, Verdict::Refuse(_)));
-    let other = || {
-        proposals
-            .iter()
-            .map(|p| p.verdict)
-            .find(|v| *v != Verdict::None)
-    };
-    refusal.or_else(other).unwrap_or_default()
+    let mut weightiest = Verdict::None;
+    for proposal in proposals {
+        if weight(&proposal.verdict) > weight(&weightiest) {
+            weightiest = proposal.verdict;
+        }
+    }
+    weightiest
+}
+
+fn weight(verdict: &Verdict) -> u32 {
+    match verdict {
+        Verdict::None => 0,
+        Verdict::Hardness(_) => 1,
+        Verdict::Done => 2,
+        Verdict::Refuse(_) => 3,
+    }
 }

@@ -138,11 +138,11 @@ impl Controller {
 
     /// Name of the present step of the active or last goal's hand.
     #[must_use]
-    pub fn step_name(&self) -> &'static str {
+    pub fn step_name(&self) -> &str {
         let runner = self
             .goal()
             .and_then(|g| self.hands[g.side.index()].runner());
-        runner.map_or("", |r| r.step().name)
+        runner.map_or("", |r| r.step().name.as_str())
     }
 
     /// Counts and readings of one hand.
@@ -353,7 +353,7 @@ impl Controller {
         }
     }
 
-    /// A task that ended without success: the hand rests, the goal or the event log hears why.
+    /// A task that ended without success: the goal or the event log hears why; what the hand still holds, it keeps.
     fn conclude(&mut self, side: Side, is_goals: bool, state: GoalState, reason: Reason) {
         if is_goals {
             self.finish(state, reason);
@@ -365,7 +365,7 @@ impl Controller {
             };
             self.outputs.events.push(event);
         }
-        self.hands[side.index()].abandon();
+        self.hands[side.index()].end(&self.settings);
     }
 
     fn settle(&mut self, safe: &SafeCommand) {
@@ -438,7 +438,7 @@ impl Controller {
             state,
             progress: progress as f32,
             reason,
-            step: Text::new(hand.runner().map_or("", |r| r.step().name)),
+            step: Text::new(hand.runner().map_or("", |r| r.step().name.as_str())),
             figures: hand.figures(),
         }
     }

@@ -9,9 +9,13 @@ use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
 /// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
 const LIFT_MAX_M: f64 = 0.15;
 const HOLD_MAX_S: f64 = 3600.0;
+/// Tasks that are built in.
+const SUPPORTED: [GoalKind; 3] = [GoalKind::GRASP, GoalKind::PICK_PLACE, GoalKind::RELEASE];
 /// Index of each checked value in [`GoalRequest::VALUE_NAMES`].
 const FROM_X: usize = 0;
 const FROM_YAW: usize = 3;
+const TO_X: usize = 4;
+const TO_YAW: usize = 7;
 const WIDTH: usize = 8;
 const LIFT: usize = 9;
 const HOLD: usize = 10;
@@ -42,8 +46,9 @@ pub fn check(goal: &GoalRequest, robot: &RobotModel, wiring: &Wiring) -> Result<
     if !wiring.hands[side.index()].required {
         return Err(Reason::of(Cause::NO_SENSOR).about(side.index()));
     }
-    if goal.kind == GoalKind::GRASP {
+    if goal.kind != GoalKind::RELEASE {
         check_range(goal.from_yaw_rad, (-TAU, TAU), FROM_YAW)?;
+        check_range(goal.to_yaw_rad, (-TAU, TAU), TO_YAW)?;
         check_range(goal.lift_m, (0.0, LIFT_MAX_M), LIFT)?;
         check_range(goal.hold_s, (0.0, HOLD_MAX_S), HOLD)?;
         check_reach(goal, robot, side)?;
@@ -55,7 +60,7 @@ fn check_codes(goal: &GoalRequest) -> Result<Side, Reason> {
     let unknown = |index: usize, code: u32| {
         Reason::limit(Cause::UNKNOWN_GOAL, f64::from(code), 0.0).about(index)
     };
-    if !matches!(goal.kind, GoalKind::GRASP | GoalKind::RELEASE) {
+    if !SUPPORTED.contains(&goal.kind) {
         return Err(unknown(0, goal.kind.0));
     }
     if !goal.policy.is_known() {
@@ -76,35 +81,66 @@ fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(
     }
 }
 
-/// Both ends of the lift must lie in the workspace, and the arm must have a posture for each.
+/// Every place that the task takes the hand to must lie in the workspace, and the arm must have a posture for it.
 fn check_reach(goal: &GoalRequest, robot: &RobotModel, side: Side) -> Result<(), Reason> {
+    check_place(goal, robot, side, goal.from_m, goal.from_yaw_rad, FROM_X)?;
+    if goal.kind == GoalKind::PICK_PLACE {
+        check_place(goal, robot, side, goal.to_m, goal.to_yaw_rad, TO_X)?;
+    }
+    Ok(())
+}
+
+/// The hand must reach a place, and travel over it as high as the task lifts.
+fn check_place(
+    goal: &GoalRequest,
+    robot: &RobotModel,
+    side: Side,
+    [x, y, z]: [f64; 3],
+    yaw_rad: f64,
+    index: usize,
+) -> Result<(), Reason> {
     let hand = robot.hand(side);
     let workspace = Workspace::TWO_HAND_ARM;
     let (left, right) = (side == Side::Left, workspace.right_y_m);
     let y_m = if left { [-right[1], -right[0]] } else { right };
-    let [x, y, z] = goal.from_m;
+    let travel_m = travel_height_m(goal);
     let reach = |value: f64, [lower, upper]: [f64; 2], index: usize| {
         check_range(value, (lower, upper), index).map_err(|r| Reason {
             cause: Cause::UNREACHABLE,
             ..r
         })
     };
-    reach(x, workspace.x_m, FROM_X)?;
-    reach(y, y_m, FROM_X + 1)?;
-    reach(z, workspace.z_m, FROM_X + 2)?;
-    reach(z + goal.lift_m, workspace.z_m, LIFT)?;
+    reach(x, workspace.x_m, index)?;
+    reach(y, y_m, index + 1)?;
+    reach(z, workspace.z_m, index + 2)?;
+    reach(travel_m, workspace.z_m, LIFT)?;
     reach(goal.width_m, workspace.opening_m, WIDTH)?;
-    for height_m in [0.0, goal.lift_m] {
-        let centre_m = Vector3::new(x, y, z + height_m);
-        let yaw_rad = hand.closing_yaw_rad(&centre_m, goal.from_yaw_rad);
+    for height_m in [z, travel_m] {
+        let centre_m = Vector3::new(x, y, height_m);
+        let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
         let frame = GraspFrame::from_above(centre_m, yaw_rad, goal.width_m);
         if let Err(error) = hand.posture_for(&frame) {
-            return Err(
-                Reason::limit(Cause::UNREACHABLE, error.best.tip_error_m, 0.0).about(FROM_X),
-            );
+            let error_m = error.best.tip_error_m;
+            return Err(Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(index));
         }
     }
     Ok(())
+}
+
+/// Height of the grasp while the object is carried, m: `lift_m` over the higher of its places.
+#[must_use]
+pub fn travel_height_m(goal: &GoalRequest) -> f64 {
+    let to_m = if goal.kind == GoalKind::PICK_PLACE {
+        goal.to_m
+    } else {
+        goal.from_m
+    };
+    let highest_m = if to_m[2] > goal.from_m[2] {
+        to_m[2]
+    } else {
+        goal.from_m[2]
+    };
+    highest_m + goal.lift_m
 }
 
 /// Whether the goal ends when its client goes away.

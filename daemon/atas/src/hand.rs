@@ -9,8 +9,9 @@ use crate::modules::{self, Modules, Proposal, Selection};
 use crate::perception::{Percept, Perception};
 use crate::safety::Grip;
 use crate::settings::Settings;
-use crate::tasks::{GRASP, Outcome, RELEASE, Runner, Sites, Step};
+use crate::tasks::{self, Outcome, Runner, Sites, Step};
 use crate::wiring::Wiring;
+use nalgebra::Matrix3;
 use robot_model::{FINGERS, HandModel, HandPose, HandVector};
 use shm_schemas::{
     EventKind, FingerReport, GoalKind, GoalRequest, GraspFigures, Hand, HandFrame, HandReport,
@@ -33,6 +34,7 @@ pub(crate) struct HandControl {
     intent: Option<Intent>,
     active: u32,
     measured_gap_m: f64,
+    base_from_tip: [Matrix3<f64>; FINGERS],
     frames: u32,
 }
 
@@ -55,6 +57,7 @@ impl HandControl {
             intent: None,
             active: 0,
             measured_gap_m: 0.0,
+            base_from_tip: [Matrix3::identity(); FINGERS],
             frames: 0,
         }
     }
@@ -95,6 +98,7 @@ impl HandControl {
     /// Takes in where the joints are.
     pub(crate) fn locate(&mut self, measured: &HandPose) {
         self.measured_gap_m = gap_m(measured);
+        self.base_from_tip = core::array::from_fn(|f| measured.base_from_tip()[f].rotation);
     }
 
     /// Stands at these joint positions, rad, at rest.
@@ -113,7 +117,12 @@ impl HandControl {
         let (runner, carrier) = (self.runner.as_mut()?, self.carrier.as_mut()?);
         let percept = self.perception.percept();
         runner.observe(percept, self.measured_gap_m, carrier.frame(), step_s);
-        let context = runner.context(settings, step_s, self.arbiter.carry_scale());
+        let context = runner.context(
+            settings,
+            step_s,
+            self.arbiter.carry_scale(),
+            &self.base_from_tip,
+        );
         let proposals = self
             .modules
             .evaluate(runner.step().modules, percept, &context);
@@ -164,17 +173,15 @@ impl HandControl {
         };
         let now = *carrier.frame();
         let home = frame_of(&self.model, &self.model.forward(self.model.reference_rad()));
-        let (steps, sites) = match goal.kind {
-            GoalKind::GRASP => (
-                GRASP,
-                Sites::new(&self.model, &now, home, goal, &settings.motion),
-            ),
-            _ => (RELEASE, Sites::resting(now, home, &settings.motion)),
+        let task = tasks::of(goal.kind);
+        let sites = match goal.kind {
+            GoalKind::RELEASE => Sites::resting(now, home, settings),
+            _ => Sites::new(&self.model, &now, home, goal, settings),
         };
         self.modules.reset();
         self.arbiter.rest();
         self.runner = Some(Runner::start(
-            steps,
+            task.acting,
             sites,
             &now,
             (goal.width_m, goal.hold_s),
@@ -184,16 +191,11 @@ impl HandControl {
 
     /// Ends the task; what the hand holds, it keeps holding and watching.
     pub(crate) fn end(&mut self, settings: &Settings) {
-        let keeps = self.runner.as_mut().is_some_and(|r| {
-            r.grips()
-                && self
-                    .carrier
-                    .as_ref()
-                    .is_some_and(|c| r.stand(c.frame(), settings, &mut self.modules))
-        });
-        if !keeps {
-            self.runner = None;
-            self.active = 0;
+        match (self.runner.as_mut(), self.carrier.as_ref()) {
+            (Some(runner), Some(carrier)) if runner.grips() => {
+                runner.stand(carrier.frame(), settings, &mut self.modules);
+            }
+            _ => self.abandon(),
         }
     }
 
@@ -402,7 +404,7 @@ impl HandControl {
             return;
         };
         events.push(self.step_event(runner.step()));
-        if let (Some(fit), "grip") = (runner.hardness(), runner.step().name) {
+        if let (Some(fit), "grip") = (runner.hardness(), runner.step().name.as_str()) {
             let mut event = self.event(EventKind::HARDNESS);
             event.value = fit.object_n_m;
             event.threshold = runner.thresholds().f2_n;
@@ -414,7 +416,7 @@ impl HandControl {
     #[must_use]
     pub(crate) fn step_event(&self, step: &Step) -> ModuleEvent {
         ModuleEvent {
-            text: shm_schemas::Text::new(step.name),
+            text: shm_schemas::Text::new(&step.name),
             ..self.event(EventKind::STEP)
         }
     }

@@ -22,6 +22,8 @@ pub const FEEDBACK_MARGIN_RAD: f64 = 0.05;
 pub const CLOSING_SPEED_UP_M_S2: f64 = 0.1;
 /// How fast it may fall, m/s² (ours: Module 3 stops 2 mm/s within 2 ms).
 pub const CLOSING_SLOW_DOWN_M_S2: f64 = 1.0;
+/// How fast the speed of lowering builds up, m/s² (ours: 10 mm/s within 0.1 s; the step it makes in the load is 1 %).
+pub const LOWERING_ACCELERATION_M_S2: f64 = 0.1;
 /// How fast the slip gate may change the speed of the hand, 1/s (ours: full range within 20 ms).
 pub const CARRY_SCALE_PER_S: f64 = 50.0;
 

@@ -198,6 +198,48 @@ settings! {
         /// How long it must last, s.
         too_heavy_s = 0.4 in 0.05..5.0;
     }
+    /// Modules 0' and 4: placing (paper II.b (3); values ours, from prototypes).
+    place: Place {
+        /// Mean speed of conveying, m/s.
+        convey_m_s = 0.05 in 0.005..0.3;
+        /// Speed of setting down, m/s. Too fast: the object hits its support before Module 4 answers.
+        lower_m_s = 0.01 in 0.001..0.05;
+        /// How far below its expected height the support may lie, m.
+        search_m = 0.015 in 0.0..0.05;
+        /// Time from the start of the descent in which the load settles and Module 4 does not listen, s.
+        settle_s = 0.15 in 0.0..2.0;
+        /// Rise of the vertical force that means support, N. Too small: lets go in the air.
+        rise_n = 0.12 in 0.02..10.0;
+        /// The same as a share of the held weight, if that is more.
+        rise_share = 0.06 in 0.0..1.0;
+        /// How many frames in a row must show the rise.
+        rise_frames = 3.0 in 1.0..100.0;
+    }
+    /// Modules 0 and 4: screwing (paper II.b (2); values ours, from prototypes, unless stated).
+    screw: Screw {
+        /// Half of the square trajectory's long side, m.
+        travel_m = 0.007 in 0.001..0.012;
+        /// The square trajectory's short side: how far each finger moves out to return, m.
+        clearance_m = 0.003 in 0.001..0.02;
+        /// Speed of moving in, m/s.
+        in_m_s = 0.01 in 0.001..0.05;
+        /// Speed of turning, m/s. Too fast: the grip follows the contour too late.
+        turn_m_s = 0.01 in 0.001..0.05;
+        /// Speed of moving out, m/s.
+        out_m_s = 0.02 in 0.001..0.05;
+        /// Speed of returning, m/s.
+        return_m_s = 0.03 in 0.001..0.1;
+        /// How long the weakest finger must press more than F_1 before a turn begins, s.
+        grip_s = 0.02 in 0.0..1.0;
+        /// Speed at which the fingers centre themselves on the cap, m/s per newton of difference.
+        centring_m_s_n = 0.0005 in 0.0..0.01;
+        /// Multiple of dF_max at which Module 4 ends the screwing (paper: 1.4).
+        finish_ratio = 1.4 in 1.05..5.0;
+        /// Time constant of Module 4's tangential force, s.
+        finish_filter_s = 0.01 in 0.0..0.5;
+        /// Turns after which the task gives up.
+        turns_max = 20.0 in 1.0..1000.0;
+    }
     /// How the hand moves (ours).
     motion: Motion {
         /// Mean speed of free moves, m/s.
@@ -209,7 +251,7 @@ settings! {
         /// Gap between fingertip and expected surface when the approach begins, m, per finger.
         clearance_m = 0.005 in 0.001..0.03;
         /// Opening speed when letting go, m/s, per finger.
-        open_m_s = 0.01 in 0.001..0.1;
+        open_m_s = 0.03 in 0.001..0.1;
         /// Height above the grasp from which the hand comes down, m.
         descend_m = 0.06 in 0.0..0.2;
         /// Deepest closing beyond the expected surface before the approach gives up, m, per finger.

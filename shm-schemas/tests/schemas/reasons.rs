@@ -68,6 +68,10 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the client of this attached goal went away",
         ),
         (
+            limit(Cause::NO_SUPPORT, 0.0181, 0.033, 0),
+            "lowered to 18.1 mm and felt no support, expected it at 33.0 mm; the hand keeps the object",
+        ),
+        (
             limit(Cause::FRAMES_STOPPED, 6e6, 5e6, 0),
             "no tactile frame of hand left for 6.0 ms, allowed 5.0 ms; is the sensor process running?",
         ),

@@ -13,13 +13,17 @@
 //! | `relax` | gives back force that friction does not need | ours |
 //! | `probe` | hardness within 100 ms of the first touch, refined while the force grows | II.b (1) |
 //! | `carry` | moves the hand along the step's path | II.b (1), (3) |
+//! | `transfer` | 0': conveys and sets down | II.b (3) |
+//! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
 
 mod carry;
 mod first_touch;
 mod force_limit;
 mod probe;
 mod relax;
+mod release_placed;
 mod slip;
+mod transfer;
 
 use crate::path::Path;
 use crate::perception::{HardnessFit, Percept};
@@ -28,11 +32,14 @@ use crate::tasks::Thresholds;
 use carry::Carry;
 use first_touch::FirstTouch;
 use force_limit::ForceLimit;
+use nalgebra::Matrix3;
 use probe::Probe;
 use relax::Relax;
+use release_placed::ReleasePlaced;
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{ModuleId, Reason};
 use slip::Slip;
+use transfer::Transfer;
 
 /// What a module may know besides what the hand feels.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +60,10 @@ pub struct Context<'a> {
     pub path: &'a Path,
     /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
     pub carry_scale: f64,
+    /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
+    pub lowering_m: Option<f64>,
+    /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
+    pub base_from_tip: &'a [Matrix3<f64>; FINGERS],
 }
 
 /// What one module would do now.
@@ -91,6 +102,8 @@ pub enum Verdict {
     None,
     /// The hardness of the object.
     Hardness(HardnessFit),
+    /// What the step is for has happened.
+    Done,
     /// The object cannot be handled, because of this.
     Refuse(Reason),
 }
@@ -115,7 +128,7 @@ pub trait Module {
 }
 
 /// Number of modules.
-pub const COUNT: usize = 6;
+pub const COUNT: usize = 8;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -134,6 +147,15 @@ impl Selection {
         Self(bits)
     }
 
+    /// No modules.
+    pub const NONE: Self = Self(0);
+
+    /// These modules and those.
+    #[must_use]
+    pub const fn and(self, more: Self) -> Self {
+        Self(self.0 | more.0)
+    }
+
     /// Whether a module is among them.
     #[must_use]
     pub const fn contains(self, module: ModuleId) -> bool {
@@ -150,6 +172,8 @@ pub struct Modules {
     slip: Slip,
     force_limit: ForceLimit,
     relax: Relax,
+    transfer: Transfer,
+    release_placed: ReleasePlaced,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -160,6 +184,8 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
     ModuleId::RELAX,
+    ModuleId::TRANSFER,
+    ModuleId::RELEASE_PLACED,
 ];
 
 impl Modules {
@@ -177,6 +203,8 @@ impl Modules {
             &mut self.slip,
             &mut self.force_limit,
             &mut self.relax,
+            &mut self.transfer,
+            &mut self.release_placed,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {
@@ -192,9 +220,11 @@ impl Modules {
         *self = Self::default();
     }
 
-    /// The carry module starts a new path.
+    /// A new step begins: what moves the hand, or waits for the end of the step, starts afresh.
     pub fn restart_path(&mut self) {
         self.carry = Carry::default();
+        self.transfer = Transfer::default();
+        self.release_placed = ReleasePlaced::default();
     }
 }
 
@@ -218,4 +248,14 @@ pub fn force_range_n(percept: &Percept) -> (f64, f64) {
             )
         },
     )
+}
+
+/// Vertical force of the object on all fingers that grip, base frame, N; negative while the object hangs.
+#[must_use]
+pub fn force_up_n(percept: &Percept, context: &Context<'_>) -> f64 {
+    percept.fingers[..FINGERS]
+        .iter()
+        .zip(context.base_from_tip)
+        .map(|(finger, base_from_tip)| (base_from_tip * finger.force_tip_n).z)
+        .sum()
 }

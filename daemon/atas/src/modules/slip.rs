@@ -44,7 +44,8 @@ impl Module for Slip {
         };
         let active = cause || self.latch_s > 0.0;
         let (_, strongest_n) = force_range_n(percept);
-        let helps = strongest_n < context.thresholds.f2_n;
+        // Setting down ends the slipping sooner than waiting would.
+        let helps = strongest_n < context.thresholds.f2_n && context.lowering_m.is_none();
         Proposal {
             active,
             closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; FINGERS],

@@ -1,23 +1,51 @@
-//! Tasks: which modules work in which step, as data. A task is a list of [`Step`]s; a step is a list of modules, a
-//! motion and an end condition. Nothing here looks at forces: that is what the modules are for.
+//! Tasks: which modules work in which step, as data.
+//!
+//! A [`Task`] has a [`Track`] of [`Step`]s for the acting hand and, for two-handed tasks, one for the helping hand; a
+//! step is a motion, a list of modules and an end condition. Nothing here looks at forces: that is what the modules are
+//! for. The built-in tasks are tables, each in its file; a user's own have the same shape.
+//!
+//! | task | modules (paper) | file |
+//! |---|---|---|
+//! | grasp | 1, 2, 3 | `grasp` |
+//! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
+//!
+//! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`RAISE`] lifts again what
+//! found no support, [`STAND`] keeps holding when a goal ends.
 
 mod grasp;
+mod name;
+mod pick_place;
 mod runner;
 mod sites;
 mod thresholds;
+mod track;
 
-pub use grasp::{BACK_OUT, GRASP, RELEASE};
+pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND};
+pub use name::Name;
+pub use pick_place::{PICK_PLACE, RAISE};
 pub use runner::{Outcome, Runner};
 pub use sites::{Site, Sites};
 pub use thresholds::Thresholds;
+pub use track::{STEPS_MAX, Task, Track};
 
 use crate::modules::Selection;
+use shm_schemas::GoalKind;
+
+/// The built-in task of a checked goal.
+#[must_use]
+pub fn of(kind: GoalKind) -> &'static Task {
+    match kind {
+        GoalKind::GRASP => &GRASP,
+        GoalKind::PICK_PLACE => &PICK_PLACE,
+        _ => &RELEASE,
+    }
+}
 
 /// One step of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Name, as users see it.
-    pub name: &'static str,
+    pub name: Name,
     /// How the hand moves.
     pub motion: Motion,
     /// Which modules work.
@@ -26,6 +54,26 @@ pub struct Step {
     pub until: Until,
     /// When it has taken too long, s.
     pub timeout_s: f64,
+}
+
+impl Step {
+    /// A step; the arguments in the order of the columns of a task's table.
+    #[must_use]
+    pub const fn new(
+        name: &str,
+        motion: Motion,
+        modules: Selection,
+        until: Until,
+        timeout_s: f64,
+    ) -> Self {
+        Self {
+            name: Name::new(name),
+            motion,
+            modules,
+            until,
+            timeout_s,
+        }
+    }
 }
 
 /// How the hand moves in a step.
@@ -37,6 +85,10 @@ pub enum Motion {
     Reach(Site),
     /// Gripping to a site, at the lifting speed; the fingers follow the modules.
     Carry(Site),
+    /// Gripping to a site, at the conveying speed; the fingers follow the modules.
+    Convey(Site),
+    /// Gripping straight down, as far as the target may lie below its expected height.
+    Lower,
     /// Stays and opens.
     Open,
 }
@@ -54,4 +106,6 @@ pub enum Until {
     Gripped,
     /// The goal's holding time has passed.
     Held,
+    /// A module says so: Module 4.
+    Concluded,
 }

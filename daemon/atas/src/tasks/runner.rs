@@ -1,11 +1,11 @@
 //! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
 
-use super::{BACK_OUT, Motion, Sites, Step, Thresholds, Until};
+use super::{BACK_OUT, Motion, RAISE, STAND, Sites, Step, Thresholds, Track, Until};
 use crate::modules::{Context, Modules, Verdict, force_range_n};
 use crate::path::{Path, Speeds};
 use crate::perception::{HardnessFit, Percept};
 use crate::settings::Settings;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{Cause, ModuleId, Reason};
 
@@ -34,7 +34,7 @@ pub enum Outcome {
 /// One hand's task.
 #[derive(Clone, Debug)]
 pub struct Runner {
-    steps: &'static [Step],
+    track: Track,
     index: usize,
     step_s: f64,
     path: Path,
@@ -49,21 +49,31 @@ pub struct Runner {
     lifted_from_m: Option<Vector3<f64>>,
     carried_m: f64,
     out_of_touch_s: f64,
-    refusal: Option<Reason>,
+    holds: bool,
+    retreat: Option<(Retreat, Reason)>,
+}
+
+/// What the hand does about a task that it cannot go on with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Retreat {
+    /// Puts the object back where it was.
+    PutBack,
+    /// Lifts the object again and keeps it.
+    Raise,
 }
 
 impl Runner {
     /// Starts a task from where the hand is.
     #[must_use]
     pub fn start(
-        steps: &'static [Step],
+        track: Track,
         sites: Sites,
         now: &GraspFrame,
         (width_m, hold_s): (f64, f64),
         settings: &Settings,
     ) -> Self {
         let mut runner = Self {
-            steps,
+            track,
             index: 0,
             step_s: 0.0,
             path: Path::stay(*now),
@@ -78,7 +88,8 @@ impl Runner {
             lifted_from_m: None,
             carried_m: 0.0,
             out_of_touch_s: 0.0,
-            refusal: None,
+            holds: false,
+            retreat: None,
         };
         runner.path = runner.plan(now, settings);
         runner
@@ -86,8 +97,8 @@ impl Runner {
 
     /// The present step.
     #[must_use]
-    pub fn step(&self) -> &'static Step {
-        &self.steps[self.index]
+    pub fn step(&self) -> &Step {
+        &self.track[self.index]
     }
 
     /// Index of the present step.
@@ -99,7 +110,7 @@ impl Runner {
     /// Share of the steps that are done.
     #[must_use]
     pub fn progress(&self) -> f64 {
-        self.index as f64 / self.steps.len() as f64
+        self.index as f64 / self.track.len() as f64
     }
 
     /// F_1 and F_2.
@@ -123,7 +134,7 @@ impl Runner {
     /// Whether the hand has an object in its grip.
     #[must_use]
     pub fn grips(&self) -> bool {
-        self.hardness.is_some() && self.refusal.is_none()
+        self.holds && self.out_of_touch_s <= LOST_AFTER_S
     }
 
     /// What the modules may know.
@@ -133,6 +144,7 @@ impl Runner {
         settings: &'a Settings,
         step_s: f64,
         carry_scale: f64,
+        base_from_tip: &'a [Matrix3<f64>; FINGERS],
     ) -> Context<'a> {
         Context {
             settings,
@@ -143,6 +155,8 @@ impl Runner {
             carried_m: self.carried_m,
             path: &self.path,
             carry_scale,
+            lowering_m: (self.step().motion == Motion::Lower).then(|| self.sites.lowering_m()),
+            base_from_tip,
         }
     }
 
@@ -177,26 +191,34 @@ impl Runner {
         modules: &mut Modules,
     ) -> Outcome {
         match verdict {
-            Verdict::Refuse(reason) if self.refusal.is_none() => {
-                return self.back_out(self.in_hold(reason), now, settings, modules);
+            Verdict::Refuse(reason) if self.retreat.is_none() => {
+                let reason = self.in_hold(reason);
+                return self.give_up(Retreat::PutBack, reason, now, settings, modules);
             }
             Verdict::Hardness(fit) => {
                 self.hardness = Some(fit);
+                self.holds = true;
                 self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp);
             }
-            Verdict::None | Verdict::Refuse(_) => {}
+            Verdict::None | Verdict::Done | Verdict::Refuse(_) => {}
         }
         if let Some(reason) = self.failure(percept, now, settings) {
             return Outcome::Failed(reason);
         }
-        if self.is_done(arrived, percept) {
+        let done = verdict == Verdict::Done;
+        if arrived && !done && self.step().motion == Motion::Lower {
+            let reason = Reason::limit(Cause::NO_SUPPORT, now.centre_m.z, self.sites.expected_m());
+            let reason = reason.by(ModuleId::TRANSFER);
+            return self.give_up(Retreat::Raise, reason, now, settings, modules);
+        }
+        if self.is_done(arrived, done, percept) {
             self.advance(now, settings, modules)
         } else {
             Outcome::Running
         }
     }
 
-    fn is_done(&self, arrived: bool, percept: &Percept) -> bool {
+    fn is_done(&self, arrived: bool, concluded: bool, percept: &Percept) -> bool {
         match self.step().until {
             Until::Arrived => arrived,
             Until::AllTouched => self.all_touched,
@@ -206,13 +228,15 @@ impl Runner {
                 weakest_n > self.thresholds.f1_n || strongest_n > self.thresholds.f2_n
             }
             Until::Held => self.step_s >= self.hold_s,
+            Until::Concluded => concluded,
         }
     }
 
     fn advance(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) -> Outcome {
-        if self.index + 1 == self.steps.len() {
-            return match self.refusal {
-                Some(reason) => Outcome::Refused(reason),
+        if self.index + 1 == self.track.len() {
+            return match self.retreat {
+                Some((Retreat::PutBack, reason)) => Outcome::Refused(reason),
+                Some((Retreat::Raise, reason)) => Outcome::Failed(reason),
                 None => Outcome::Succeeded,
             };
         }
@@ -231,8 +255,10 @@ impl Runner {
         self.step_s = 0.0;
         self.path = self.plan(now, settings);
         modules.restart_path();
-        if matches!(self.step().motion, Motion::Carry(_)) && self.refusal.is_none() {
-            self.lifted_from_m = Some(now.centre_m);
+        match self.step().motion {
+            Motion::Carry(_) if self.retreat.is_none() => self.lifted_from_m = Some(now.centre_m),
+            Motion::Open => self.holds = false,
+            _ => {}
         }
     }
 
@@ -243,16 +269,15 @@ impl Runner {
             turn_rad_s: motion.turn_rad_s,
             open_m_s: motion.reach_m_s,
         };
+        let gripping = |site, move_m_s| {
+            let speeds = Speeds { move_m_s, ..free };
+            Path::gripping(*now, self.sites.pose(site, now), &speeds)
+        };
         match self.step().motion {
-            Motion::Stay => Path::stay(*now),
+            Motion::Stay | Motion::Lower => Path::stay(*now),
             Motion::Reach(site) => Path::free(*now, self.sites.pose(site, now), &free),
-            Motion::Carry(site) => {
-                let speeds = Speeds {
-                    move_m_s: motion.lift_m_s,
-                    ..free
-                };
-                Path::gripping(*now, self.sites.pose(site, now), &speeds)
-            }
+            Motion::Carry(site) => gripping(site, motion.lift_m_s),
+            Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
             Motion::Open => {
                 let speeds = Speeds {
                     open_m_s: motion.open_m_s,
@@ -280,15 +305,20 @@ impl Runner {
         }
     }
 
-    fn back_out(
+    fn give_up(
         &mut self,
+        retreat: Retreat,
         reason: Reason,
         now: &GraspFrame,
         settings: &Settings,
         modules: &mut Modules,
     ) -> Outcome {
-        self.refusal = Some(reason);
-        self.steps = BACK_OUT;
+        self.retreat = Some((retreat, reason));
+        self.track = match retreat {
+            Retreat::PutBack => BACK_OUT,
+            Retreat::Raise => RAISE,
+        };
+        self.holds &= retreat == Retreat::Raise;
         self.enter(0, now, settings, modules);
         Outcome::NextStep
     }
@@ -296,10 +326,7 @@ impl Runner {
     /// What ends the task without success in this tick, if anything.
     fn failure(&self, percept: &Percept, now: &GraspFrame, settings: &Settings) -> Option<Reason> {
         let step = self.step();
-        if self.refusal.is_none()
-            && self.lifted_from_m.is_some()
-            && self.out_of_touch_s > LOST_AFTER_S
-        {
+        if self.holds && self.lifted_from_m.is_some() && self.out_of_touch_s > LOST_AFTER_S {
             let (weakest_n, _) = force_range_n(percept);
             return Some(Reason::limit(
                 Cause::LOST_OBJECT,
@@ -325,15 +352,12 @@ impl Runner {
 }
 
 impl Runner {
-    /// Goes on with nothing but holding: for a goal that ends while the hand has an object. `false` if the task has no
-    /// step for that.
-    pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) -> bool {
-        let Some(hold) = self.steps.iter().position(|s| s.until == Until::Held) else {
-            return false;
-        };
-        if self.index != hold {
-            self.enter(hold, now, settings, modules);
+    /// Goes on with nothing but holding: for a goal that ends while the hand has an object.
+    pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
+        if self.step().until != Until::Held {
+            self.track = STAND;
+            self.enter(0, now, settings, modules);
         }
-        true
+        self.retreat = None;
     }
 }

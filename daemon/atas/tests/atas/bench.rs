@@ -67,6 +67,8 @@ impl Bench {
             carried_m: self.carried_m,
             path: &self.path,
             carry_scale: self.carry_scale,
+            lowering_m: None,
+            base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::FINGERS],
         };
         let proposals = self
             .modules

@@ -2,14 +2,24 @@
 
 use atas::Settings;
 use atas::modules::IDS;
-use atas::tasks::{BACK_OUT, GRASP, Motion, RELEASE, Site, Step, Thresholds, Until};
-use shm_schemas::{ModuleId, Text};
+use atas::tasks::{
+    BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, STAND, Site, Step, Thresholds, Until,
+};
+use shm_schemas::ModuleId;
 
-const TASKS: [(&str, &[Step]); 3] = [
-    ("grasp", GRASP),
-    ("back out", BACK_OUT),
-    ("release", RELEASE),
-];
+/// Modules that say where the hand goes.
+const CARRIERS: [ModuleId; 2] = [ModuleId::CARRY, ModuleId::TRANSFER];
+
+fn tracks() -> Vec<(&'static str, Vec<Step>)> {
+    vec![
+        ("grasp", GRASP.acting.to_vec()),
+        ("pick and place", PICK_PLACE.acting.to_vec()),
+        ("release", RELEASE.acting.to_vec()),
+        ("back out", BACK_OUT.to_vec()),
+        ("raise", RAISE.to_vec()),
+        ("stand", STAND.to_vec()),
+    ]
+}
 
 fn modules_of(step: &Step) -> Vec<ModuleId> {
     IDS.into_iter()
@@ -19,26 +29,29 @@ fn modules_of(step: &Step) -> Vec<ModuleId> {
 
 #[test]
 fn every_task_can_be_followed_to_its_end() {
-    for (task, steps) in TASKS {
+    for (task, steps) in tracks() {
         for step in steps {
-            assert_eq!(
-                Text::<16>::new(step.name).as_str(),
-                step.name,
-                "{task}: the name fits into an update"
+            assert!(
+                !step.name.is_empty() && step.name.len() < Name::MAX,
+                "{task}: is the name cut?"
             );
             assert!(step.timeout_s > 0.0);
             let has = |id| step.modules.contains(id);
+            let carriers = CARRIERS.into_iter().filter(|id| has(*id)).count();
             assert_eq!(
-                step.motion != Motion::Stay,
-                has(ModuleId::CARRY),
-                "{task}, {}: who moves must carry",
+                usize::from(step.motion != Motion::Stay),
+                carriers,
+                "{task}, {}: who moves must carry, and only one may",
                 step.name
             );
             match step.until {
-                Until::Arrived => assert!(has(ModuleId::CARRY), "{task}, {}", step.name),
+                Until::Arrived => assert_eq!(carriers, 1, "{task}, {}", step.name),
                 Until::AllTouched => assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name),
                 Until::HardnessKnown => assert!(has(ModuleId::PROBE), "{task}, {}", step.name),
                 Until::Gripped => assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name),
+                Until::Concluded => {
+                    assert!(has(ModuleId::RELEASE_PLACED), "{task}, {}", step.name);
+                }
                 Until::Held => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
             }
         }
@@ -49,12 +62,12 @@ fn every_task_can_be_followed_to_its_end() {
 #[test]
 fn the_grasp_consists_of_modules_1_2_and_3() {
     for name in ["lift", "hold"] {
-        let step = GRASP.iter().find(|s| s.name == name).unwrap();
+        let step = GRASP.acting.iter().find(|s| s.name == name).unwrap();
         for id in [ModuleId::FIRST_TOUCH, ModuleId::SLIP, ModuleId::FORCE_LIMIT] {
             assert!(modules_of(step).contains(&id), "{id} in {name}");
         }
     }
-    let names: Vec<_> = GRASP.iter().map(|s| s.name).collect();
+    let names: Vec<_> = GRASP.acting.iter().map(|s| s.name).collect();
     assert_eq!(
         names,
         [
@@ -66,6 +79,35 @@ fn the_grasp_consists_of_modules_1_2_and_3() {
         Motion::Carry(Site::Source),
         "a refused object is set down before the hand opens"
     );
+}
+
+/// Paper II.b (3): "modules 0 and 4 are replaced by new modules 0' and 4".
+#[test]
+fn placing_consists_of_modules_0_1_2_3_and_4() {
+    let step = PICK_PLACE
+        .acting
+        .iter()
+        .find(|s| s.name == "place")
+        .unwrap();
+    let expected = [
+        ModuleId::FIRST_TOUCH,
+        ModuleId::PROBE,
+        ModuleId::SLIP,
+        ModuleId::FORCE_LIMIT,
+        ModuleId::TRANSFER,
+        ModuleId::RELEASE_PLACED,
+    ];
+    assert_eq!(modules_of(step), expected);
+}
+
+#[test]
+fn names_are_cut_at_a_character() {
+    let check = |text: &str, expected: &str| assert_eq!(Name::new(text), expected);
+    check("", "");
+    check("lift", "lift");
+    check("exactly sixteen!", "exactly sixteen!");
+    check("a little too long", "a little too lon");
+    check("fünfzehn Zeicheä", "fünfzehn Zeiche");
 }
 
 #[test]

@@ -1,0 +1,48 @@
+//! Module 0' (paper II.b (3)): "conveys and sets an object down to a specified plane position after it picks the object
+//! up from a specified position. Laying down is terminated by the activation of module 4."
+//!
+//! Conveys along the step's path, which keeps a safe height. In a step that lowers, it moves straight down at
+//! `place.lower_m_s` from where the path ends. It does not know how high the support lies: it stops when Module 4 ends
+//! the step, or, having arrived, at the step's bound.
+
+use super::{Carried, Context, Module, Proposal};
+use crate::limits::LOWERING_ACCELERATION_M_S2;
+use crate::perception::Percept;
+use nalgebra::Vector3;
+
+/// How far along its way the hand is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Transfer {
+    /// Path time, s.
+    path_s: f64,
+    /// Speed of lowering, m/s.
+    lowering_m_s: f64,
+    /// How far it has lowered, m.
+    lowered_m: f64,
+}
+
+impl Module for Transfer {
+    fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
+        let scaled_s = context.step_s * context.carry_scale;
+        self.path_s = (self.path_s + scaled_s).max(0.0);
+        let conveyed = self.path_s >= context.path.duration_s();
+        let depth_max_m = context.lowering_m.unwrap_or(0.0);
+        if conveyed && self.lowered_m < depth_max_m {
+            let faster_m_s = self.lowering_m_s + LOWERING_ACCELERATION_M_S2 * context.step_s;
+            self.lowering_m_s = faster_m_s.min(context.settings.place.lower_m_s);
+            self.lowered_m = (self.lowered_m + self.lowering_m_s * scaled_s).max(0.0);
+        }
+        let mut frame = context.path.at(self.path_s);
+        frame.centre_m -= Vector3::z() * self.lowered_m;
+        let arrived = conveyed && self.lowered_m >= depth_max_m;
+        Proposal {
+            active: !arrived,
+            carry: Some(Carried {
+                frame,
+                with_fingers: context.path.moves_fingers(),
+                arrived,
+            }),
+            ..Proposal::default()
+        }
+    }
+}

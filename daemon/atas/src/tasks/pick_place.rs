@@ -1,0 +1,47 @@
+//! Picking and placing (paper II.b (3), Fig. 7): modules 0', 1, 2, 3 and 4.
+//!
+//! Force that friction does not need is kept until the object stands: whoever conveys has no time to feel his way to the
+//! edge of slipping.
+
+use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
+use super::{Motion, Site, Step, Task, Track, Until};
+use crate::modules::Selection;
+use shm_schemas::ModuleId;
+
+const LIFT: Selection = SECURE.and(CARRY);
+const CONVEY: Selection = SECURE.and(Selection::of(&[ModuleId::TRANSFER]));
+const PLACE: Selection = CONVEY.and(Selection::of(&[ModuleId::RELEASE_PLACED]));
+
+pub(super) const LIFT_IT: Step = Step::new(
+    "lift",
+    Motion::Carry(Site::Lifted),
+    LIFT,
+    Until::Arrived,
+    120.0,
+);
+pub(super) const CONVEY_IT: Step = Step::new(
+    "convey",
+    Motion::Convey(Site::OverTarget),
+    CONVEY,
+    Until::Arrived,
+    60.0,
+);
+pub(super) const PLACE_IT: Step = Step::new("place", Motion::Lower, PLACE, Until::Concluded, 60.0);
+
+/// Grasp at the source, convey, set down at the target, let go.
+pub static PICK_PLACE: Task = Task::of(
+    "pick-place",
+    &[
+        REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, CONVEY_IT, PLACE_IT, OPEN, LEAVE,
+        GO_HOME,
+    ],
+);
+
+/// Lifts again what found no support.
+pub const RAISE: Track = Track::of(&[Step::new(
+    "raise",
+    Motion::Carry(Site::OverTarget),
+    LIFT,
+    Until::Arrived,
+    60.0,
+)]);
