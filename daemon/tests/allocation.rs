@@ -26,6 +26,8 @@ const TICKS: u64 = 2_000;
 /// Ticks before: the world settles, the goal starts, connections are made.
 const WARM_UP: u64 = 200;
 const PERIOD_NS: u64 = 1_000_000;
+/// Place of the recording in [`shm_schemas::TickReport::stage_ns`].
+const RECORDING: usize = 7;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
@@ -70,6 +72,16 @@ fn grasp() -> Order {
 
 #[test]
 fn a_tick_allocates_once_per_published_command() {
+    print_figures("not recording", &pursue(Link::default()));
+}
+
+#[test]
+fn recording_allocates_nothing_more() {
+    print_figures("recording", &pursue(Link::recording()));
+}
+
+/// Ticks in pursuit of a goal, each of which must allocate once.
+fn pursue(link: Link) -> Costs {
     let name = FreshBus::new("alloc");
     let mut world = World::on(&name);
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
@@ -79,12 +91,15 @@ fn a_tick_allocates_once_per_published_command() {
         Settings::default(),
     ));
     let bus = Bus::open(&name, "atasd", Realtime::Yes).expect("the bus opens");
-    let link = Arc::new(Link::default());
+    let link = Arc::new(link);
     let pacer = Pacer::LockStep(LockStep::new());
     let mut ticks =
         TickLoop::open(&bus, controller, pacer, Arc::clone(&link), 1000).expect("the ports open");
     assert!(link.order(grasp()).is_some());
-    let mut figures = Figures::new().expect("valid bounds");
+    let mut costs = Costs {
+        figures: Figures::new().expect("valid bounds"),
+        recording_ns: Vec::new(),
+    };
     for index in 0..WARM_UP + TICKS {
         world.publish((index + 1) * PERIOD_NS);
         let before = ALLOCATIONS.get();
@@ -93,30 +108,46 @@ fn a_tick_allocates_once_per_published_command() {
         world.listen();
         let record = link.next_record().expect("every tick leaves a record");
         while link.next_event().is_some() {}
+        if let Some(tape) = link.tape() {
+            let part = tape.next().expect("every tick leaves a part");
+            assert_eq!(part.command.crc32, record.report.command_crc32);
+            tape.give_back(part);
+        }
         if index >= WARM_UP {
             assert_eq!(
                 (record.report.mode, allocations),
                 (Mode::RUN, 1),
                 "tick {index}"
             );
-            figures.record(&record);
+            costs.figures.record(&record);
+            costs.recording_ns.push(record.report.stage_ns[RECORDING]);
         }
     }
-    print_figures(&figures);
+    costs
 }
 
-fn print_figures(figures: &Figures) {
+/// What the ticks took.
+struct Costs {
+    figures: Figures,
+    recording_ns: Vec<u32>,
+}
+
+fn print_figures(what: &str, costs: &Costs) {
     let mut status = Status::default();
-    figures.write(&mut status);
+    costs.figures.write(&mut status);
     let tick = status.tick;
     let us = |ns: u64| ns as f64 * 1e-3;
+    let mut recording_ns = costs.recording_ns.clone();
+    recording_ns.sort_unstable();
     let line = format!(
-        "tick body over {} ticks in RUN: p50 {:.1} µs, p99 {:.1} µs, p99.9 {:.1} µs, max {:.1} µs",
+        "{what}: tick body over {} ticks in RUN: p50 {:.1} µs, p99 {:.1} µs, p99.9 {:.1} µs, max {:.1} µs; \
+         recording after it: p50 {:.2} µs",
         tick.count,
         us(tick.p50_ns),
         us(tick.p99_ns),
         us(tick.p999_ns),
         us(tick.max_ns),
+        us(u64::from(recording_ns[recording_ns.len() / 2])),
     );
     // A closed standard output is no reason to fail.
     let _ = writeln!(std::io::stdout(), "{line}");

@@ -3,6 +3,7 @@
 mod config;
 mod example;
 mod goals;
+mod kernel;
 mod lives;
 mod replay;
 mod service;

@@ -34,11 +34,24 @@ impl Daemon {
         flags: &[&str],
         more: impl FnOnce(&mut Command),
     ) -> Self {
+        Self::start_under(&[], bus, config, flags, more)
+    }
+
+    /// The same, by way of another program that becomes the daemon.
+    pub(crate) fn start_under(
+        wrapper: &[&str],
+        bus: &FreshBus,
+        config: &str,
+        flags: &[&str],
+        more: impl FnOnce(&mut Command),
+    ) -> Self {
         let folder = TempDir::new().expect("a temporary folder");
         fs::write(folder.path().join("atas.toml"), config).expect("writable");
         let log = File::create(folder.path().join("log")).expect("writable");
-        let mut command = Command::new(env!("CARGO_BIN_EXE_atasd"));
+        let words = [wrapper, &[env!("CARGO_BIN_EXE_atasd")]].concat();
+        let mut command = Command::new(words[0]);
         command
+            .args(&words[1..])
             .arg("--bus")
             .arg(bus.as_str())
             .arg("--config")

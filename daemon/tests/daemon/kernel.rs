@@ -1,0 +1,130 @@
+//! What a tick asks of the kernel: to sleep, and nothing else.
+
+use std::fs;
+use std::io::{ErrorKind, Write as _};
+use std::process::Command;
+
+use rustix::process::Signal;
+use shm_bus::FreshBus;
+use shm_schemas::{Mode, StatusFlags};
+
+use crate::support::{Daemon, World};
+
+/// Patient enough for a loaded machine and a traced process.
+const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
+/// Sleeps in which the tick thread gets to know its peers and touches everything once.
+const WARM_UP: usize = 100;
+/// Ticks that are looked at.
+const TICKS: u64 = 1_000;
+
+/// Thread id of the tick thread.
+fn tick_thread(pid: u32) -> String {
+    let tasks = fs::read_dir(format!("/proc/{pid}/task")).expect("the daemon lives");
+    let is_tick = |path: &std::path::PathBuf| {
+        fs::read_to_string(path.join("comm")).is_ok_and(|name| name.trim() == "atasd-tick")
+    };
+    let mut paths = tasks.filter_map(|task| Some(task.ok()?.path()));
+    let path = paths.find(is_tick).expect("there is a tick thread");
+    let name = path.file_name().expect("a thread id");
+    name.to_str().expect("a number").to_owned()
+}
+
+fn say(line: &str) {
+    // A closed standard error is no reason to fail.
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// `strace` is in the Debian package of that name. Where it is not installed, or not allowed, the test says so.
+fn can_trace() -> bool {
+    let tried = Command::new("strace")
+        .args(["-D", "-f", "-qq", "-o", "/dev/null", "true"])
+        .status();
+    match tried {
+        Ok(status) if status.success() => true,
+        Ok(_) => {
+            say("SKIPPED: strace may not trace here; the tick's system calls were not counted");
+            false
+        }
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            say("SKIPPED: strace is not installed; the tick's system calls were not counted");
+            false
+        }
+        Err(error) => panic!("strace does not start: {error}"),
+    }
+}
+
+#[test]
+fn a_tick_makes_no_system_call_but_its_sleep() {
+    if !can_trace() {
+        return;
+    }
+    let bus = FreshBus::new("strace");
+    let mut world = World::on(&bus);
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let trace = folder.path().join("trace");
+    let out = trace.display().to_string();
+    // -D: the daemon stays our child, strace is its grandchild.
+    let strace = ["strace", "-D", "-f", "-qq", "-o", &out];
+    // Slow enough for a traced process; recording, because its part of the tick must be as quiet.
+    let flags = ["--set", "realtime.rate_hz=200", "--record-stream"];
+    let mut daemon = Daemon::start_under(&strace, &bus, PATIENT, &flags, |_| ());
+    let begin = world.until_mode(Mode::READY).ticks;
+    world.until("ticks", |s| s.ticks > begin + WARM_UP as u64 + TICKS / 2);
+    let thread = tick_thread(daemon.pid());
+    let text = fs::read_to_string(&trace).expect("strace writes");
+    daemon.signal(Signal::TERM);
+    assert!(daemon.wait().success());
+
+    let calls: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix(&thread)?.trim_start().split_once('('))
+        .map(|(name, _)| name)
+        .filter(|name| !name.contains("resumed"))
+        .collect();
+    let is_sleep = |call: &&str| *call == "clock_nanosleep";
+    let mut sleeps = calls.iter().enumerate().filter(|(_, call)| is_sleep(call));
+    let (steady, _) = sleeps.nth(WARM_UP).expect("many sleeps");
+    let others: Vec<_> = calls[steady..]
+        .iter()
+        .filter(|call| !is_sleep(call))
+        .collect();
+    assert!(others.is_empty(), "{others:?}");
+    let counted = calls.len() - steady;
+    assert!(counted as u64 >= TICKS / 4, "{counted} sleeps");
+    say(&format!(
+        "{counted} ticks: {counted} clock_nanosleep, nothing else"
+    ));
+}
+
+/// Page faults of a thread so far: fields 10 and 12 of its `stat`, minor and major.
+fn page_faults(pid: u32, thread: &str) -> u64 {
+    let stat =
+        fs::read_to_string(format!("/proc/{pid}/task/{thread}/stat")).expect("the daemon lives");
+    // The name before may contain anything but ends with the last parenthesis.
+    let (_, fields) = stat.rsplit_once(')').expect("a name");
+    let field = |number: usize| fields.split_whitespace().nth(number - 3).expect("a field");
+    [10, 12]
+        .iter()
+        .map(|number| field(*number).parse::<u64>().expect("a number"))
+        .sum()
+}
+
+#[test]
+fn a_tick_makes_no_page_fault() {
+    let bus = FreshBus::new("faults");
+    let mut world = World::on(&bus);
+    let daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
+    let begin = world.until_mode(Mode::READY);
+    world.until("warm", |s| s.ticks > begin.ticks + TICKS);
+    let thread = tick_thread(daemon.pid());
+    let before = page_faults(daemon.pid(), &thread);
+    let since = world.newest.ticks;
+    world.until("ticks", |s| s.ticks > since + TICKS);
+    let faults = page_faults(daemon.pid(), &thread) - before;
+    if begin.flags & StatusFlags::MEMORY_LOCKED == 0 {
+        return say(&format!(
+            "SKIPPED: memory may not be locked here; {faults} page faults"
+        ));
+    }
+    assert_eq!(faults, 0, "in {TICKS} ticks");
+}
