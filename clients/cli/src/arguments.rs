@@ -65,6 +65,8 @@ pub enum Command {
         #[command(subcommand)]
         action: Param,
     },
+    /// Check this machine, the bus and the daemon, and say what to do; exit code 1 if anything fails
+    Doctor(BusArgument),
     /// Print the completions of a shell
     Completions {
         /// Which shell

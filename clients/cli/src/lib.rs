@@ -19,6 +19,7 @@ pub mod arguments;
 mod client;
 mod commands;
 mod demo;
+mod doctor;
 pub mod eval;
 pub mod exit;
 mod interrupt;

@@ -95,6 +95,21 @@ fn completions_and_manual_pages() {
 }
 
 #[test]
+fn the_doctor_fails_exactly_if_a_finding_does() {
+    let bus = FreshBus::new("doctor");
+    let (code, stdout, stderr) = run(&["doctor", "--format", "json", "--bus", bus.as_str()]);
+    let findings: Vec<serde_json::Value> = serde_json::from_str(&stdout).expect("JSON");
+    let verdicts = findings.iter().map(|finding| finding["verdict"].as_str());
+    let fails = verdicts.filter(|verdict| *verdict == Some("fail")).count();
+    assert_eq!(code, i32::from(fails > 0), "{stderr}");
+    let daemon = findings.iter().find(|finding| finding["probe"] == "daemon");
+    let daemon = daemon.expect("a finding");
+    assert_eq!(daemon["verdict"], "warn", "{daemon}");
+    let cure = daemon["what_to_do"].as_str();
+    assert!(cure.is_some_and(|cure| cure.contains("atasd")), "{daemon}");
+}
+
+#[test]
 fn eval_prints_one_json_line() {
     let (code, stdout, stderr) = run(&[
         "eval",

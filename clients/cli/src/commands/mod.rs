@@ -13,7 +13,7 @@ use crate::arguments::{Arguments, Command, Demo, Eval, EvalGrasp, Param};
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::{client, demo, eval};
+use crate::{client, demo, doctor, eval};
 
 /// The whole program: reads the command line, does what it says, tells errors in one line, returns the exit code.
 #[must_use]
@@ -51,6 +51,7 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
         Command::Status(arguments) => client::status(arguments, &interrupt, output),
         Command::Events(arguments) => client::events(arguments, &interrupt, output),
         Command::Param { action } => parameter(action, output),
+        Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
         Command::Completions { shell } => {
             let mut command = Arguments::command();
             clap_complete::generate(*shell, &mut command, "atas", &mut std::io::stdout());

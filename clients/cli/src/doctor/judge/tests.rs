@@ -1,0 +1,126 @@
+use super::super::Verdict::{self, Fail, Ok as Good, Warn};
+use super::*;
+
+fn check(finding: Finding, verdict: Verdict, part: &str) {
+    assert_eq!(finding.verdict, verdict, "{finding:?}");
+    assert!(finding.found.contains(part), "{finding:?}");
+    assert_eq!(finding.cure.is_empty(), verdict == Good, "{finding:?}");
+}
+
+#[test]
+fn real_time() {
+    let refused = || Err(io::Error::from_raw_os_error(1));
+    check(scheduling(&Ok(()), true), Good, "granted");
+    check(
+        scheduling(&refused(), false),
+        Fail,
+        "Operation not permitted",
+    );
+    check(scheduling(&refused(), true), Fail, "RT_GROUP_SCHED");
+    check(throttling("950000\n"), Good, "950000");
+    check(throttling("-1"), Good, "off");
+    check(throttling("0"), Fail, "no time");
+    check(throttling(""), Warn, "unknown");
+}
+
+#[test]
+fn memory() {
+    let without = "Name:\tatas\nCapEff:\t0000000000000000\n";
+    let with = "CapEff:\t0000000000004000\n";
+    check(memory_lock(Some(8 << 20), without), Fail, "8.0 MiB");
+    check(memory_lock(Some(8 << 20), with), Good, "CAP_IPC_LOCK");
+    check(memory_lock(Some(8 << 20), "CapEff: words"), Fail, "8.0 MiB");
+    check(memory_lock(Some(512 << 20), without), Good, "512.0 MiB");
+    check(memory_lock(None, ""), Good, "no limit");
+    check(shared_memory(1 << 20), Fail, "1.0 MiB");
+    check(shared_memory(32 << 20), Warn, "one bus");
+    check(shared_memory(1 << 30), Good, "1024.0 MiB");
+}
+
+#[test]
+fn kernels_and_clocks() {
+    check(
+        kernel("6.12", "#1 SMP PREEMPT_RT Debian"),
+        Good,
+        "PREEMPT_RT",
+    );
+    check(
+        kernel("6.18", "#1 SMP PREEMPT_DYNAMIC @0"),
+        Warn,
+        "PREEMPT_DYNAMIC",
+    );
+    check(kernel("5.10", "#1 SMP Debian"), Warn, "not preemptible");
+    check(clock(1, "tsc\n"), Good, "tsc");
+    check(clock(1, ""), Good, "1 ns");
+    check(clock(1, "acpi_pm"), Warn, "acpi_pm");
+    check(clock(4_000_000, "tsc"), Fail, "4000000 ns");
+}
+
+#[test]
+fn cores() {
+    let named = |names: &[&str]| {
+        names
+            .iter()
+            .map(|name| format!("{name}\n"))
+            .collect::<Vec<_>>()
+    };
+    check(governor(&[]), Good, "none");
+    check(
+        governor(&named(&["performance"; 2])),
+        Good,
+        "performance (2 cores)",
+    );
+    check(
+        governor(&named(&["performance", "powersave"])),
+        Warn,
+        "powersave (1 cores)",
+    );
+    check(isolated_cores("\n"), Warn, "none");
+    check(isolated_cores("2-3,6\n"), Good, "[2, 3, 6]");
+    check(isolated_cores("three"), Warn, "three");
+    check(isolated_cores("3-1"), Warn, "3-1");
+    check(isolated_cores("0-4294967295"), Warn, "could not read");
+}
+
+#[test]
+fn users() {
+    check(user(1000, None), Good, "1000");
+    check(user(1000, Some(1000)), Good, "1000");
+    check(user(1000, Some(998)), Warn, "998");
+    check(user(0, None), Warn, "root");
+}
+
+#[test]
+fn buses() {
+    let file = |name: &str, bus| assert_eq!(bus_of_file(name), bus, "{name}");
+    file("atas_0123abcd_x.data", Some("atas"));
+    file("fdemo-12-0_0123abcd_y", Some("fdemo-12-0"));
+    file("atas_0123abc_x", None);
+    file("sem.other", None);
+    file("_0123abcd_x", None);
+    check(leftovers(&BTreeMap::new()), Good, "none");
+    let with = |bytes| BTreeMap::from([("fdemo-1-0".to_owned(), bytes)]);
+    check(leftovers(&with(4096)), Good, "none");
+    check(
+        leftovers(&with(3 << 20)),
+        Warn,
+        "3.0 MiB of 1 buses that no process uses, the first is \"fdemo-1-0\"",
+    );
+}
+
+#[test]
+fn daemons() {
+    let with = |flags, dropped_records| Status {
+        flags,
+        dropped_records,
+        ..Status::default()
+    };
+    check(daemon(None, "atas"), Warn, "\"atas\"");
+    check(daemon(Some(&with(0, 0)), "atas"), Good, "mode init");
+    check(
+        daemon(Some(&with(StatusFlags::DEGRADED, 0)), "atas"),
+        Fail,
+        "DEGRADED",
+    );
+    check(daemon(Some(&with(0, 7)), "atas"), Warn, "7 records");
+}

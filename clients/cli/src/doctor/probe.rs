@@ -1,0 +1,178 @@
+//! Asks the kernel, the files and the bus. What cannot be asked reads as empty, and the judge says what that means.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+
+use rustix::process::{Resource, geteuid, getrlimit};
+use rustix::time::{ClockId, clock_getres};
+use shm_bus::{BusError, BusName};
+use shm_schemas::Status;
+
+use super::{Finding, judge};
+use crate::client::Session;
+
+/// Priority that is tried: the daemon's default.
+const PRIORITY: i32 = 80;
+/// Folder of the installed service.
+const SERVICE: &str = "/run/atas";
+const SHM: &str = "/dev/shm";
+/// Files of which one exists where control groups divide real-time time (cgroup v1; version 2 has none).
+const RT_GROUPS: [&str; 2] = [
+    "/sys/fs/cgroup/cpu/cpu.rt_runtime_us",
+    "/sys/fs/cgroup/cpu,cpuacct/cpu.rt_runtime_us",
+];
+
+/// The machine: what every daemon on it would find.
+pub(super) fn machine() -> Vec<Finding> {
+    let uname = rustix::system::uname();
+    let text = |part: &std::ffi::CStr| part.to_string_lossy().into_owned();
+    let resolution = clock_getres(ClockId::Monotonic);
+    let resolution_ns = resolution.tv_sec as u64 * 1_000_000_000 + resolution.tv_nsec as u64;
+    let has_rt_groups = RT_GROUPS.iter().any(|file| Path::new(file).exists());
+    vec![
+        judge::user(
+            geteuid().as_raw(),
+            fs::metadata(SERVICE).ok().map(|meta| meta.uid()),
+        ),
+        judge::kernel(&text(uname.release()), &text(uname.version())),
+        judge::scheduling(&try_fifo(), has_rt_groups),
+        judge::throttling(&read("/proc/sys/kernel/sched_rt_runtime_us")),
+        judge::memory_lock(
+            getrlimit(Resource::Memlock).current,
+            &read("/proc/self/status"),
+        ),
+        judge::governor(&governors()),
+        judge::isolated_cores(&read("/sys/devices/system/cpu/isolated")),
+        judge::clock(
+            resolution_ns,
+            &read("/sys/devices/system/clocksource/clocksource0/current_clocksource"),
+        ),
+        judge::shared_memory(free_shared_memory()),
+    ]
+}
+
+/// The bus and the daemon on it.
+pub(super) fn bus(name: &BusName) -> Vec<Finding> {
+    // Before joining, because joining removes what it finds of this bus.
+    let mut findings = vec![judge::leftovers(&unused_shared_memory())];
+    match Session::join(name) {
+        Ok(session) => {
+            findings.push(peers(&session));
+            let status: Option<Status> = session.watch_status().ok().map(|(_, status)| status);
+            findings.push(judge::daemon(status.as_ref(), name.as_str()));
+        }
+        Err(error) => findings.push(Finding::fail("bus", format!("{error:#}"), cure(&error))),
+    }
+    findings
+}
+
+fn cure(error: &anyhow::Error) -> &'static str {
+    match error.downcast_ref::<BusError>() {
+        Some(BusError::NoSpace { .. }) => "free /dev/shm as the finding above says",
+        _ => "do what the message says; daemon and clients must run as one user",
+    }
+}
+
+/// Who else is on the bus.
+fn peers(session: &Session) -> Finding {
+    let bus = session.bus();
+    let place = format!("{:?} in {}", bus.name().as_str(), bus.folder().display());
+    let own = std::process::id();
+    match bus.peers() {
+        Ok(peers) => {
+            let others = peers.iter().filter(|peer| peer.alive && peer.pid != own);
+            let others: BTreeSet<String> = others.map(ToString::to_string).collect();
+            let others: Vec<String> = others.into_iter().collect();
+            let who = if others.is_empty() {
+                "nobody".to_owned()
+            } else {
+                others.join(", ")
+            };
+            Finding::ok("bus", format!("{place}; on it: {who}"))
+        }
+        Err(error) => Finding::fail("bus", error.to_string(), "do what the message says"),
+    }
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(path).unwrap_or_default()
+}
+
+fn governors() -> Vec<String> {
+    let cores = fs::read_dir("/sys/devices/system/cpu")
+        .into_iter()
+        .flatten()
+        .flatten();
+    cores
+        .filter_map(|core| fs::read_to_string(core.path().join("cpufreq/scaling_governor")).ok())
+        .collect()
+}
+
+fn free_shared_memory() -> u64 {
+    rustix::fs::statvfs(SHM).map_or(0, |stat| stat.f_bavail.saturating_mul(stat.f_frsize))
+}
+
+/// Whether the kernel makes a thread of this process `SCHED_FIFO`. The thread ends at once.
+fn try_fifo() -> io::Result<()> {
+    let tried = std::thread::spawn(|| {
+        let parameters = libc::sched_param {
+            sched_priority: PRIORITY,
+        };
+        // SAFETY: the call reads `parameters`, which lives, and changes the scheduling of the calling thread, nothing
+        // else. It is made raw because rustix has no wrapper.
+        let result = unsafe {
+            libc::syscall(
+                libc::SYS_sched_setscheduler,
+                0,
+                libc::SCHED_FIFO,
+                &raw const parameters,
+            )
+        };
+        if result == 0 {
+            Ok(())
+        } else {
+            Err(io::Error::last_os_error())
+        }
+    });
+    tried
+        .join()
+        .unwrap_or_else(|_| Err(io::Error::other("the thread that tried it panicked")))
+}
+
+/// Bytes of this user's shared memory per bus, of buses that no process of this user maps.
+fn unused_shared_memory() -> BTreeMap<String, u64> {
+    let own = geteuid().as_raw();
+    let mut buses = BTreeMap::<String, u64>::new();
+    for file in fs::read_dir(SHM).into_iter().flatten().flatten() {
+        let Ok(meta) = file.metadata() else { continue };
+        if let Some(bus) = judge::bus_of_file(&file.file_name().to_string_lossy())
+            && meta.is_file()
+            && meta.uid() == own
+        {
+            *buses.entry(bus.to_owned()).or_default() += meta.blocks() * 512;
+        }
+    }
+    // After the files, so that a bus that is being made counts as used.
+    let used = used_buses();
+    buses.retain(|bus, _| !used.contains(bus));
+    buses
+}
+
+/// The buses whose shared memory some process maps.
+fn used_buses() -> BTreeSet<String> {
+    let processes = fs::read_dir("/proc").into_iter().flatten().flatten();
+    let maps = processes.filter_map(|process| fs::read_to_string(process.path().join("maps")).ok());
+    let mut used = BTreeSet::new();
+    for map in maps {
+        let files = map.lines().filter_map(|line| line.split_once("/dev/shm/"));
+        used.extend(
+            files
+                .filter_map(|(_, file)| judge::bus_of_file(file))
+                .map(str::to_owned),
+        );
+    }
+    used
+}
