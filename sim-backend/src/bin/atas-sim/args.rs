@@ -1,17 +1,16 @@
-//! The command line: what may be said, and the scene it amounts to.
+//! The command line: what may be said.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use robot_model::Side;
+use clap::{Args, Parser, Subcommand};
 use shm_bus::BusName;
+use sim_backend::Scene;
 use sim_backend::faults::Fault;
-use sim_backend::{Object, Placed, Scene};
 
 use crate::failure::Failure;
 use crate::field_host::FieldArgs;
+use crate::scene_args::SceneArgs;
 
 /// A simulated two-hand robot with tactile fingertips before a table of objects.
 #[derive(Debug, Parser)]
@@ -36,24 +35,11 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = Failure::EXIT_CODES)]
 pub(crate) struct RunArgs {
-    /// Object on the table: a built-in name or a TOML file, optionally with its place. May be given up to four times.
-    #[arg(long = "object", value_name = "NAME|FILE[@X,Y[,YAW]]  (m, m, degrees)")]
-    objects: Vec<ObjectArg>,
-    /// Hand in front of which objects without a place stand.
-    #[arg(long, value_enum, default_value = "right")]
-    hand: HandArg,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Seed of noise, tremble, families and faults.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Draw the objects' true mass, friction, stiffness and pose from their families, by the seed.
-    #[arg(long)]
-    vary: bool,
-    /// Scale of the fingertip sensors' noise.
-    #[arg(long, default_value_t = 1.0)]
-    noise: f64,
-    /// Frames per second of the fingertip sensors, 1 to 1000.
-    #[arg(long, default_value_t = 1000)]
-    rate_hz: u32,
     /// Wait for the daemon's answer to every tick: virtual time, repeatable bit for bit.
     #[arg(long)]
     pub(crate) lockstep: bool,
@@ -71,55 +57,6 @@ pub(crate) struct RunArgs {
     pub(crate) robot: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum HandArg {
-    Left,
-    Right,
-}
-
-impl HandArg {
-    fn side(self) -> Side {
-        match self {
-            Self::Left => Side::Left,
-            Self::Right => Side::Right,
-        }
-    }
-}
-
-/// What an object is called, and where it stands if that was said.
-#[derive(Clone, Debug, PartialEq)]
-struct ObjectArg {
-    name: String,
-    place: Option<([f64; 2], f64)>,
-}
-
-impl FromStr for ObjectArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let Some((name, place)) = text.rsplit_once('@') else {
-            return Ok(Self {
-                name: text.into(),
-                place: None,
-            });
-        };
-        let numbers: Result<Vec<f64>, _> = place.split(',').map(str::parse).collect();
-        let (position_m, yaw_deg) = match numbers.as_deref() {
-            Ok([x, y]) => ([*x, *y], 90.0),
-            Ok([x, y, yaw_deg]) => ([*x, *y], *yaw_deg),
-            _ => {
-                return Err(format!(
-                    "its place was {place:?}, needs X,Y or X,Y,YAW in metres and degrees"
-                ));
-            }
-        };
-        Ok(Self {
-            name: name.into(),
-            place: Some((position_m, yaw_deg.to_radians())),
-        })
-    }
-}
-
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text
         .parse()
@@ -130,23 +67,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 impl RunArgs {
     /// The scene that the arguments describe.
     pub(crate) fn scene(&self) -> Result<Scene, Failure> {
-        let mut scene = Scene {
-            noise_factor: self.noise,
-            sensor_rate_hz: [self.rate_hz; 2],
-            ..Scene::default()
-        };
-        for ObjectArg { name, place } in &self.objects {
-            let object = Object::named_or_file(name)?;
-            scene.objects.push(match *place {
-                Some((position_m, yaw_rad)) => Placed::new(object, position_m, yaw_rad),
-                None => Placed::before(object, self.hand.side()),
-            });
-        }
-        Ok(if self.vary {
-            scene.varied(self.seed)
-        } else {
-            scene
-        })
+        self.scene.scene(self.seed)
     }
 }
 
@@ -180,6 +101,35 @@ mod tests {
     }
 
     #[test]
+    fn scenes_of_tasks() {
+        let names = |arguments: &str| {
+            let scene = scene(arguments).expect(arguments);
+            let names = scene
+                .objects
+                .iter()
+                .map(|placed| placed.object.name.clone());
+            (
+                names.collect::<Vec<_>>().join(" "),
+                scene.plates.len(),
+                scene.sensor_rate_hz,
+            )
+        };
+        assert_eq!(names("--scene pick-place"), ("wood".into(), 2, [1000; 2]));
+        assert_eq!(
+            names("--scene pick-place --object sponge"),
+            ("sponge".into(), 2, [1000; 2])
+        );
+        assert_eq!(
+            names("--scene screw --rate-hz 30"),
+            ("cap open-bottle".into(), 0, [30; 2])
+        );
+        assert_eq!(
+            names("--scene assembly --vary"),
+            ("cap open-bottle".into(), 1, [1000; 2])
+        );
+    }
+
+    #[test]
     fn refusals_say_what_to_do() {
         let check = |arguments: &str, part: &str| {
             let message = scene(arguments).expect_err(arguments);
@@ -192,5 +142,17 @@ mod tests {
         check("--bus ATAS!", "use 1 to 24 characters");
         check("--duration=-1", "negative");
         check("--seed x", "invalid digit");
+        check("--scene screw --object wood", "use --cap and --bottle");
+        check(
+            "--scene pick-place --object wood --object wood",
+            "needs one --object",
+        );
+        check(
+            "--scene pick-place --object wood@0.3,0.1",
+            "has a place of its own",
+        );
+        check("--scene screw --cap wood", "has no thread");
+        check("--scene assembly --bottle bottle", "has no neck");
+        check("--cap cap", "add --scene screw or --scene assembly");
     }
 }

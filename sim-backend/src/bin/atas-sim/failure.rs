@@ -11,6 +11,8 @@ pub(crate) enum Failure {
     Object(#[from] ObjectError),
     #[error(transparent)]
     Scene(#[from] SceneError),
+    #[error("could not set the scene because {0}")]
+    Usage(&'static str),
     #[error(transparent)]
     Robot(#[from] ModelError),
     #[error(transparent)]
@@ -44,7 +46,7 @@ Log: standard error, filtered by RUST_LOG (default info).";
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::World(_) | Self::Signals(_) => 1,
-            Self::Object(_) | Self::Scene(_) | Self::Robot(_) => 2,
+            Self::Object(_) | Self::Scene(_) | Self::Usage(_) | Self::Robot(_) => 2,
             Self::Preset { .. } | Self::Field(_) | Self::Team(_) | Self::Swarm(_) => 2,
             Self::Bus(_) => 3,
         }

@@ -9,6 +9,7 @@ mod field_host;
 mod free_run;
 mod lockstep;
 mod realtime;
+mod scene_args;
 mod session;
 mod wait;
 
@@ -90,6 +91,10 @@ fn announce(args: &RunArgs, scene: &Scene) {
             );
         }
     }
+    if let Some(place) = scene.place {
+        let [x, y, z] = place.from_m;
+        tracing::info!(to_m = format!("{x:.3},{y:.3},{z:.3}"), "its place");
+    }
 }
 
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
@@ -105,7 +110,7 @@ fn list_objects() -> Result<(), Failure> {
         "{:18} {:>7} {:>8} {:>8} {:>13} {:>8}",
         "name", "mass kg", "friction", "needed N", "stiffness N/m", "crush N"
     )];
-    for name in Object::names() {
+    for name in Object::names().chain(Object::part_names()) {
         let object = Object::built_in(name)?;
         let (mass_kg, friction, needed_n) = (object.mass_kg, object.friction, object.needed_n());
         let or_none = |value: f64| {

@@ -1,0 +1,189 @@
+//! What the command line says of the world, and the scene it amounts to.
+
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+use robot_model::Side;
+use sim_backend::{Object, Placed, Scene};
+
+use crate::failure::Failure;
+
+/// Object of pick and place if none is named.
+const PICK_PLACE_OBJECT: &str = "wood";
+/// Parts of screwing and assembly if none are named.
+const CAP: &str = "cap";
+const BOTTLE: &str = "open-bottle";
+
+#[derive(Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// What the world is set up for.
+    #[arg(long, value_enum, default_value = "table")]
+    scene: SceneKind,
+    /// Object on the table: a built-in name or a TOML file, optionally with its place. May be given up to four times.
+    #[arg(long = "object", value_name = "NAME|FILE[@X,Y[,YAW]]  (m, m, degrees)")]
+    objects: Vec<ObjectArg>,
+    /// Cap to screw: a built-in name or a TOML file with a thread [default: cap]
+    #[arg(long, value_name = "NAME|FILE")]
+    cap: Option<String>,
+    /// Bottle to screw it on: a built-in name or a TOML file with a neck [default: open-bottle]
+    #[arg(long, value_name = "NAME|FILE")]
+    bottle: Option<String>,
+    /// Hand in front of which objects without a place stand; in assembly the hand that screws.
+    #[arg(long, value_enum, default_value = "right")]
+    hand: HandArg,
+    /// Draw the objects' true properties and poses, and the place's height, from their families, by the seed.
+    #[arg(long)]
+    vary: bool,
+    /// Scale of the fingertip sensors' noise.
+    #[arg(long, default_value_t = 1.0)]
+    noise: f64,
+    /// Frames per second of the fingertip sensors, 1 to 1000.
+    #[arg(long, default_value_t = 1000)]
+    rate_hz: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SceneKind {
+    /// The objects on the table.
+    Table,
+    /// One object on a plate, and a second plate to put it on.
+    PickPlace,
+    /// A cap on the neck of a clamped bottle.
+    Screw,
+    /// A cap on a stand, and a free bottle.
+    Assembly,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum HandArg {
+    Left,
+    Right,
+}
+
+impl HandArg {
+    fn side(self) -> Side {
+        match self {
+            Self::Left => Side::Left,
+            Self::Right => Side::Right,
+        }
+    }
+}
+
+/// What an object is called, and where it stands if that was said.
+#[derive(Clone, Debug, PartialEq)]
+struct ObjectArg {
+    name: String,
+    place: Option<([f64; 2], f64)>,
+}
+
+impl FromStr for ObjectArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((name, place)) = text.rsplit_once('@') else {
+            return Ok(Self {
+                name: text.into(),
+                place: None,
+            });
+        };
+        let numbers: Result<Vec<f64>, _> = place.split(',').map(str::parse).collect();
+        let (position_m, yaw_deg) = match numbers.as_deref() {
+            Ok([x, y]) => ([*x, *y], 90.0),
+            Ok([x, y, yaw_deg]) => ([*x, *y], *yaw_deg),
+            _ => {
+                return Err(format!(
+                    "its place was {place:?}, needs X,Y or X,Y,YAW in metres and degrees"
+                ));
+            }
+        };
+        Ok(Self {
+            name: name.into(),
+            place: Some((position_m, yaw_deg.to_radians())),
+        })
+    }
+}
+
+impl SceneArgs {
+    /// The scene that the arguments describe.
+    pub(crate) fn scene(&self, seed: u64) -> Result<Scene, Failure> {
+        let scene = Scene {
+            noise_factor: self.noise,
+            sensor_rate_hz: [self.rate_hz; 2],
+            ..self.nominal()?
+        };
+        Ok(if self.vary { scene.varied(seed) } else { scene })
+    }
+
+    fn nominal(&self) -> Result<Scene, Failure> {
+        let has_parts = self.cap.is_some() || self.bottle.is_some();
+        match self.scene {
+            SceneKind::Table | SceneKind::PickPlace if has_parts => Err(Failure::Usage(
+                "--cap and --bottle belong to other scenes; add --scene screw or --scene assembly",
+            )),
+            SceneKind::Screw | SceneKind::Assembly if !self.objects.is_empty() => Err(
+                Failure::Usage("it has no place for --object; use --cap and --bottle"),
+            ),
+            SceneKind::Table => self.table(),
+            SceneKind::PickPlace => self.pick_place(),
+            SceneKind::Screw => Ok(Scene::screw(self.cap()?, self.bottle()?, self.hand.side())),
+            SceneKind::Assembly => Ok(Scene::assembly(
+                self.cap()?,
+                self.bottle()?,
+                self.hand.side(),
+            )),
+        }
+    }
+
+    fn table(&self) -> Result<Scene, Failure> {
+        let mut scene = Scene::default();
+        for ObjectArg { name, place } in &self.objects {
+            let object = Object::named_or_file(name)?;
+            scene.objects.push(match *place {
+                Some((position_m, yaw_rad)) => Placed::new(object, position_m, yaw_rad),
+                None => Placed::before(object, self.hand.side()),
+            });
+        }
+        Ok(scene)
+    }
+
+    fn pick_place(&self) -> Result<Scene, Failure> {
+        let name = match &self.objects[..] {
+            [] => PICK_PLACE_OBJECT,
+            [ObjectArg { name, place: None }] => name,
+            [_] => {
+                return Err(Failure::Usage(
+                    "its object has a place of its own; leave out @X,Y",
+                ));
+            }
+            _ => {
+                return Err(Failure::Usage(
+                    "it needs one --object; leave out the others",
+                ));
+            }
+        };
+        Ok(Scene::pick_place(
+            Object::named_or_file(name)?,
+            self.hand.side(),
+        ))
+    }
+
+    fn cap(&self) -> Result<Object, Failure> {
+        let cap = Object::named_or_file(self.cap.as_deref().unwrap_or(CAP))?;
+        match cap.thread {
+            Some(_) => Ok(cap),
+            None => Err(Failure::Usage(
+                "its cap has no thread; name one that has one with --cap",
+            )),
+        }
+    }
+
+    fn bottle(&self) -> Result<Object, Failure> {
+        let bottle = Object::named_or_file(self.bottle.as_deref().unwrap_or(BOTTLE))?;
+        match bottle.neck {
+            Some(_) => Ok(bottle),
+            None => Err(Failure::Usage(
+                "its bottle has no neck; name one that has one with --bottle",
+            )),
+        }
+    }
+}
