@@ -5,3 +5,4 @@ mod determinism;
 mod faults;
 mod optoforce;
 mod readme;
+mod swarm;

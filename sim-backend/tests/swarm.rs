@@ -1,0 +1,110 @@
+//! The swarm's host without a bus: what it refuses, and what robots do that are told nothing or nonsense.
+
+use field::{Model, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wheels, run_trial};
+use shm_schemas::{AgentSensors, WheelCommands};
+use sim_backend::swarm::{Answer, Swarm, SwarmError, SwarmSettings, TrialReport};
+
+fn settings(agents: usize, fields: usize, goals: &[u8]) -> SwarmSettings {
+    SwarmSettings {
+        model: Model::new(Preset::N).expect("valid"),
+        team: TeamSize::new(agents).expect("1 to 4"),
+        fields,
+        goals: goals.to_vec(),
+    }
+}
+
+fn swarm(agents: usize, fields: usize, goals: &[u8]) -> Swarm {
+    Swarm::new(settings(agents, fields, goals)).expect("valid settings")
+}
+
+/// Motor bits of a table that drives ahead and turns where it senses something.
+fn output(row: u32) -> u32 {
+    [0b1111, 0b0101, 0b1101, 0b0111][(row % 4) as usize]
+}
+
+fn answer(sensors: &AgentSensors) -> WheelCommands {
+    let mut commands = WheelCommands {
+        agent_count: sensors.agent_count,
+        table_hash: 7,
+        ..WheelCommands::default()
+    };
+    for (bits, row) in commands.output.iter_mut().zip(sensors.row) {
+        *bits = output(row);
+    }
+    commands
+}
+
+/// Runs one trial; `spoil` may change every answer.
+fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
+    let mut sensors = AgentSensors::default();
+    loop {
+        swarm.sense(&mut sensors);
+        let mut commands = answer(&sensors);
+        spoil(&mut commands);
+        if let Some(report) = swarm.advance(Answer::Commands(&commands)) {
+            return report;
+        }
+    }
+}
+
+#[test]
+fn fields_side_by_side_are_the_trials_of_the_field() {
+    let mut swarm = swarm(3, 5, &[1, 7]);
+    let SwarmSettings { model, team, .. } = settings(3, 5, &[]);
+    let table = Responses::from_fn(|row| Wheels::from_motor_bits(output(row as u32)));
+    for (goal, first) in [(1, 0), (7, 48)] {
+        let report = trial(&mut swarm, |_| ());
+        let expected: Vec<Outcome> = (first..first + 5)
+            .map(|direction| model.training_layout(model.goal_towards(direction)))
+            .map(|layout| {
+                run_trial(
+                    &model,
+                    team,
+                    &Trial {
+                        layout,
+                        tables: [table; 4],
+                    },
+                )
+            })
+            .collect();
+        assert_eq!((report.goal, report.outcomes), (goal, expected));
+        assert_eq!(report.tables, ["0000000000000007"]);
+    }
+    assert!(swarm.is_over());
+    let nothing = swarm.advance(Answer::Missing);
+    assert_eq!(nothing, None, "after the last trial nothing happens");
+}
+
+#[test]
+fn robots_that_are_told_nonsense_stand_still() {
+    type Spoil = fn(&mut WheelCommands);
+    let spoils: [Spoil; 3] = [
+        |commands| commands.agent_count += 1,
+        |commands| commands.agent_count = u32::MAX,
+        |commands| commands.output[1] = 16,
+    ];
+    for spoil in spoils {
+        let report = trial(&mut swarm(2, 1, &[3]), spoil);
+        assert_eq!(
+            (report.missed_frames, report.refused_frames),
+            (0, TRIAL_FRAMES)
+        );
+        assert_eq!(report.outcomes[0].executed, report.outcomes[0].evaluated);
+        assert!(report.tables.is_empty());
+    }
+}
+
+#[test]
+fn what_cannot_be_hosted_is_refused() {
+    let check = |agents, fields, goals: &[u8], expected| {
+        let refused = Swarm::new(settings(agents, fields, goals)).err();
+        assert_eq!(refused, expected, "{agents} {fields} {goals:?}");
+    };
+    let robots = |fields, team| Some(SwarmError::Robots { fields, team });
+    check(4, 256, &[1], None);
+    check(4, 257, &[1], robots(257, 4));
+    check(1, 0, &[1], robots(0, 1));
+    check(3, usize::MAX, &[1], robots(usize::MAX, 3));
+    check(2, 1, &[1, 0], Some(SwarmError::Goal(0)));
+    check(2, 1, &[9], Some(SwarmError::Goal(9)));
+}
