@@ -268,6 +268,10 @@ impl Reason {
             ..
         } = *self;
         match self.cause {
+            Cause::FRAMES_STOPPED if !value.is_finite() => {
+                let hand = crate::Hand(index);
+                write!(f, "no tactile frame of hand {hand} yet; is the sensor process running?")
+            }
             Cause::FRAMES_STOPPED => write!(
                 f,
                 "no tactile frame of hand {} for {:.1} ms, allowed {:.1} ms; is the sensor process running?",
@@ -334,6 +338,9 @@ impl Reason {
             ..
         } = *self;
         match self.cause {
+            Cause::JOINTS_STOPPED if !value.is_finite() => {
+                f.write_str("no joint state yet; is the robot process running?")
+            }
             Cause::JOINTS_STOPPED => write!(
                 f,
                 "no joint state for {:.1} ms, allowed {:.1} ms; is the robot process running?",

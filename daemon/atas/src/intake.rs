@@ -193,7 +193,7 @@ impl FrameIntake {
         let allowed_s = limits.hold_age_s.max(self.longest_silence_s());
         let index = self.hand.0 as usize;
         match self.pinned {
-            None => Reason::limit(Cause::FRAMES_STOPPED, tick.now_ns as f64, allowed_s * 1e9)
+            None => Reason::limit(Cause::FRAMES_STOPPED, f64::INFINITY, allowed_s * 1e9)
                 .about(index),
             Some(p) => {
                 let age_s = seconds_between(p.captured_ns, tick.now_ns);

@@ -72,6 +72,14 @@ fn table() -> Vec<(Reason, &'static str)> {
             "lowered to 18.1 mm and felt no support, expected it at 33.0 mm; the hand keeps the object",
         ),
         (
+            limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6, 0),
+            "no tactile frame of hand left yet; is the sensor process running?",
+        ),
+        (
+            limit(Cause::JOINTS_STOPPED, f64::INFINITY, 5e6, 0),
+            "no joint state yet; is the robot process running?",
+        ),
+        (
             limit(Cause::FRAMES_STOPPED, 6e6, 5e6, 0),
             "no tactile frame of hand left for 6.0 ms, allowed 5.0 ms; is the sensor process running?",
         ),
