@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use sim_backend::{Object, ObjectError, Shape};
+use sim_backend::{Object, ObjectError, Shape, Turn};
 
 const BOX: &str = r#"
     name = "mine"
@@ -101,6 +101,83 @@ fn refusals_name_the_key_the_value_and_the_range() {
         &["crush_n was -1, needs 0.1"],
     );
     check("]", "], radius_m = 1.0", &["radius_m"]);
+}
+
+#[test]
+fn caps_and_bottles_are_objects_with_a_thread_and_a_neck() {
+    let part = |name| Object::built_in(name).expect(name);
+    assert!(Object::part_names().eq(["cap", "open-bottle"]));
+    let thread = part("cap").thread.expect("a thread");
+    assert_eq!((thread.friction_n_m, thread.pitch_m), (0.015, 0.003));
+    assert_eq!(thread.closes, Turn::Clockwise, "unless said otherwise");
+    assert!((thread.closing_rad.to_degrees() - 240.0).abs() < 1e-9);
+    assert_eq!(part("open-bottle").neck.expect("a neck").rim_m, 0.11);
+    assert!(Object::names().all(|name| part(name).thread.is_none() && part(name).neck.is_none()));
+}
+
+#[test]
+fn refusals_of_caps_and_bottles() {
+    const CYLINDER: &str = "name = \"c\"\nmass_kg = 0.02\nfriction = 0.5\n\
+        shape = { kind = \"cylinder\", radius_m = 0.02, height_m = 0.05 }\n";
+    let check = |from: &str, to: &str, part: &str| {
+        assert!(CYLINDER.contains(from), "{from}");
+        let message = Object::parse(&CYLINDER.replace(from, to), "c.toml")
+            .expect_err(to)
+            .to_string();
+        assert!(message.contains(part), "{to}: {message}");
+    };
+    let thread = |change: &str| {
+        format!("{{ friction_n_m = 0.01, closing_deg = 90, pitch_m = 0.003, {change} }}")
+    };
+    let with_thread = |change: &str| format!("friction = 0.5\nthread = {}", thread(change));
+    check(
+        "friction = 0.5",
+        &with_thread("closes = \"up\""),
+        "unknown variant `up`",
+    );
+    check(
+        "friction = 0.5",
+        &with_thread("lead_m = 1.0"),
+        "unknown field `lead_m`",
+    );
+    for (key, value, range) in [
+        (
+            "friction_n_m = 0.01",
+            "friction_n_m = nan",
+            "thread.friction_n_m was NaN, needs 0.001 to 0.2",
+        ),
+        (
+            "closing_deg = 90",
+            "closing_deg = 3",
+            "thread.closing_deg was 3, needs 30 to 1440",
+        ),
+        (
+            "pitch_m = 0.003",
+            "pitch_m = 3",
+            "thread.pitch_m was 3, needs 0.0005 to 0.01",
+        ),
+    ] {
+        let text = with_thread("").replace(key, value).replace(", }", " }");
+        check("friction = 0.5", &text, range);
+    }
+    check(
+        "friction = 0.5",
+        "friction = 0.5\nneck = { rim_m = 0.05 }",
+        "neck.rim_m was 0.05, needs 0.06",
+    );
+    check(
+        "mass_kg = 0.02",
+        "mass_kg = 0.01",
+        "mass_kg was 0.01, needs 0.0125",
+    );
+    let boxed = BOX.replace(
+        "friction = 0.4",
+        "friction = 0.4\n    neck = { rim_m = 0.1 }",
+    );
+    let message = Object::parse(&boxed, "b.toml")
+        .expect_err("a box")
+        .to_string();
+    assert!(message.contains("need shape.kind"), "{message}");
 }
 
 #[test]

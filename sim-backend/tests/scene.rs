@@ -1,7 +1,7 @@
 //! Scenes: what a client is told, what is true, and what is refused.
 
 use robot_model::{GraspFrame, RobotModel, Side};
-use sim_backend::{Object, Placed, Scene, World, home_rad};
+use sim_backend::{Mount, Object, Placed, Plate, Scene, World, home_rad};
 
 fn scene(name: &str, side: Side) -> Scene {
     Scene::grasp(Object::built_in(name).expect(name), side)
@@ -107,6 +107,31 @@ fn refusals_name_the_value_and_the_range() {
     check(
         &|s| s.objects[0].yaw_rad = 100.0,
         "an object's yaw in radians was 100",
+    );
+    check(
+        &|s| s.objects[0].mount = Mount::OnNeck,
+        "the scene has no bottle",
+    );
+    check(
+        &|s| {
+            s.objects.push(Placed::new(
+                Object::built_in("open-bottle").expect("built in"),
+                [0.3, 0.0],
+                0.0,
+            ));
+            s.objects[0].mount = Mount::OnNeck;
+        },
+        "\"wood\" on the bottle because it has no thread",
+    );
+    check(
+        &|s| {
+            s.plates.push(Plate {
+                centre_m: [0.3, 0.0],
+                half_m: [0.1; 2],
+                height_m: -0.01,
+            })
+        },
+        "a plate's height in metres was -0.01",
     );
     check(
         &|s| s.start_rad = Some([f64::NAN; 22]),

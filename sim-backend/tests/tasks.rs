@@ -6,7 +6,7 @@ use common::Script;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, RobotModel, Side};
 use shm_schemas::ObjectTruth;
-use sim_backend::{Mount, Object, Scene};
+use sim_backend::{Mount, Object, Scene, World};
 
 fn part(name: &str) -> Object {
     Object::built_in(name).expect("built in")
@@ -188,6 +188,37 @@ fn a_cap_is_carried_from_its_stand_onto_the_neck() {
     assert!(first(&script).cap_angle_rad > 0.2, "{:?}", first(&script));
 }
 
+/// Where the left hand holds the bottle from the side (robot design): 45° below the horizontal, from a bearing of −30°.
+fn side_grasp(scene: &Scene) -> GraspFrame {
+    let hint = scene.grasp_hint(1).expect("a bottle");
+    GraspFrame {
+        hand_azimuth_rad: -30_f64.to_radians(),
+        hand_pitch_rad: 45_f64.to_radians(),
+        root_rad: -27.5_f64.to_radians(),
+        ..GraspFrame::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004)
+    }
+}
+
+#[test]
+fn a_held_bottle_neither_turns_nor_tips_while_its_cap_is_screwed() {
+    let mut scene = assembly();
+    scene.objects[0].mount = Mount::OnNeck;
+    let hint = scene.place.expect("the neck");
+    let hold = side_grasp(&scene);
+    let right = GraspFrame::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004);
+    scene.start_rad = Some(Script::at(scene.clone(), Side::Right, right, 1).start_rad());
+    let mut script = Script::at(scene, Side::Left, hold, 1);
+    script.close_to(4.0);
+    script.change_hand(right);
+    (0..8).for_each(|_| turn_cap(&mut script));
+    let [cap, bottle, ..] = script.world.truth().objects;
+    assert_eq!(cap.cap_closed, 1, "{cap:?}");
+    let yaw_deg = 2.0 * libm::asin(bottle.orientation[3]).to_degrees() - 60.0;
+    assert!(yaw_deg.abs() < 1.0, "turned by {yaw_deg}°");
+    assert!(bottle.tilt_rad < 0.01, "{bottle:?}");
+    assert_eq!((bottle.tipped, bottle.spilt, bottle.crushed), (0, 0, 0));
+}
+
 #[test]
 fn a_cap_put_down_beside_the_neck_falls_or_stays_loose() {
     let scene = assembly();
@@ -201,6 +232,23 @@ fn a_cap_put_down_beside_the_neck_falls_or_stays_loose() {
     script.ticks(1000, |_| ());
     assert_eq!(first(&script).cap_engaged, 0, "{:?}", first(&script));
     assert_eq!(script.world.fault(), None);
+}
+
+#[test]
+fn untouched_caps_and_bottles_stand_still() {
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let mut upright = screw();
+    upright.objects[1].mount = Mount::Standing;
+    for scene in [screw(), assembly(), upright] {
+        let mut world = World::new(&robot, &scene, 1).expect("a world");
+        let before = world.truth().objects;
+        (0..1000).for_each(|_| world.advance(None));
+        for (now, before) in world.truth().objects.iter().zip(&before) {
+            let moved_m = Vector3::from(now.position_m) - Vector3::from(before.position_m);
+            assert!(moved_m.norm() < 1e-4 && now.tilt_rad < 1e-6, "{now:?}");
+            assert_eq!((now.dropped, now.tipped, now.spilt), (0, 0, 0));
+        }
+    }
 }
 
 #[test]

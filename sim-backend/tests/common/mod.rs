@@ -23,7 +23,7 @@ pub(crate) const START_GAP_M: f64 = 0.002;
 
 impl Script {
     /// The hand stands around the nominal grasp, [`START_GAP_M`] away on both sides.
-    pub(crate) fn around(mut scene: Scene, side: Side, seed: u64) -> Self {
+    pub(crate) fn around(scene: Scene, side: Side, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let hand = robot.hand(side);
         let GraspHint {
@@ -34,8 +34,19 @@ impl Script {
         let centre_m = Vector3::from(from_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
         let frame = GraspFrame::from_above(centre_m, yaw_rad, width_m + 2.0 * START_GAP_M);
-        let q_rad = hand.posture_for(&frame).expect("a reachable grasp").q_rad;
-        let mut start_rad = sim_backend::home_rad(&robot).expect("home");
+        Self::at(scene, side, frame, seed)
+    }
+
+    /// The hand stands at a frame; the other one where the scene says, or at home.
+    pub(crate) fn at(mut scene: Scene, side: Side, frame: GraspFrame, seed: u64) -> Self {
+        let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let q_rad = robot
+            .hand(side)
+            .posture_for(&frame)
+            .expect("a reachable frame")
+            .q_rad;
+        let home_rad = || sim_backend::home_rad(&robot).expect("home");
+        let mut start_rad = scene.start_rad.unwrap_or_else(home_rad);
         start_rad[side.joint_range()].copy_from_slice(q_rad.as_slice());
         scene.start_rad = Some(start_rad);
         let world = World::new(&robot, &scene, seed).expect("a world");
@@ -49,6 +60,22 @@ impl Script {
             others_rad: start_rad,
             sequence: 0,
         }
+    }
+
+    /// Joint angles commanded now.
+    pub(crate) fn start_rad(&self) -> [f64; ROBOT_JOINTS] {
+        self.others_rad
+    }
+
+    /// Goes on with the other hand, which stands at a frame; this one stays as it is commanded now.
+    pub(crate) fn change_hand(&mut self, frame: GraspFrame) {
+        self.others_rad[self.side.joint_range()].copy_from_slice(self.q_rad.as_slice());
+        self.side = match self.side {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        };
+        self.q_rad = HandVector::from_column_slice(&self.others_rad[self.side.joint_range()]);
+        self.frame = frame;
     }
 
     /// One tick: sense, one step of inverse kinematics towards the frame, advance.
