@@ -1,0 +1,177 @@
+//! 1,000 robots at 1 kHz on the bus: this process hosts 250 fields of four, `ebts agents` looks their tables up.
+//!
+//! A frame is missed if its answer is not there when the next frame is due. Prints missed frames and the time from
+//! publishing what the robots sense to holding what they shall do; every answer is checked against the table.
+//!
+//! `cargo bench -p ebts --bench bus`; with `chrt -f 50` in front, both processes are scheduled as a real robot's would be.
+#![expect(
+    clippy::print_stdout,
+    reason = "the figures are this program's product"
+)]
+
+use std::process::{Child, Command, Stdio};
+
+use ebts::agents::Lookup;
+use ebts::built_in;
+use field::{MAX_AGENTS, TrialRun, Wheels};
+use hdrhistogram::Histogram;
+use shm_bus::{Bus, FreshBus, Publisher, Realtime, Subscriber, now_ns, writer_epoch};
+use shm_schemas::{AgentSensors, WheelCommands, service};
+
+const FIELDS: usize = 250;
+const TEAM: usize = MAX_AGENTS;
+const PERIOD_NS: u64 = 1_000_000;
+/// Thirty seconds when measured; a moment when only tested.
+const FRAMES: [u64; 2] = [30_000, 200];
+/// Frames before the first that counts: processes that have just met map each other's memory.
+const WARM_UP: u64 = 100;
+/// Longest wait for the agents process to come up, ns.
+const START_NS: u64 = 20_000_000_000;
+
+/// The agents process, killed at the end.
+struct Agents(Child);
+
+impl Drop for Agents {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The fields and their place on the bus.
+struct Host {
+    fields: Vec<TrialRun>,
+    lookup: Lookup,
+    publisher: Publisher<AgentSensors>,
+    subscriber: Subscriber<WheelCommands>,
+    sensors: AgentSensors,
+    commands: WheelCommands,
+}
+
+impl Host {
+    fn open(bus: &Bus) -> Self {
+        let file = built_in::table("r3-two-agents").expect("built in");
+        let model = &file.condition.model;
+        let team = field::TeamSize::new(TEAM).expect("a team");
+        let layout = |f: usize| model.training_layout(model.goal_towards((f % 64) as u8));
+        let fields = (0..FIELDS).map(|f| TrialRun::new(model, team, &layout(f)));
+        let mut sensors = AgentSensors::default();
+        sensors.stamp.writer_epoch = writer_epoch();
+        sensors.agent_count = (FIELDS * TEAM) as u32;
+        Self {
+            fields: fields.collect(),
+            lookup: Lookup::new(&[file]),
+            publisher: bus.publisher(service::AGENT_SENSORS).expect("a publisher"),
+            subscriber: bus
+                .subscriber(service::WHEEL_COMMANDS)
+                .expect("a subscriber"),
+            sensors,
+            commands: WheelCommands::default(),
+        }
+    }
+
+    fn publish(&mut self) {
+        for (rows, field) in self
+            .sensors
+            .row
+            .chunks_exact_mut(TEAM)
+            .zip(&mut self.fields)
+        {
+            for (row, sensed) in rows.iter_mut().zip(field.sense()) {
+                *row = sensed.into();
+            }
+        }
+        self.sensors.stamp.captured_ns = now_ns();
+        self.publisher.send(&self.sensors).expect("sent");
+    }
+
+    /// The time of the answer, if it comes before the deadline.
+    fn answer(&mut self, deadline_ns: u64) -> Option<u64> {
+        loop {
+            let came = self
+                .subscriber
+                .newest(&mut self.commands)
+                .expect("readable");
+            let now_ns = now_ns();
+            if came && self.commands.frame == self.sensors.frame {
+                return Some(now_ns);
+            }
+            if now_ns >= deadline_ns {
+                return None;
+            }
+            std::hint::spin_loop();
+        }
+    }
+
+    /// Moves every robot as it was told, after a look whether that is what its table says.
+    fn drive(&mut self) {
+        let mut expected = [0; FIELDS * TEAM];
+        self.lookup.answer(&self.sensors.row, &mut expected);
+        assert_eq!(self.commands.output[..FIELDS * TEAM], expected);
+        for (outputs, field) in expected.chunks_exact(TEAM).zip(&mut self.fields) {
+            field.advance(&std::array::from_fn(|i| {
+                Wheels::from_motor_bits(outputs[i])
+            }));
+        }
+    }
+}
+
+fn main() {
+    let frames = FRAMES[usize::from(!std::env::args().any(|word| word == "--bench"))];
+    let bus = FreshBus::new("bench");
+    let _agents = start_agents(&bus);
+    let member = Bus::open(&bus, "bench", Realtime::Yes).expect("a bus");
+    let mut host = Host::open(&member);
+    host.publish();
+    while host.answer(now_ns() + PERIOD_NS).is_none() {
+        assert!(
+            now_ns() - host.sensors.stamp.captured_ns < START_NS,
+            "ebts agents does not answer"
+        );
+        host.publisher.greet().expect("reachable");
+    }
+    host.drive();
+
+    let mut latency_ns = Histogram::<u64>::new(3).expect("3 digits");
+    let mut period_end_ns = now_ns();
+    let (mut missed, mut late) = (0, 0);
+    for frame in 1..=WARM_UP + frames {
+        period_end_ns += PERIOD_NS;
+        host.sensors.frame = frame;
+        host.sensors.stamp.sequence = frame;
+        host.publish();
+        match host.answer(period_end_ns) {
+            Some(answered_ns) => {
+                host.drive();
+                if frame > WARM_UP {
+                    latency_ns.saturating_record(answered_ns - host.sensors.stamp.captured_ns);
+                }
+            }
+            None => missed += u64::from(frame > WARM_UP),
+        }
+        while now_ns() < period_end_ns {
+            std::hint::spin_loop();
+        }
+        let skipped = (now_ns() - period_end_ns) / PERIOD_NS;
+        late += skipped;
+        period_end_ns += skipped * PERIOD_NS;
+    }
+    let us = |quantile: f64| latency_ns.value_at_quantile(quantile) as f64 * 1e-3;
+    println!(
+        "{} robots at 1 kHz, {frames} frames: {missed} missed; this process was late for {late} periods\n\
+         answer after p50 {:.1}  p99 {:.1}  p99.9 {:.1}  max {:.1} µs",
+        FIELDS * TEAM,
+        us(0.5),
+        us(0.99),
+        us(0.999),
+        latency_ns.max() as f64 * 1e-3
+    );
+}
+
+fn start_agents(bus: &FreshBus) -> Agents {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ebts"));
+    let arguments = ["agents", "--table", "r3-two-agents", "--bus", bus.as_str()];
+    let started = command.args(arguments).stdout(Stdio::null()).spawn();
+    Agents(started.expect("ebts starts"))
+}
