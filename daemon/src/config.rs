@@ -162,9 +162,9 @@ impl Default for Realtime {
             priority: 80,
             cpu: Cpu::Any(AnyWord::Any),
             rate_hz: 1000,
-            spin_us: 100,
+            spin_us: 50,
             phase_lock: true,
-            phase_offset_us: 20,
+            phase_offset_us: 40,
         }
     }
 }

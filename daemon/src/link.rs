@@ -12,8 +12,8 @@ use crate::tape::Tape;
 const ORDERS: usize = 32;
 /// Stops that wait beside them, so that no flood of goals can hold up a stop.
 const STOPS: usize = 4;
-/// Ticks that the supervisor may fall behind before records are dropped: 4 s at 1 kHz.
-const RECORDS: usize = 4096;
+/// Ticks that the supervisor may fall behind before records are dropped: 2 s at 1 kHz.
+const RECORDS: usize = 2048;
 /// Events that wait.
 const EVENTS: usize = 1024;
 

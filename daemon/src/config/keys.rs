@@ -23,8 +23,8 @@ const PRIORITY_MAX: u32 = 98;
 /// Beyond this, spinning costs more than a tenth of a core (measured: 9 % at 100 µs and 1 kHz).
 const SPIN_MAX_US: u32 = 100;
 
-/// Twice the period of the usual tick: more only makes frames old.
-const PHASE_OFFSET_MAX_US: u32 = 2_000;
+/// As old as a frame may be before the robot holds (`intake.hold_age_s` by default).
+const PHASE_OFFSET_MAX_US: u32 = 5_000;
 
 const FIXED: &[FixedKey] = &[
     FixedKey {
@@ -59,7 +59,7 @@ const FIXED: &[FixedKey] = &[
     },
     FixedKey {
         name: "realtime.phase_offset_us",
-        needs: "a whole number from 0 to 2000",
+        needs: "a whole number from 0 to 5000",
         holds: |c| c.realtime.phase_offset_us <= PHASE_OFFSET_MAX_US,
     },
     FixedKey {
