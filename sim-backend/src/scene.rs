@@ -1,7 +1,8 @@
 //! Scenes: which objects stand where, how good the sensors are, and how reality differs from what a client is told.
 //!
 //! A scene has a nominal side, which a client may know ([`Scene::grasp_hint`]), and a true side, which only the world
-//! knows. [`Scene::varied`] moves the true side within the seeded family of the evaluation and leaves the nominal alone.
+//! knows. `tasks.rs` sets the scenes of the paper's tasks. [`Scene::varied`] moves the true side within the seeded family of
+//! the evaluation and leaves the nominal alone.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -82,7 +83,7 @@ pub struct Scene {
     pub objects: Vec<Placed>,
     /// What stands on the table for objects to stand on.
     pub plates: Vec<Plate>,
-    /// Where a client is told to put the first object: where the fingertips shall open.
+    /// Where a client is told to put the first object: where the fingertips shall open. For a cap that is the bottle's neck.
     pub place: Option<GraspHint>,
     /// Frames per second of each hand's sensor, 1 to 1000; left, right.
     pub sensor_rate_hz: [u32; 2],

@@ -37,8 +37,14 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_tick_allocates_nothing() {
-    let object = Object::built_in("bottle").expect("built in");
-    let mut script = Script::around(Scene::grasp(object, Side::Right), Side::Right, 1);
+    let part = |name| Object::built_in(name).expect("built in");
+    let bottle = Scene::grasp(part("bottle"), Side::Right);
+    let screw = Scene::screw(part("cap"), part("open-bottle"), Side::Right);
+    [bottle, screw].into_iter().for_each(allocates_nothing);
+}
+
+fn allocates_nothing(scene: Scene) {
+    let mut script = Script::around(scene, Side::Right, 1);
     let faults = ["drop=0.1@0", "delay=5@0:left", "corrupt=0.1@0"]
         .map(|text| text.parse().expect("a fault"));
     let (mut injector, mut delivered) = (Injector::new(&faults, 1), 0);
@@ -46,7 +52,7 @@ fn a_tick_allocates_nothing() {
     script.tick();
     let before = CALLS.get();
     script.close_to(6.0);
-    script.lift(0.002);
+    script.lift(0.0005);
     for _ in 0..100 {
         injector.pass(script.world.tick(), &script.sensed, |_| delivered += 1);
         script.tick();

@@ -219,6 +219,34 @@ fn a_held_bottle_neither_turns_nor_tips_while_its_cap_is_screwed() {
     assert_eq!((bottle.tipped, bottle.spilt, bottle.crushed), (0, 0, 0));
 }
 
+/// The lightest and smallest cap, squeezed far harder than it needs, then let go 10 cm above the table.
+#[test]
+fn a_light_cap_survives_a_hard_squeeze_and_a_fall() {
+    let mut scene = assembly();
+    let cap = &mut scene.objects[0].object;
+    cap.mass_kg = 0.008;
+    cap.friction = 0.8;
+    let mut script = Script::around(scene, Side::Right, 1);
+    script.close_to(8.0);
+    script.lift(0.05);
+    let held = first(&script);
+    assert!(
+        (held.lifted_m - 0.05).abs() < 1e-3 && held.tilt_rad < 0.03,
+        "{held:?}"
+    );
+    let beside_m = script.frame.centre_m + Vector3::new(0.0, -0.06, 0.0);
+    go(&mut script, beside_m, 0.05);
+    open(&mut script);
+    script.ticks(2000, |_| ());
+    let fallen = first(&script);
+    assert_eq!((fallen.dropped, script.world.fault()), (1, None));
+    assert!(
+        fallen.position_m[2] < 0.02,
+        "it lies on the table: {fallen:?}"
+    );
+    assert!(fallen.released_above_m > 0.08, "{fallen:?}");
+}
+
 #[test]
 fn a_cap_put_down_beside_the_neck_falls_or_stays_loose() {
     let scene = assembly();

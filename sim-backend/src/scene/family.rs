@@ -53,7 +53,9 @@ impl Scene {
             to.height_m = from.height_m + random.between(-PLACE_M, PLACE_M);
         }
         scene.share_the_neck();
-        scene.tell_of_closure();
+        if scene.place.is_some() {
+            scene.tell_of_closure();
+        }
         scene
     }
 
