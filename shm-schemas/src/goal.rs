@@ -35,6 +35,28 @@ code! {
 }
 
 code! {
+    /// Which way a cap is turned, seen from above.
+    Turn as "atas.Turn.v1" {
+        /// Closes a standard right-hand thread.
+        CLOCKWISE = 0, "clockwise";
+        /// Closes a left-hand thread, opens a right-hand one.
+        ANTICLOCKWISE = 1, "anticlockwise";
+    }
+}
+
+impl Turn {
+    /// Sign of the turn about the upward axis: 1 anticlockwise, −1 clockwise.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        if self == Self::ANTICLOCKWISE {
+            1.0
+        } else {
+            -1.0
+        }
+    }
+}
+
+code! {
     /// Where a goal stands.
     GoalState as "atas.GoalState.v1" {
         /// Checked and queued for the next tick.
@@ -64,7 +86,7 @@ impl GoalState {
 
 word! {
     /// One goal. Frame: base of the robot (x forward, y left, z up, origin on the table top under the torso).
-    GoalRequest as "atas.GoalRequest.v1" {
+    GoalRequest as "atas.GoalRequest.v2" {
         /// `captured_ns` is when the client sent it.
         pub stamp: Stamp,
         /// Chosen by the client; repeated in every update.
@@ -75,8 +97,8 @@ word! {
         pub hand: Hand,
         /// What happens when the client goes away.
         pub policy: GoalPolicy,
-        /// Written as zero.
-        pub pad: u32,
+        /// Which way to turn a cap; not used by GRASP and PICK_PLACE.
+        pub turn: Turn,
         /// Where the fingertips shall close, m. The true object may be off by some millimetres.
         pub from_m: [f64; 3],
         /// Direction of the closing axis at `from_m`, from finger 2's side to finger 1's, rad from +x towards +y.

@@ -40,7 +40,7 @@ mod truth;
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
 pub use event::{EventKind, ModuleEvent, ModuleId};
 pub use frame::HandFrame;
-pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFigures};
+pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFigures, Turn};
 pub use joints::{JointCommand, JointState, Mode};
 pub use layout::Layout;
 pub use reason::{Cause, Reason};

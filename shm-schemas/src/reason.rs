@@ -270,7 +270,10 @@ impl Reason {
         match self.cause {
             Cause::FRAMES_STOPPED if !value.is_finite() => {
                 let hand = crate::Hand(index);
-                write!(f, "no tactile frame of hand {hand} yet; is the sensor process running?")
+                write!(
+                    f,
+                    "no tactile frame of hand {hand} yet; is the sensor process running?"
+                )
             }
             Cause::FRAMES_STOPPED => write!(
                 f,

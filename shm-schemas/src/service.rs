@@ -20,7 +20,7 @@ pub const JOINT_STATE: &str = "atas/v1/joint-state";
 /// Publish-subscribe: [`crate::JointCommand`], one publisher (the daemon), every tick. A closed set of peers.
 pub const JOINT_COMMAND: &str = "atas/v1/joint-command";
 /// Request-response: [`crate::GoalRequest`] answered by a stream of [`crate::GoalUpdate`].
-pub const GOAL: &str = "atas/v1/goal";
+pub const GOAL: &str = "atas/v2/goal";
 /// Request-response: [`crate::ControlRequest`] answered by one [`crate::ControlReply`].
 pub const CONTROL: &str = "atas/v1/control";
 /// Publish-subscribe: [`crate::Status`], 50 Hz, from the daemon's non-real-time side.

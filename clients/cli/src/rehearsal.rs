@@ -202,3 +202,12 @@ pub fn pick_place_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64
         ..grasp_goal(hint, side, lift_m, 0.0)
     }
 }
+
+/// The goal that a client would send to close a cap where it sits.
+#[must_use]
+pub fn screw_goal(hint: &GraspHint, side: Side) -> GoalRequest {
+    GoalRequest {
+        kind: GoalKind::SCREW,
+        ..grasp_goal(hint, side, 0.0, 0.0)
+    }
+}

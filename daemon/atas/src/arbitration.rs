@@ -72,6 +72,12 @@ impl Arbiter {
         self.carry_scale
     }
 
+    /// Closing speed of each finger, as merged last, m/s.
+    #[must_use]
+    pub fn closing_m_s(&self) -> [f64; FINGERS] {
+        self.closing_m_s
+    }
+
     /// The fingers stand still: what the next tick slews from.
     pub fn rest(&mut self) {
         self.closing_m_s = [0.0; FINGERS];

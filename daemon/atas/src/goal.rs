@@ -10,7 +10,12 @@ use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
 const LIFT_MAX_M: f64 = 0.15;
 const HOLD_MAX_S: f64 = 3600.0;
 /// Tasks that are built in.
-const SUPPORTED: [GoalKind; 3] = [GoalKind::GRASP, GoalKind::PICK_PLACE, GoalKind::RELEASE];
+const SUPPORTED: [GoalKind; 4] = [
+    GoalKind::GRASP,
+    GoalKind::PICK_PLACE,
+    GoalKind::SCREW,
+    GoalKind::RELEASE,
+];
 /// Index of each checked value in [`GoalRequest::VALUE_NAMES`].
 const FROM_X: usize = 0;
 const FROM_YAW: usize = 3;
@@ -62,6 +67,9 @@ fn check_codes(goal: &GoalRequest) -> Result<Side, Reason> {
     };
     if !SUPPORTED.contains(&goal.kind) {
         return Err(unknown(0, goal.kind.0));
+    }
+    if !goal.turn.is_known() {
+        return Err(unknown(3, goal.turn.0));
     }
     if !goal.policy.is_known() {
         return Err(unknown(2, goal.policy.0));

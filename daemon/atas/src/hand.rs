@@ -9,7 +9,7 @@ use crate::modules::{self, Modules, Proposal, Selection};
 use crate::perception::{Percept, Perception};
 use crate::safety::Grip;
 use crate::settings::Settings;
-use crate::tasks::{self, Outcome, Runner, Sites, Step};
+use crate::tasks::{self, HandMotion, Outcome, Runner, Sites, Step};
 use crate::wiring::Wiring;
 use nalgebra::Matrix3;
 use robot_model::{FINGERS, HandModel, HandPose, HandVector};
@@ -117,12 +117,13 @@ impl HandControl {
         let (runner, carrier) = (self.runner.as_mut()?, self.carrier.as_mut()?);
         let percept = self.perception.percept();
         runner.observe(percept, self.measured_gap_m, carrier.frame(), step_s);
-        let context = runner.context(
-            settings,
-            step_s,
-            self.arbiter.carry_scale(),
-            &self.base_from_tip,
-        );
+        let motion = HandMotion {
+            carry_scale: self.arbiter.carry_scale(),
+            closing_m_s: self.arbiter.closing_m_s(),
+            frame: carrier.frame(),
+            base_from_tip: &self.base_from_tip,
+        };
+        let context = runner.context(settings, step_s, motion);
         let proposals = self
             .modules
             .evaluate(runner.step().modules, percept, &context);

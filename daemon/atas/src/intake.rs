@@ -193,8 +193,9 @@ impl FrameIntake {
         let allowed_s = limits.hold_age_s.max(self.longest_silence_s());
         let index = self.hand.0 as usize;
         match self.pinned {
-            None => Reason::limit(Cause::FRAMES_STOPPED, f64::INFINITY, allowed_s * 1e9)
-                .about(index),
+            None => {
+                Reason::limit(Cause::FRAMES_STOPPED, f64::INFINITY, allowed_s * 1e9).about(index)
+            }
             Some(p) => {
                 let age_s = seconds_between(p.captured_ns, tick.now_ns);
                 // A frame that was old when it came is stale; one that has aged since then is the last of its kind.

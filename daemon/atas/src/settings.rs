@@ -237,8 +237,6 @@ settings! {
         finish_ratio = 1.4 in 1.05..5.0;
         /// Time constant of Module 4's tangential force, s.
         finish_filter_s = 0.01 in 0.0..0.5;
-        /// Turns after which the task gives up.
-        turns_max = 20.0 in 1.0..1000.0;
     }
     /// How the hand moves (ours).
     motion: Motion {

@@ -13,6 +13,8 @@
 //! | `relax` | gives back force that friction does not need | ours |
 //! | `probe` | hardness within 100 ms of the first touch, refined while the force grows | II.b (1) |
 //! | `carry` | moves the hand along the step's path | II.b (1), (3) |
+//! | `trajectory` | 0: the square trajectory, and what contact makes of it | II.b (2) |
+//! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
 //! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
 
@@ -23,6 +25,8 @@ mod probe;
 mod relax;
 mod release_placed;
 mod slip;
+mod terminate_screw;
+mod trajectory;
 mod transfer;
 
 use crate::path::Path;
@@ -39,6 +43,8 @@ use release_placed::ReleasePlaced;
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{ModuleId, Reason};
 use slip::Slip;
+use terminate_screw::TerminateScrew;
+use trajectory::Trajectory;
 use transfer::Transfer;
 
 /// What a module may know besides what the hand feels.
@@ -60,6 +66,12 @@ pub struct Context<'a> {
     pub path: &'a Path,
     /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
     pub carry_scale: f64,
+    /// Closing speed of each finger that arbitration made of the tick before, m/s.
+    pub closing_m_s: [f64; FINGERS],
+    /// The commanded pose.
+    pub frame: &'a GraspFrame,
+    /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
+    pub turning: f64,
     /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
     /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
@@ -128,7 +140,7 @@ pub trait Module {
 }
 
 /// Number of modules.
-pub const COUNT: usize = 8;
+pub const COUNT: usize = 10;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -174,6 +186,8 @@ pub struct Modules {
     relax: Relax,
     transfer: Transfer,
     release_placed: ReleasePlaced,
+    trajectory: Trajectory,
+    terminate_screw: TerminateScrew,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -186,6 +200,8 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::RELAX,
     ModuleId::TRANSFER,
     ModuleId::RELEASE_PLACED,
+    ModuleId::TRAJECTORY,
+    ModuleId::TERMINATE_SCREW,
 ];
 
 impl Modules {
@@ -205,6 +221,8 @@ impl Modules {
             &mut self.relax,
             &mut self.transfer,
             &mut self.release_placed,
+            &mut self.trajectory,
+            &mut self.terminate_screw,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {
@@ -225,6 +243,8 @@ impl Modules {
         self.carry = Carry::default();
         self.transfer = Transfer::default();
         self.release_placed = ReleasePlaced::default();
+        self.trajectory = Trajectory::default();
+        self.terminate_screw = TerminateScrew::default();
     }
 }
 

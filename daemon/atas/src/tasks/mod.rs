@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | grasp | 1, 2, 3 | `grasp` |
 //! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
+//! | screw | 0, 1, 2, 3, 4 | `screw` |
 //!
 //! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`RAISE`] lifts again what
 //! found no support, [`STAND`] keeps holding when a goal ends.
@@ -16,6 +17,7 @@ mod grasp;
 mod name;
 mod pick_place;
 mod runner;
+mod screw;
 mod sites;
 mod thresholds;
 mod track;
@@ -23,7 +25,8 @@ mod track;
 pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE};
-pub use runner::{Outcome, Runner};
+pub use runner::{HandMotion, Outcome, Runner};
+pub use screw::SCREW;
 pub use sites::{Site, Sites};
 pub use thresholds::Thresholds;
 pub use track::{STEPS_MAX, Task, Track};
@@ -37,6 +40,7 @@ pub fn of(kind: GoalKind) -> &'static Task {
     match kind {
         GoalKind::GRASP => &GRASP,
         GoalKind::PICK_PLACE => &PICK_PLACE,
+        GoalKind::SCREW => &SCREW,
         _ => &RELEASE,
     }
 }
@@ -89,6 +93,8 @@ pub enum Motion {
     Convey(Site),
     /// Gripping straight down, as far as the target may lie below its expected height.
     Lower,
+    /// On the square trajectory of Module 0, over and over.
+    Square,
     /// Stays and opens.
     Open,
 }

@@ -16,6 +16,19 @@ const MEET_M: f64 = 0.001;
 /// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
 
+/// How the hand moves at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct HandMotion<'a> {
+    /// Factor on its speed along its path that arbitration made of the tick before.
+    pub carry_scale: f64,
+    /// Closing speed of each finger that arbitration made of the tick before, m/s.
+    pub closing_m_s: [f64; FINGERS],
+    /// The commanded pose.
+    pub frame: &'a GraspFrame,
+    /// Measured orientation of each fingertip.
+    pub base_from_tip: &'a [Matrix3<f64>; FINGERS],
+}
+
 /// What became of the task in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
@@ -143,8 +156,7 @@ impl Runner {
         &'a self,
         settings: &'a Settings,
         step_s: f64,
-        carry_scale: f64,
-        base_from_tip: &'a [Matrix3<f64>; FINGERS],
+        motion: HandMotion<'a>,
     ) -> Context<'a> {
         Context {
             settings,
@@ -154,9 +166,12 @@ impl Runner {
             closing_m: self.closing_m,
             carried_m: self.carried_m,
             path: &self.path,
-            carry_scale,
+            carry_scale: motion.carry_scale,
+            closing_m_s: motion.closing_m_s,
+            frame: motion.frame,
+            base_from_tip: motion.base_from_tip,
+            turning: self.sites.turning(),
             lowering_m: (self.step().motion == Motion::Lower).then(|| self.sites.lowering_m()),
-            base_from_tip,
         }
     }
 
@@ -257,7 +272,7 @@ impl Runner {
         modules.restart_path();
         match self.step().motion {
             Motion::Carry(_) if self.retreat.is_none() => self.lifted_from_m = Some(now.centre_m),
-            Motion::Open => self.holds = false,
+            Motion::Open | Motion::Square => self.holds = false,
             _ => {}
         }
     }
@@ -274,7 +289,7 @@ impl Runner {
             Path::gripping(*now, self.sites.pose(site, now), &speeds)
         };
         match self.step().motion {
-            Motion::Stay | Motion::Lower => Path::stay(*now),
+            Motion::Stay | Motion::Lower | Motion::Square => Path::stay(*now),
             Motion::Reach(site) => Path::free(*now, self.sites.pose(site, now), &free),
             Motion::Carry(site) => gripping(site, motion.lift_m_s),
             Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
@@ -294,7 +309,7 @@ impl Runner {
 
     /// The same refusal means something else once the object was already held: its load has grown.
     fn in_hold(&self, reason: Reason) -> Reason {
-        let held = self.step().until == Until::Held;
+        let held = self.step().until == Until::Held || self.step().motion == Motion::Square;
         if held && reason.cause == Cause::TOO_HEAVY {
             Reason {
                 cause: Cause::OUT_OF_FORCE,

@@ -5,7 +5,7 @@ use crate::path::reachable_yaw_rad;
 use crate::settings::Settings;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel};
-use shm_schemas::{GoalKind, GoalRequest};
+use shm_schemas::{GoalKind, GoalRequest, Turn};
 
 /// Lowest centre of a grasp, m (ours: the dome's radius and 3 mm of air).
 const LOWEST_M: f64 = 0.018;
@@ -37,6 +37,7 @@ pub struct Sites {
     lift_m: f64,
     lowering_m: f64,
     expected_m: f64,
+    turning: f64,
 }
 
 impl Sites {
@@ -51,7 +52,12 @@ impl Sites {
     ) -> Self {
         let motion = &settings.motion;
         let opening_m = goal.width_m + 2.0 * motion.clearance_m;
-        let source = from_above(hand, now, goal.from_m, goal.from_yaw_rad, opening_m);
+        let mut source = from_above(hand, now, goal.from_m, goal.from_yaw_rad, opening_m);
+        if goal.kind == GoalKind::SCREW {
+            // A turn begins at the far end of its travel.
+            let start_m = -goal.turn.sign() * settings.screw.travel_m;
+            source.tangential_m = [start_m, -start_m];
+        }
         let places = goal.kind == GoalKind::PICK_PLACE;
         let to_m = if places { goal.to_m } else { goal.from_m };
         let to_yaw_rad = if places {
@@ -70,6 +76,7 @@ impl Sites {
             lift_m: travel_m - goal.from_m[2],
             lowering_m: (travel_m - lowest_m).max(0.0),
             expected_m: to_m[2],
+            turning: goal.turn.sign(),
         }
     }
 
@@ -84,6 +91,7 @@ impl Sites {
             lift_m: 0.0,
             lowering_m: 0.0,
             expected_m: now.centre_m.z,
+            turning: Turn::CLOCKWISE.sign(),
         }
     }
 
@@ -104,6 +112,12 @@ impl Sites {
     #[must_use]
     pub fn lowering_m(&self) -> f64 {
         self.lowering_m
+    }
+
+    /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
+    #[must_use]
+    pub fn turning(&self) -> f64 {
+        self.turning
     }
 
     /// Height of the grasp at which the object is expected to stand at the target, m.

@@ -37,6 +37,9 @@ pub(crate) struct Bench {
     pub(crate) closing_m: f64,
     pub(crate) carried_m: f64,
     pub(crate) carry_scale: f64,
+    pub(crate) closing_m_s: [f64; robot_model::FINGERS],
+    pub(crate) frame: robot_model::GraspFrame,
+    pub(crate) lowering_m: Option<f64>,
 }
 
 impl Bench {
@@ -50,6 +53,9 @@ impl Bench {
             closing_m: 0.0,
             carried_m: 0.0,
             carry_scale: 1.0,
+            closing_m_s: [0.0; robot_model::FINGERS],
+            frame: path().at(0.0),
+            lowering_m: None,
         }
     }
 
@@ -67,7 +73,10 @@ impl Bench {
             carried_m: self.carried_m,
             path: &self.path,
             carry_scale: self.carry_scale,
-            lowering_m: None,
+            closing_m_s: self.closing_m_s,
+            frame: &self.frame,
+            turning: -1.0,
+            lowering_m: self.lowering_m,
             base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::FINGERS],
         };
         let proposals = self

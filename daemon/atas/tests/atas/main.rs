@@ -13,9 +13,12 @@ mod intake_series;
 mod joints;
 mod mode;
 mod modules;
+
 mod path;
 mod perception;
+mod placing;
 mod rig;
+mod screwing;
 mod settings;
 mod support;
 mod tasks;

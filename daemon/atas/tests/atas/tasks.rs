@@ -3,17 +3,19 @@
 use atas::Settings;
 use atas::modules::IDS;
 use atas::tasks::{
-    BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, STAND, Site, Step, Thresholds, Until,
+    BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Site, Step,
+    Thresholds, Until,
 };
 use shm_schemas::ModuleId;
 
 /// Modules that say where the hand goes.
-const CARRIERS: [ModuleId; 2] = [ModuleId::CARRY, ModuleId::TRANSFER];
+const CARRIERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
 
 fn tracks() -> Vec<(&'static str, Vec<Step>)> {
     vec![
         ("grasp", GRASP.acting.to_vec()),
         ("pick and place", PICK_PLACE.acting.to_vec()),
+        ("screw", SCREW.acting.to_vec()),
         ("release", RELEASE.acting.to_vec()),
         ("back out", BACK_OUT.to_vec()),
         ("raise", RAISE.to_vec()),
@@ -50,7 +52,11 @@ fn every_task_can_be_followed_to_its_end() {
                 Until::HardnessKnown => assert!(has(ModuleId::PROBE), "{task}, {}", step.name),
                 Until::Gripped => assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name),
                 Until::Concluded => {
-                    assert!(has(ModuleId::RELEASE_PLACED), "{task}, {}", step.name);
+                    assert!(
+                        has(ModuleId::RELEASE_PLACED) || has(ModuleId::TERMINATE_SCREW),
+                        "{task}, {}",
+                        step.name
+                    );
                 }
                 Until::Held => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
             }

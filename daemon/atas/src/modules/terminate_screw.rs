@@ -1,0 +1,69 @@
+//! Module 4, screwing (paper II.b (2)): "Empirically, we know that much slippage occurs when the cap is tightened. If
+//! increment of shearing force dF_t exceeds 1.4 times of dF_max, which is the maximum of dF_t during the first touch, the
+//! finger motion is terminated."
+//!
+//! dF_t here is the shearing force with which the cap resists being turned, mean of the fingers, minus its value when the
+//! turn began (but not what the closing fingers dragged the cap back with); "the first touch" is the first turn. A short
+//! window instead of the turn stops early or never (prototype).
+
+use super::{Context, Module, Proposal, Verdict};
+use crate::perception::Percept;
+use nalgebra::Vector3;
+use robot_model::FINGERS;
+
+/// What the module remembers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TerminateScrew {
+    /// Filtered shearing force, N.
+    shear_n: f64,
+    /// The same when the turn began, N.
+    at_grip_n: f64,
+    /// dF_max, N.
+    most_n: f64,
+    /// Whether the first turn is over.
+    turned_before: bool,
+    /// How far finger 1 was ahead one tick ago, m.
+    last_m: Option<f64>,
+}
+
+impl Module for TerminateScrew {
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let settings = &context.settings.screw;
+        let share = context.step_s / (settings.finish_filter_s + context.step_s);
+        self.shear_n += (shear_n(percept, context) - self.shear_n) * share;
+        let turned_m = context.turning * context.frame.tangential_m[0];
+        let moved_m = turned_m - self.last_m.replace(turned_m).unwrap_or(turned_m);
+        let gripping = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
+        self.turned_before |= moved_m < 0.0 && self.most_n > 0.0;
+        if moved_m <= 0.0 || !gripping {
+            self.at_grip_n = self.shear_n.max(0.0);
+            return Proposal::default();
+        }
+        let increment_n = self.shear_n - self.at_grip_n;
+        if !self.turned_before && increment_n > self.most_n {
+            self.most_n = increment_n;
+        }
+        let tight = self.turned_before && increment_n > settings.finish_ratio * self.most_n;
+        Proposal {
+            active: tight,
+            verdict: if tight { Verdict::Done } else { Verdict::None },
+            ..Proposal::default()
+        }
+    }
+}
+
+/// Tangential force against the turn, in the patch frame so that the dome's geometry does not leak in, mean of the
+/// fingers, N.
+fn shear_n(percept: &Percept, context: &Context<'_>) -> f64 {
+    let n = context.frame.closing_axis();
+    let ahead = Vector3::new(-n.y, n.x, 0.0) * context.turning;
+    let fingers = percept.fingers[..FINGERS].iter().zip(context.base_from_tip);
+    // Finger 1 turns ahead, finger 2 back.
+    let against = fingers
+        .zip([-1.0, 1.0])
+        .map(|((finger, base_from_tip), sign)| {
+            let tangential_n = finger.force_tip_n + finger.patch_normal * finger.normal_n;
+            sign * (base_from_tip * tangential_n).dot(&ahead)
+        });
+    against.sum::<f64>() / FINGERS as f64
+}

@@ -1,0 +1,24 @@
+//! Cap screwing (paper II.b (2), Fig. 5 and 6): modules 0, 1, 2, 3 and 4.
+
+use super::grasp::{APPROACH, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH};
+use super::{Motion, Step, Task, Until};
+use crate::modules::Selection;
+use shm_schemas::ModuleId;
+
+const TURN: Selection = Selection::of(&[
+    ModuleId::TRAJECTORY,
+    ModuleId::FIRST_TOUCH,
+    ModuleId::SLIP,
+    ModuleId::FORCE_LIMIT,
+    ModuleId::TERMINATE_SCREW,
+]);
+
+pub(super) const SCREW_IT: Step = Step::new("screw", Motion::Square, TURN, Until::Concluded, 180.0);
+
+/// Grasp the cap where a turn begins, turn it again and again until it is tight, let go.
+pub static SCREW: Task = Task::of(
+    "screw",
+    &[
+        REACH, DESCEND, APPROACH, FEEL, GRASP_IT, SCREW_IT, OPEN, LEAVE, GO_HOME,
+    ],
+);
