@@ -15,6 +15,8 @@ use ebts::agents::Lookup;
 use ebts::built_in;
 use field::{MAX_AGENTS, TrialRun, Wheels};
 use hdrhistogram::Histogram;
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec};
 use shm_bus::{Bus, FreshBus, Publisher, Realtime, Subscriber, now_ns, writer_epoch};
 use shm_schemas::{AgentSensors, WheelCommands, service};
 
@@ -133,7 +135,7 @@ fn main() {
     }
     host.drive();
 
-    let mut latency_ns = Histogram::<u64>::new(3).expect("3 digits");
+    let mut latency_ns = Histogram::<u64>::new_with_bounds(1, PERIOD_NS, 3).expect("valid bounds");
     let mut period_end_ns = now_ns();
     let (mut missed, mut late) = (0, 0);
     for frame in 1..=WARM_UP + frames {
@@ -150,9 +152,7 @@ fn main() {
             }
             None => missed += u64::from(frame > WARM_UP),
         }
-        while now_ns() < period_end_ns {
-            std::hint::spin_loop();
-        }
+        sleep_until(period_end_ns);
         let skipped = (now_ns() - period_end_ns) / PERIOD_NS;
         late += skipped;
         period_end_ns += skipped * PERIOD_NS;
@@ -167,6 +167,15 @@ fn main() {
         us(0.999),
         latency_ns.max() as f64 * 1e-3
     );
+}
+
+/// Sleeps, because the kernel stops real-time processes that never do.
+fn sleep_until(deadline_ns: u64) {
+    let until = Timespec {
+        tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),
+        tv_nsec: (deadline_ns % 1_000_000_000).cast_signed(),
+    };
+    while clock_nanosleep_absolute(ClockId::Monotonic, &until).is_err() {}
 }
 
 fn start_agents(bus: &FreshBus) -> Agents {
