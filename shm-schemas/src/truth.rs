@@ -28,7 +28,8 @@ word! {
         pub table_n: f64,
         /// When it first stood again after it had been lifted, simulated time, ns; 0 if never.
         pub landed_ns: u64,
-        /// When the last fingertip let go of it after it had been lifted, simulated time, ns; 0 if never.
+        /// When the last fingertip let go of it after it had been lifted: for the first time after it landed, else most
+        /// recently; simulated time, ns; 0 if never.
         pub released_ns: u64,
         /// Its height above what was under it at that moment, m.
         pub released_above_m: f64,

@@ -48,7 +48,7 @@ pub(crate) struct Thing {
 struct Landing {
     /// When it first stood again after it had been lifted, ns; 0 if never.
     landed_ns: u64,
-    /// When the last fingertip let go of it after it had been lifted, ns; 0 if never.
+    /// When the last fingertip let go of it: for the first time after it landed, else most recently, ns; 0 if never.
     released_ns: u64,
     /// Its height above what is under it at that moment, m.
     released_above_m: f64,
@@ -192,8 +192,13 @@ impl Landing {
         if !in_the_air && self.landed_ns == 0 {
             self.landed_ns = now_ns;
         }
-        if core::mem::replace(&mut self.held, held) && !held {
+        let let_go = core::mem::replace(&mut self.held, held) && !held;
+        let is_known = self.landed_ns > 0 && self.released_ns >= self.landed_ns;
+        if let_go && !is_known {
             (self.released_ns, self.released_above_m) = (now_ns, clearance_m);
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

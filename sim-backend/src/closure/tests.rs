@@ -4,6 +4,7 @@ use super::*;
 use crate::object::Object;
 use crate::scene::Scene;
 use crate::support::Ground;
+use crate::thread::Turn;
 use robot_model::Side;
 
 const DT_S: f64 = 250e-6;
@@ -124,6 +125,17 @@ fn a_turn_takes_the_cap_down_by_its_pitch_and_turns_it_clockwise() {
     );
     let turn = rest.tr_mul(&bench.cap().base_from_body);
     assert!(libm::atan2(turn[(1, 0)], turn[(0, 0)]) < -0.98, "{turn}");
+}
+
+#[test]
+fn a_left_hand_thread_closes_anticlockwise() {
+    for (closes, sign) in [(Turn::Clockwise, -1.0), (Turn::Anticlockwise, 1.0)] {
+        let mut bench = Bench::new(Mount::OnNeck);
+        bench.closure.thread.closes = closes;
+        bench.step(400, [0.0; 3], [0.0, 0.0, 0.03 * sign]);
+        assert!(bench.truth().angle_rad > 0.1, "{closes:?}");
+        assert!(bench.cap().angular_rad_s.z * sign > 0.0);
+    }
 }
 
 #[test]

@@ -1,0 +1,81 @@
+//! What the judge makes of an object's history.
+
+use super::*;
+use crate::body::{Motion, turned};
+
+const TICK_NS: u64 = 1_000_000;
+
+fn thing(name: &str) -> Thing {
+    let object = Object::built_in(name).expect("built in");
+    Thing::new(&Placed::new(object, [0.3, 0.0], 0.0), &Ground::default())
+}
+
+/// Puts an object at rest in the air, leaning.
+fn pose(thing: &mut Thing, up_m: f64, lean_rad: f64) {
+    let mut orientation = [1.0, 0.0, 0.0, 0.0];
+    for _ in 0..100 {
+        orientation = turned(orientation, &Vector3::new(lean_rad / 100.0, 0.0, 0.0));
+    }
+    thing.body.follow(&Motion {
+        position_m: Vector3::new(0.3, 0.0, up_m + thing.rest_m),
+        orientation,
+        velocity_m_s: Vector3::zeros(),
+        angular_rad_s: Vector3::zeros(),
+    });
+}
+
+#[test]
+fn only_an_open_bottle_that_tilts_far_enough_spills() {
+    let check = |lean_deg: f64, open: bool, spilt: u32, tipped: u32| {
+        let mut bottle = thing("open-bottle");
+        pose(&mut bottle, 0.05, lean_deg.to_radians());
+        bottle.touched = true;
+        bottle.judge(&Ground::default(), false, open, TICK_NS);
+        let truth = bottle.truth(None);
+        assert_eq!((truth.spilt, truth.tipped), (spilt, tipped), "{lean_deg}°");
+    };
+    check(20.0, true, 0, 0);
+    check(35.0, true, 1, 0);
+    check(35.0, false, 0, 0);
+    check(50.0, true, 1, 1);
+}
+
+/// Ticks of an object: height, whether a fingertip presses, whether it stands.
+#[test]
+fn the_release_that_counts_is_the_first_after_landing() {
+    let mut wood = thing("wood");
+    let history = [
+        (0.010, true, false),
+        (0.010, true, false),
+        (0.0, true, true),
+        (0.0, true, true),
+        (0.0, false, true),
+        (0.0, true, true),
+        (0.0, false, true),
+    ];
+    for (tick, (up_m, held, stands)) in (1..).zip(history) {
+        pose(&mut wood, up_m, 0.0);
+        (wood.touched, wood.body.table_n) = (held, if stands { 3.0 } else { 0.0 });
+        wood.judge(&Ground::default(), false, false, tick * TICK_NS);
+    }
+    let truth = wood.truth(None);
+    assert_eq!(
+        (truth.landed_ns, truth.released_ns),
+        (3 * TICK_NS, 5 * TICK_NS)
+    );
+    assert_eq!((truth.released_above_m, truth.dropped), (0.0, 0));
+}
+
+#[test]
+fn an_object_let_go_in_the_air_is_dropped_from_where_it_was() {
+    let mut wood = thing("wood");
+    for (tick, held) in (1..).zip([true, false]) {
+        pose(&mut wood, 0.010, 0.0);
+        wood.touched = held;
+        wood.judge(&Ground::default(), false, false, tick * TICK_NS);
+    }
+    let truth = wood.truth(None);
+    assert_eq!((truth.dropped, truth.landed_ns), (1, 0));
+    assert_eq!(truth.released_ns, 2 * TICK_NS);
+    assert!((truth.released_above_m - 0.010).abs() < 1e-4, "{truth:?}");
+}
