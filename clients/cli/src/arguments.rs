@@ -65,6 +65,29 @@ pub enum Command {
         #[command(subcommand)]
         action: Param,
     },
+    /// Record what the daemon takes in and gives out, until Ctrl-C; start it before `atasd --record-stream`
+    #[command(args_conflicts_with_subcommands = true)]
+    Record {
+        /// What to do with a file instead
+        #[command(subcommand)]
+        action: Option<RecordAction>,
+        /// How to record
+        #[command(flatten)]
+        options: Record,
+    },
+    /// Run the controller on a recording and compare every command bit for bit; exit code 1 if one differs
+    Replay {
+        /// The files of one run, in order
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Name the first tick and field in which two recordings differ, and how both ended; exit code 1 if they do
+    Diff {
+        /// One recording
+        first: PathBuf,
+        /// Another
+        second: PathBuf,
+    },
     /// Check this machine, the bus and the daemon, and say what to do; exit code 1 if anything fails
     Doctor(BusArgument),
     /// Print the completions of a shell
@@ -239,6 +262,44 @@ pub struct Events {
     pub bus: BusArgument,
 }
 
+/// `atas record`.
+#[derive(Args, Clone, Debug)]
+pub struct Record {
+    /// File to make; it must not exist [default: atas-SECONDS.mcap, seconds since 1970]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Go on in another file (FILE-001.mcap, …) when this one is larger, for example 500M
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub max_size: Option<u64>,
+    /// Keep this many files and remove the oldest; what was removed cannot be replayed
+    #[arg(long, value_name = "N", requires = "max_size", value_parser = clap::value_parser!(u16).range(1..))]
+    pub max_files: Option<u16>,
+    /// End when all files together are larger, for example 20G
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub disk_budget: Option<u64>,
+    /// Which daemon
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
+/// `atas record check` and `atas record repair`.
+#[derive(Debug, Subcommand)]
+pub enum RecordAction {
+    /// Say whether a recording is whole; exit code 1 if it is not
+    Check {
+        /// The recording
+        file: PathBuf,
+    },
+    /// Save what can be read of a recording into a new file
+    Repair {
+        /// The recording; it is left as it is
+        file: PathBuf,
+        /// File to make; it must not exist [default: NAME-repaired.mcap]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+}
+
 /// `atas param`.
 #[derive(Debug, Subcommand)]
 pub enum Param {
@@ -311,4 +372,18 @@ fn duration(text: &str) -> Result<Duration, String> {
         .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
         .filter(|duration| !duration.is_zero())
         .ok_or_else(|| "needs a number of seconds above zero, for example 30".into())
+}
+
+fn bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let (digits, shift) = match text.char_indices().last() {
+        Some((at, 'k' | 'K')) => (&text[..at], 10),
+        Some((at, 'M')) => (&text[..at], 20),
+        Some((at, 'G')) => (&text[..at], 30),
+        _ => (text, 0),
+    };
+    let number = digits.parse::<u64>().ok().filter(|number| *number > 0);
+    number
+        .and_then(|number| number.checked_mul(1 << shift))
+        .ok_or_else(|| "needs a whole number of bytes, or of K, M or G, for example 500M".into())
 }

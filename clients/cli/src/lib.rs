@@ -27,6 +27,7 @@ mod json;
 pub mod judge;
 mod output;
 mod progress;
+mod recording;
 pub mod rehearsal;
 pub mod story;
 

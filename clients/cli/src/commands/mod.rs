@@ -9,11 +9,11 @@ use clap::{CommandFactory, Parser};
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_backend::{Object, ObjectError};
 
-use crate::arguments::{Arguments, Command, Demo, Eval, EvalGrasp, Param};
+use crate::arguments::{Arguments, Command, Demo, Eval, EvalGrasp, Param, RecordAction};
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::{client, demo, doctor, eval};
+use crate::{client, demo, doctor, eval, recording};
 
 /// The whole program: reads the command line, does what it says, tells errors in one line, returns the exit code.
 #[must_use]
@@ -51,6 +51,15 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
         Command::Status(arguments) => client::status(arguments, &interrupt, output),
         Command::Events(arguments) => client::events(arguments, &interrupt, output),
         Command::Param { action } => parameter(action, output),
+        Command::Record { action, options } => match action {
+            None => recording::record(options, &interrupt, output),
+            Some(RecordAction::Check { file }) => recording::check(file, output),
+            Some(RecordAction::Repair { file, out }) => {
+                recording::repair(file, out.as_deref(), output)
+            }
+        },
+        Command::Replay { files } => recording::replay(files, output),
+        Command::Diff { first, second } => recording::diff(first, second, output),
         Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
         Command::Completions { shell } => {
             let mut command = Arguments::command();

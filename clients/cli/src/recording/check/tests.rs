@@ -1,0 +1,95 @@
+use std::fs;
+
+use proptest::prelude::*;
+use shm_schemas::Stamp;
+
+use super::*;
+
+/// Parts between two flushes.
+const FLUSHED: u64 = 3;
+
+/// A recording's bytes, and after each flush its size and the parts in it.
+fn recording(folder: &Path) -> (Vec<u8>, Vec<(u64, u64)>) {
+    let path = folder.join("whole.mcap");
+    let mut writer = Writer::create(&path).expect("made");
+    let mut flushed = Vec::new();
+    for sequence in 0..5 * FLUSHED {
+        let stamp = Stamp {
+            sequence,
+            ..Stamp::default()
+        };
+        let part = TickInputs {
+            stamp,
+            ..TickInputs::default()
+        };
+        writer.write(&part).expect("written");
+        if (sequence + 1) % FLUSHED == 0 {
+            flushed.push((writer.flush().expect("flushed"), sequence + 1));
+        }
+    }
+    writer.finish().expect("finished");
+    (fs::read(&path).expect("read"), flushed)
+}
+
+fn contents(path: &Path) -> Contents {
+    Contents::of(path, |_| Ok(())).expect("opened")
+}
+
+fn repair_into(path: &Path, out: &Path) {
+    let _ = fs::remove_file(out);
+    save(path, out).expect("repaired");
+}
+
+#[test]
+fn a_whole_recording_is_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (_, _) = recording(folder.path());
+    let whole = contents(&folder.path().join("whole.mcap"));
+    assert_eq!((whole.parts, whole.lost, whole.damage), (15, 0, None));
+}
+
+#[test]
+fn a_recording_that_exists_is_not_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    recording(folder.path());
+    assert!(Writer::create(&folder.path().join("whole.mcap")).is_err());
+}
+
+#[test]
+fn wherever_a_recording_is_cut_off_what_was_flushed_is_recovered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (bytes, flushed) = recording(folder.path());
+    let (cut, out) = (
+        folder.path().join("cut.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    proptest!(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() }, |(length in 0..bytes.len())| {
+        fs::write(&cut, &bytes[..length]).expect("written");
+        prop_assert!(contents(&cut).damage.is_some(), "cut at {}", length);
+        repair_into(&cut, &out);
+        let saved = contents(&out);
+        let kept = flushed.iter().filter(|(size, _)| *size <= length as u64);
+        let least = kept.map(|(_, parts)| *parts).max().unwrap_or(0);
+        prop_assert!(saved.parts >= least, "cut at {}: {} of {}", length, saved.parts, least);
+        prop_assert_eq!((saved.lost, saved.damage), (0, None));
+    });
+}
+
+#[test]
+fn a_flipped_byte_is_noticed_and_never_a_panic() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (bytes, flushed) = recording(folder.path());
+    let (bad, out) = (
+        folder.path().join("bad.mcap"),
+        folder.path().join("out.mcap"),
+    );
+    let data_end = flushed.last().expect("flushed").0 as usize;
+    proptest!(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() }, |(at in 0..data_end, bit in 0..8_u32)| {
+        let mut flipped = bytes.clone();
+        flipped[at] ^= 1 << bit;
+        fs::write(&bad, &flipped).expect("written");
+        prop_assert!(contents(&bad).damage.is_some(), "bit {} of byte {}", bit, at);
+        repair_into(&bad, &out);
+        prop_assert_eq!(contents(&out).damage, None);
+    });
+}

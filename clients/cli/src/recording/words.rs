@@ -1,0 +1,75 @@
+//! What is recorded: the bus's words as their plain bytes, each on a channel whose schema describes the layout.
+
+use shm_schemas::{
+    FingerReport, GoalRequest, HandFrame, HandReport, HandWiringRecord, JointCommand, JointState,
+    ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SettingsRecord, Stamp,
+    Status, TickInputs, TickReport, service,
+};
+
+/// Encoding of messages and schemas: the bytes of a `#[repr(C)]` word, described as text.
+pub(super) const POD: &str = "atas-pod";
+
+/// A word that is recorded.
+pub(super) trait Recorded: Payload {
+    /// Channel in the file: the name of the service.
+    const TOPIC: &'static str;
+    /// Its stamp.
+    fn stamp(&self) -> &Stamp;
+    /// Name, offset and size of every field, of the word itself and of the words in it.
+    fn schema() -> String;
+}
+
+macro_rules! recorded {
+    ($($word:ident at $topic:expr, with $($part:ident)*;)*) => {$(
+        impl Recorded for $word {
+            const TOPIC: &'static str = $topic;
+
+            fn stamp(&self) -> &Stamp {
+                &self.stamp
+            }
+
+            fn schema() -> String {
+                let words = [
+                    describe::<Self>(Self::FIELDS),
+                    $(describe::<$part>($part::FIELDS),)*
+                    describe::<Stamp>(Stamp::FIELDS),
+                ];
+                format!("# little-endian, no padding; field: offset, size in bytes\n{}", words.concat())
+            }
+        }
+    )*};
+}
+
+recorded! {
+    RunHeader at service::RUN_HEADER, with HandWiringRecord SettingsRecord;
+    TickInputs at service::TICK_INPUTS, with HandFrame JointState OrderRecord Reason GoalRequest SettingsRecord JointCommand;
+    TickReport at service::TICK_REPORT, with HandReport FingerReport;
+    ModuleEvent at service::MODULE_EVENT, with Reason;
+    Status at service::STATUS, with Percentiles Reason;
+}
+
+fn describe<T: Payload>(fields: &[(&str, usize, usize)]) -> String {
+    let mut text = format!("{}: {}\n", T::TYPE_NAME, size_of::<T>());
+    for (name, offset, size) in fields {
+        text += &format!("  {name}: {offset}, {size}\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schemas_describe_every_byte_of_a_word() {
+        let schema = TickInputs::schema();
+        let begin = format!(
+            "atas.TickInputs.v1: {}\n  stamp: 0, 24\n",
+            size_of::<TickInputs>()
+        );
+        assert!(schema.contains(&begin), "{schema}");
+        assert!(schema.contains("\natas.HandFrame.v1: "), "{schema}");
+        let sizes: usize = TickInputs::FIELDS.iter().map(|(_, _, size)| size).sum();
+        assert_eq!(sizes, size_of::<TickInputs>());
+    }
+}

@@ -1,0 +1,200 @@
+//! Recording and replay with real processes: what was recorded replays bit for bit, and what was changed is named.
+#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal, kill_process};
+use shm_bus::FreshBus;
+
+/// Long enough for any machine; nothing is measured against it.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A program that lies next to `atas`; `None` if it was not built in this run.
+fn program(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_BIN_EXE_atas")).with_file_name(name);
+    if path.is_file() {
+        return Some(path);
+    }
+    println!("not tested: {name} is not built; use `cargo test --workspace`");
+    None
+}
+
+/// A process that ends with this value.
+struct Running(Child);
+
+impl Running {
+    fn start(program: &Path, arguments: &[&str]) -> Self {
+        let mut command = Command::new(program);
+        command
+            .args(arguments)
+            .env_remove("RUST_LOG")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        Self(command.spawn().expect("it starts"))
+    }
+
+    fn end(mut self, signal: Signal) -> Option<i32> {
+        kill_process(Pid::from_child(&self.0), signal).expect("it runs");
+        self.0.wait().expect("it ends").code()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended already; both calls then have nothing to do.
+        let _ended = self.0.kill();
+        let _status = self.0.wait();
+    }
+}
+
+fn atas(arguments: &[&str]) -> (i32, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_atas"))
+        .args(arguments)
+        .output();
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = output.expect("it starts");
+    let text = String::from_utf8_lossy(&stdout) + String::from_utf8_lossy(&stderr);
+    (status.code().expect("a code"), text.into_owned())
+}
+
+/// Records one goal from the daemon's first tick to its last; false if the programs are not built.
+fn record(file: &Path, clock: &[&str]) -> bool {
+    let (Some(simulator), Some(daemon)) = (program("atas-sim"), program("atasd")) else {
+        return false;
+    };
+    let bus = FreshBus::new("record");
+    let (bus, out) = (bus.as_str(), file.to_str().expect("UTF-8"));
+    let itself = Path::new(env!("CARGO_BIN_EXE_atas"));
+    let recorder = Running::start(itself, &["record", "--bus", bus, "--out", out]);
+    // The file is made after the ports are open.
+    wait_until(|| file.exists());
+    let simulate = [&["run", "--bus", bus, "--object", "wood"], clock].concat();
+    let _simulator = Running::start(&simulator, &simulate);
+    let control = ["--bus", bus, "--config", "/dev/null", "--record-stream"];
+    let daemon = Running::start(&daemon, &[&control, clock].concat());
+    wait_until(|| atas(&["status", "--bus", bus]).1.contains("mode ready"));
+    let goal = [
+        "grasp",
+        "--bus",
+        bus,
+        "--at",
+        "0.32,-0.15,0.035",
+        "--width",
+        "40",
+    ];
+    let (_, told) = atas(&goal);
+    assert!(told.contains("grasp"), "{told}");
+    assert_eq!(daemon.end(Signal::TERM), Some(0), "the daemon");
+    assert_eq!(
+        recorder.end(Signal::INT),
+        Some(0),
+        "the recorder: nothing may be lost"
+    );
+    true
+}
+
+fn wait_until(mut is_so: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !is_so() {
+        assert!(begin.elapsed() < PATIENCE, "waited in vain");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn number(json: &str, key: &str) -> u64 {
+    let value: serde_json::Value =
+        serde_json::from_str(json.lines().next().unwrap_or_default()).expect("JSON");
+    value[key]
+        .as_u64()
+        .unwrap_or_else(|| panic!("{key} in {json}"))
+}
+
+#[test]
+fn a_run_in_lock_step_replays_and_what_was_changed_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.mcap");
+    if !record(&file, &["--lockstep"]) {
+        return;
+    }
+    let path = file.to_str().expect("UTF-8");
+    let (code, told) = atas(&["replay", path, "--format", "json"]);
+    assert_eq!((code, number(&told, "different")), (0, 0), "{told}");
+    assert!(number(&told, "ticks") > 1000, "{told}");
+    let (code, told) = atas(&["diff", path, path]);
+    assert_eq!(code, 0, "{told}");
+
+    let changed = folder.path().join("changed.mcap");
+    change_one_byte(&file, &changed);
+    let changed = changed.to_str().expect("UTF-8");
+    let (code, told) = atas(&["replay", changed]);
+    assert_eq!(code, 1, "{told}");
+    assert!(told.contains("tick 500: command.position_rad[3]"), "{told}");
+    let (code, told) = atas(&["diff", path, changed]);
+    assert_eq!(code, 1, "{told}");
+    assert!(told.contains("tick 500: command.position_rad[3]"), "{told}");
+}
+
+#[test]
+fn a_run_by_the_clock_replays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.mcap");
+    if !record(&file, &[]) {
+        return;
+    }
+    let (code, told) = atas(&["replay", file.to_str().expect("UTF-8")]);
+    assert_eq!(code, 0, "{told}");
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_told_and_repaired() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.mcap");
+    if !record(&file, &["--lockstep"]) {
+        return;
+    }
+    let bytes = std::fs::read(&file).expect("readable");
+    std::fs::write(&file, &bytes[..bytes.len() * 3 / 4]).expect("writable");
+    let (path, whole) = (
+        file.to_str().expect("UTF-8"),
+        folder.path().join("whole.mcap"),
+    );
+    let whole = whole.to_str().expect("UTF-8");
+    let (code, told) = atas(&["record", "check", path]);
+    assert!(code == 1 && told.contains("atas record repair"), "{told}");
+    let (code, told) = atas(&["record", "repair", path, "--out", whole]);
+    assert_eq!(code, 0, "{told}");
+    let (code, told) = atas(&["record", "check", whole]);
+    assert_eq!(code, 0, "{told}");
+    let (code, told) = atas(&["replay", whole, "--format", "json"]);
+    assert_eq!((code, number(&told, "different")), (0, 0), "{told}");
+}
+
+/// Copies a recording with one byte of one command changed.
+fn change_one_byte(from: &Path, to: &Path) {
+    use shm_schemas::{JointCommand, TickInputs, service};
+    let offset = std::mem::offset_of!(TickInputs, command)
+        + std::mem::offset_of!(JointCommand, position_rad)
+        + 3 * size_of::<f64>();
+    let bytes = std::fs::read(from).expect("readable");
+    let file = std::fs::File::create_new(to).expect("new");
+    let mut copy = mcap::Writer::new(file).expect("writable");
+    let mut ticks = 0;
+    for message in mcap::MessageStream::new(&bytes).expect("MCAP") {
+        let mut message = message.expect("whole");
+        if message.channel.topic == service::TICK_INPUTS {
+            // In lock-step every tick takes at most one frame of a hand: one part.
+            if ticks == 500 {
+                message.data.to_mut()[offset] ^= 1;
+            }
+            ticks += 1;
+        }
+        copy.write(&message).expect("written");
+    }
+    copy.finish().expect("finished");
+}
