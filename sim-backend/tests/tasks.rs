@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, RobotModel, Side};
 use shm_schemas::ObjectTruth;
 use sim_backend::{Mount, Object, Scene, World};
+use zerocopy::IntoBytes;
 
 fn part(name: &str) -> Object {
     Object::built_in(name).expect("built in")
@@ -135,6 +136,18 @@ fn fingers_screw_a_cap_down_until_it_is_closed() {
     );
     assert_eq!((closed.dropped, closed.tipped), (0, 0));
     assert_eq!(script.world.fault(), None);
+}
+
+#[test]
+fn the_same_seed_screws_the_same_bits() {
+    let screwed = || {
+        let mut script = Script::around(screw().varied(3), Side::Right, 3);
+        turn_cap(&mut script);
+        script.world.truth()
+    };
+    let there = std::thread::spawn(screwed).join().expect("no panic");
+    assert_eq!(screwed().as_bytes(), there.as_bytes());
+    assert!(there.objects[0].cap_angle_rad > 0.3);
 }
 
 #[test]

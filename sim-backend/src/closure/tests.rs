@@ -5,6 +5,8 @@ use crate::object::Object;
 use crate::scene::Scene;
 use crate::support::Ground;
 use crate::thread::Turn;
+use proptest::array::uniform3;
+use proptest::prelude::*;
 use robot_model::Side;
 
 const DT_S: f64 = 250e-6;
@@ -193,4 +195,23 @@ fn a_cap_comes_off_before_it_is_turned_and_not_after() {
     let mut bench = Bench::turned(0.1);
     bench.step(40, [0.0, 0.0, 0.5], [0.0; 3]);
     assert!(bench.truth().engaged);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever presses on a cap, and however it stands on the neck, everything stays finite.
+    #[test]
+    fn no_wrench_breaks_a_closure(
+        off_m in -0.01..0.01_f64,
+        lean_rad in -0.2..0.2_f64,
+        force_n in uniform3(-20.0..20.0_f64),
+        moment_n_m in uniform3(-0.5..0.5_f64),
+    ) {
+        let mut bench = Bench::above(off_m, 0.0002, lean_rad);
+        bench.step(200, [0.0, 0.0, -0.5], [0.0; 3]);
+        bench.step(200, force_n, moment_n_m);
+        prop_assert!(bench.cap().is_finite() && bench.bottle().is_finite());
+        prop_assert!(bench.truth().angle_rad.is_finite());
+    }
 }
