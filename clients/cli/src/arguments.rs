@@ -65,6 +65,8 @@ pub enum Command {
         #[command(subcommand)]
         action: Param,
     },
+    /// Show how punctual the daemon is: wake-up, frame age, tick by stage, sensor to command
+    Latency(Latency),
     /// Record what the daemon takes in and gives out, until Ctrl-C; start it before `atasd --record-stream`
     #[command(args_conflicts_with_subcommands = true)]
     Record {
@@ -257,6 +259,17 @@ pub struct Events {
     /// Stop after this many events, and wait for them
     #[arg(long, value_name = "N")]
     pub count: Option<u64>,
+    /// Which daemon
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
+/// `atas latency`.
+#[derive(Args, Clone, Debug)]
+pub struct Latency {
+    /// Go on, once a second, until Ctrl-C
+    #[arg(long)]
+    pub watch: bool,
     /// Which daemon
     #[command(flatten)]
     pub bus: BusArgument,

@@ -129,7 +129,8 @@ fn hand((hand, sensor): (&Hand, &HandStatus)) -> Value {
     })
 }
 
-fn percentiles(figures: &Percentiles) -> Value {
+/// A distribution.
+pub(crate) fn percentiles(figures: &Percentiles) -> Value {
     json!({
         "p50_ns": figures.p50_ns,
         "p99_ns": figures.p99_ns,

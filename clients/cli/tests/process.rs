@@ -46,6 +46,8 @@ fn without_a_daemon_every_command_says_so_with_its_own_code() {
     };
     check("status");
     check("status --watch");
+    check("latency");
+    check("latency --watch");
     check("events");
     check("events --follow");
     check("grasp --at 0.3,-0.1,0.05 --width 50");

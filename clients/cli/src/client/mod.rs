@@ -2,11 +2,13 @@
 
 mod control;
 mod events;
+mod latency;
 mod pursuit;
 mod status;
 
 pub(crate) use control::{estop, get, list, recover, set};
 pub(crate) use events::events;
+pub(crate) use latency::latency;
 pub(crate) use pursuit::{Cancelled, Pursuit, grasp, release};
 pub(crate) use status::status;
 

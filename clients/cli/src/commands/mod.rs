@@ -51,6 +51,7 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
         Command::Status(arguments) => client::status(arguments, &interrupt, output),
         Command::Events(arguments) => client::events(arguments, &interrupt, output),
         Command::Param { action } => parameter(action, output),
+        Command::Latency(arguments) => client::latency(arguments, &interrupt, output),
         Command::Record { action, options } => match action {
             None => recording::record(options, &interrupt, output),
             Some(RecordAction::Check { file }) => recording::check(file, output),
