@@ -235,3 +235,52 @@ fn read_hand(record: &HandWiringRecord) -> Result<HandWiring, Unreadable> {
         rate_hz: record.rate_hz,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{Cause, GoalRequest, Reason};
+
+    #[test]
+    fn every_order_reads_back_as_written() {
+        let mut settings = Settings::default();
+        settings.set("grasp.dr_n", 0.1 + 0.2).expect("in range");
+        let goal = GoalRequest {
+            goal_id: 3,
+            width_m: 1.0 / 3.0,
+            ..GoalRequest::default()
+        };
+        for order in [
+            None,
+            Some(Order::Start(goal)),
+            Some(Order::Cancel { goal_id: 5 }),
+            Some(Order::ClientGone { goal_id: 6 }),
+            Some(Order::Stop(Reason::limit(Cause::ESTOP, 1.0, 2.0))),
+            Some(Order::Recover),
+            Some(Order::SetParameter {
+                index: 7,
+                value: 0.1,
+            }),
+            Some(Order::Configure(settings)),
+            Some(Order::Bias { hand: 1 }),
+        ] {
+            assert_eq!(read_order(&write_order(order.as_ref())), Ok(order));
+        }
+    }
+
+    #[test]
+    fn what_means_something_else_is_refused() {
+        let mut record = write_order(Some(&Order::Configure(Settings::default())));
+        record.settings.value[0] = f64::NAN;
+        let name = PARAMETERS[0].name;
+        let out_of_range = Unreadable::SettingOutOfRange { name };
+        assert_eq!(read_order(&record), Err(out_of_range));
+        record.settings.names_hash ^= 1;
+        assert_eq!(read_order(&record), Err(Unreadable::OtherParameters));
+        record.kind = OrderKind(99);
+        assert_eq!(
+            read_order(&record),
+            Err(Unreadable::UnknownOrder { kind: 99 })
+        );
+    }
+}
