@@ -113,6 +113,8 @@ word! {
         pub lift_m: f64,
         /// How long to hold the lifted object before the goal counts as reached, s.
         pub hold_s: f64,
+        /// Expected width of what the other hand holds, m; only used by ASSEMBLE: the bottle's.
+        pub helper_width_m: f64,
         /// Name of the task for `CUSTOM`.
         pub task: Text<32>,
     }
@@ -120,14 +122,24 @@ word! {
 
 impl GoalRequest {
     /// Names of [`GoalRequest::values`], in order; a [`Reason`] about a goal refers to them by index.
-    pub const VALUE_NAMES: [&'static str; 11] = [
-        "from x", "from y", "from z", "from yaw", "to x", "to y", "to z", "to yaw", "width",
-        "lift", "hold",
+    pub const VALUE_NAMES: [&'static str; 12] = [
+        "from x",
+        "from y",
+        "from z",
+        "from yaw",
+        "to x",
+        "to y",
+        "to z",
+        "to yaw",
+        "width",
+        "lift",
+        "hold",
+        "helper width",
     ];
 
     /// Every number of the goal, in the order of [`GoalRequest::VALUE_NAMES`], SI units.
     #[must_use]
-    pub fn values(&self) -> [f64; 11] {
+    pub fn values(&self) -> [f64; 12] {
         let [from_x, from_y, from_z] = self.from_m;
         let [to_x, to_y, to_z] = self.to_m;
         let (from_yaw, to_yaw) = (self.from_yaw_rad, self.to_yaw_rad);
@@ -143,6 +155,7 @@ impl GoalRequest {
             self.width_m,
             self.lift_m,
             self.hold_s,
+            self.helper_width_m,
         ]
     }
 }

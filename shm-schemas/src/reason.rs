@@ -27,6 +27,8 @@ code! {
         HAND_FULL = 7, "hand-full";
         /// The hand has no tactile sensor.
         NO_SENSOR = 8, "no-sensor";
+        /// The two arms would come too near to each other.
+        ARMS_COLLIDE = 9, "arms-collide";
         /// No object was touched on the way in.
         NOTHING_TOUCHED = 10, "nothing-touched";
         /// The object needs more force than its hardness allows.
@@ -208,6 +210,12 @@ impl Reason {
                     crate::Hand(index)
                 )
             }
+            Cause::ARMS_COLLIDE => write!(
+                f,
+                "the arms would come within {:.1} mm of each other, needs {:.1} mm; move the places apart",
+                value * 1e3,
+                limit * 1e3
+            ),
             Cause::NO_SENSOR => {
                 write!(
                     f,

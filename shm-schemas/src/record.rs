@@ -49,7 +49,7 @@ word! {
 
 word! {
     /// One order; only what its kind names is used, the rest is zero.
-    OrderRecord as "atas.OrderRecord.v1" {
+    OrderRecord as "atas.OrderRecord.v2" {
         /// What is ordered.
         pub kind: OrderKind,
         /// Index of a parameter or of a hand.
@@ -70,7 +70,7 @@ word! {
 word! {
     /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
     /// several parts, one after the other.
-    TickInputs as "atas.TickInputs.v1" {
+    TickInputs as "atas.TickInputs.v2" {
         /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
         pub stamp: Stamp,
         /// Index of the tick; a gap means missed ticks.

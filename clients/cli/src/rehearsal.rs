@@ -211,3 +211,21 @@ pub fn screw_goal(hint: &GraspHint, side: Side) -> GoalRequest {
         ..grasp_goal(hint, side, 0.0, 0.0)
     }
 }
+
+/// The goal that a client would send to close a bottle with a cap from its stand: `cap` as it stands, `on_bottle` where the
+/// fingertips shall be when it sits on the bottle, `bottle_width_m` where the other hand holds it.
+#[must_use]
+pub fn assemble_goal(
+    cap: &GraspHint,
+    on_bottle: &GraspHint,
+    bottle_width_m: f64,
+    screws: Side,
+) -> GoalRequest {
+    GoalRequest {
+        kind: GoalKind::ASSEMBLE,
+        to_m: on_bottle.from_m,
+        to_yaw_rad: on_bottle.yaw_rad,
+        helper_width_m: bottle_width_m,
+        ..grasp_goal(cap, screws, 0.05, 0.0)
+    }
+}

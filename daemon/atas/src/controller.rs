@@ -201,7 +201,11 @@ impl Controller {
             self.outputs.goal_update = Some(self.update_of(&goal, GoalState::REJECTED, reason));
             return;
         }
-        self.hands[side.index()].start(request, &self.settings);
+        for (hand, own) in self.hands.iter_mut().zip(Side::BOTH) {
+            if goal.involves(own) {
+                hand.start(request, own == side, &self.settings);
+            }
+        }
         self.goal = Some(goal);
         self.last_goal = None;
         self.news(GoalState::ACCEPTED, Reason::default());
@@ -213,7 +217,6 @@ impl Controller {
 
     fn refusal(&self, goal: &ActiveGoal) -> Option<Reason> {
         let mode = self.mode.mode();
-        let hand = &self.hands[goal.side.index()];
         if !matches!(mode, Mode::READY | Mode::RUN) || !self.gate.is_anchored() {
             return Some(Reason::limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
         }
@@ -221,7 +224,11 @@ impl Controller {
             return Some(Reason::of(Cause::BUSY));
         }
         let fills = goal.request.kind != shm_schemas::GoalKind::RELEASE;
-        (fills && hand.grips()).then(|| Reason::of(Cause::HAND_FULL).about(goal.side.index()))
+        let full = Side::BOTH
+            .into_iter()
+            .find(|side| goal.involves(*side) && self.hands[side.index()].grips());
+        full.filter(|_| fills)
+            .map(|side| Reason::of(Cause::HAND_FULL).about(side.index()))
     }
 
     /// Ends the goal with this id; `attached_only` leaves detached goals alone.
@@ -232,7 +239,7 @@ impl Controller {
         if attached_only && !is_attached(&goal.request) {
             return;
         }
-        self.hands[goal.side.index()].end(&self.settings);
+        self.end_hands(&goal);
         self.finish(
             if attached_only {
                 GoalState::FAILED
@@ -304,8 +311,8 @@ impl Controller {
             0.0
         };
         if goal.paused_s > self.settings.safety.pause_s {
-            let side = goal.side;
-            self.hands[side.index()].end(&self.settings);
+            let goal = *goal;
+            self.end_hands(&goal);
             self.finish(GoalState::FAILED, self.mode.reason());
         }
     }
@@ -323,11 +330,13 @@ impl Controller {
 
     /// Every hand pursues its task; the goal hears what became of it.
     fn pursue(&mut self) {
+        let reached = self.hands.each_ref().map(HandControl::reached);
         for side in Side::BOTH {
+            self.hands[side.index()].hear(reached[1 - side.index()]);
             let outcome =
                 self.hands[side.index()].act(&self.settings, self.step_s, &mut self.outputs.events);
             let Some(outcome) = outcome else { continue };
-            let is_goals = self.goal.is_some_and(|g| g.side == side);
+            let is_goals = self.goal.is_some_and(|g| g.involves(side));
             match outcome {
                 Outcome::Running => {}
                 Outcome::NextStep if is_goals => self.news(GoalState::RUNNING, Reason::default()),
@@ -336,7 +345,7 @@ impl Controller {
                     if !self.hands[side.index()].grips() {
                         self.hands[side.index()].abandon();
                     }
-                    if is_goals {
+                    if is_goals && !self.awaits_other(side) {
                         self.finish(GoalState::SUCCEEDED, Reason::default());
                     }
                 }
@@ -355,8 +364,9 @@ impl Controller {
 
     /// A task that ended without success: the goal or the event log hears why; what the hand still holds, it keeps.
     fn conclude(&mut self, side: Side, is_goals: bool, state: GoalState, reason: Reason) {
-        if is_goals {
+        if let Some(goal) = self.goal.filter(|_| is_goals) {
             self.finish(state, reason);
+            self.end_hands(&goal);
         } else {
             let event = ModuleEvent {
                 kind: EventKind::WARNING,
@@ -366,6 +376,26 @@ impl Controller {
             self.outputs.events.push(event);
         }
         self.hands[side.index()].end(&self.settings);
+    }
+
+    /// Whether the goal needs the other hand, which still works.
+    fn awaits_other(&self, side: Side) -> bool {
+        let is_at_work = |own: Side| own != side && self.hands[own.index()].is_busy();
+        let goal = self.goal.as_ref();
+        goal.is_some_and(|goal| {
+            Side::BOTH
+                .into_iter()
+                .any(|own| goal.involves(own) && is_at_work(own))
+        })
+    }
+
+    /// Every hand of a goal that ends keeps what it holds.
+    fn end_hands(&mut self, goal: &ActiveGoal) {
+        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+            if goal.involves(side) {
+                hand.end(&self.settings);
+            }
+        }
     }
 
     fn settle(&mut self, safe: &SafeCommand) {

@@ -4,7 +4,7 @@ use crate::Tick;
 use crate::arbitration::{Arbiter, Intent};
 use crate::intake::FrameIntake;
 use crate::io::Events;
-use crate::kinematics::{Carrier, HandCommand, frame_of, gap_m};
+use crate::kinematics::{Carrier, HandCommand, gap_m};
 use crate::modules::{self, Modules, Proposal, Selection};
 use crate::perception::{Percept, Perception};
 use crate::safety::Grip;
@@ -167,27 +167,47 @@ impl HandControl {
         }
     }
 
-    /// Starts the task of a checked goal.
-    pub(crate) fn start(&mut self, goal: &GoalRequest, settings: &Settings) {
-        let Some(carrier) = self.carrier.as_ref() else {
+    /// Starts this hand's part of the task of a checked goal, if it has one.
+    pub(crate) fn start(&mut self, goal: &GoalRequest, acts: bool, settings: &Settings) {
+        let task = tasks::of(goal.kind);
+        let track = if acts {
+            Some(task.acting)
+        } else {
+            task.helping
+        };
+        let (Some(carrier), Some(track)) = (self.carrier.as_ref(), track) else {
             return;
         };
         let now = *carrier.frame();
-        let home = frame_of(&self.model, &self.model.forward(self.model.reference_rad()));
-        let task = tasks::of(goal.kind);
-        let sites = match goal.kind {
-            GoalKind::RELEASE => Sites::resting(now, home, settings),
-            _ => Sites::new(&self.model, &now, home, goal, settings),
+        let home = tasks::home(&self.model, &now);
+        let (sites, width_m) = match goal.kind {
+            GoalKind::RELEASE => (Sites::resting(now, home, settings), goal.width_m),
+            _ if acts => (
+                Sites::new(&self.model, &now, home, goal, settings),
+                goal.width_m,
+            ),
+            _ => (
+                Sites::helping(&self.model, home, goal, settings),
+                goal.helper_width_m,
+            ),
         };
         self.modules.reset();
         self.arbiter.rest();
-        self.runner = Some(Runner::start(
-            task.acting,
-            sites,
-            &now,
-            (goal.width_m, goal.hold_s),
-            settings,
-        ));
+        let wishes = (width_m, goal.hold_s);
+        self.runner = Some(Runner::start(track, sites, &now, wishes, settings));
+    }
+
+    /// The meeting point that this hand has come to; a hand without a task keeps nobody waiting.
+    #[must_use]
+    pub(crate) fn reached(&self) -> u8 {
+        self.runner.as_ref().map_or(u8::MAX, Runner::reached)
+    }
+
+    /// Hears which meeting point the other hand has come to.
+    pub(crate) fn hear(&mut self, peer_reached: u8) {
+        if let Some(runner) = self.runner.as_mut() {
+            runner.hear(peer_reached);
+        }
     }
 
     /// Ends the task; what the hand holds, it keeps holding and watching.

@@ -63,6 +63,7 @@ fn goal_values_come_in_the_order_of_their_names() {
         width_m: 9.0,
         lift_m: 10.0,
         hold_s: 11.0,
+        helper_width_m: 12.0,
         ..GoalRequest::default()
     };
     let named: Vec<_> = GoalRequest::VALUE_NAMES
@@ -72,5 +73,13 @@ fn goal_values_come_in_the_order_of_their_names() {
     assert_eq!(named[0], ("from x", 1.0));
     assert_eq!(named[3], ("from yaw", 4.0));
     assert_eq!(named[6], ("to z", 7.0));
-    assert_eq!(named[8..], [("width", 9.0), ("lift", 10.0), ("hold", 11.0)]);
+    assert_eq!(
+        named[8..],
+        [
+            ("width", 9.0),
+            ("lift", 10.0),
+            ("hold", 11.0),
+            ("helper width", 12.0)
+        ]
+    );
 }

@@ -40,6 +40,10 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the left hand has no tactile sensor in the configuration; use the other hand",
         ),
         (
+            limit(Cause::ARMS_COLLIDE, 0.003, 0.01, 0),
+            "the arms would come within 3.0 mm of each other, needs 10.0 mm; move the places apart",
+        ),
+        (
             limit(Cause::NOTHING_TOUCHED, 0.0262, 0.026, 0),
             "closed to 26.2 mm and touched nothing; is the object there?",
         ),

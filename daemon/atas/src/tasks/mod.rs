@@ -9,10 +9,12 @@
 //! | grasp | 1, 2, 3 | `grasp` |
 //! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
+//! | assembly | all | `assemble` |
 //!
 //! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`RAISE`] lifts again what
 //! found no support, [`STAND`] keeps holding when a goal ends.
 
+mod assemble;
 mod grasp;
 mod name;
 mod pick_place;
@@ -22,12 +24,13 @@ mod sites;
 mod thresholds;
 mod track;
 
+pub use assemble::ASSEMBLE;
 pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE};
 pub use runner::{HandMotion, Outcome, Runner};
 pub use screw::SCREW;
-pub use sites::{Site, Sites};
+pub use sites::{Site, Sites, from_the_side, home};
 pub use thresholds::Thresholds;
 pub use track::{STEPS_MAX, Task, Track};
 
@@ -41,6 +44,7 @@ pub fn of(kind: GoalKind) -> &'static Task {
         GoalKind::GRASP => &GRASP,
         GoalKind::PICK_PLACE => &PICK_PLACE,
         GoalKind::SCREW => &SCREW,
+        GoalKind::ASSEMBLE => &ASSEMBLE,
         _ => &RELEASE,
     }
 }
@@ -114,4 +118,6 @@ pub enum Until {
     Held,
     /// A module says so: Module 4.
     Concluded,
+    /// Both hands have come to this meeting point; points count up along a track.
+    Met(u8),
 }

@@ -63,6 +63,8 @@ pub struct Runner {
     carried_m: f64,
     out_of_touch_s: f64,
     holds: bool,
+    reached: u8,
+    peer_reached: u8,
     retreat: Option<(Retreat, Reason)>,
 }
 
@@ -102,9 +104,12 @@ impl Runner {
             carried_m: 0.0,
             out_of_touch_s: 0.0,
             holds: false,
+            reached: 0,
+            peer_reached: 0,
             retreat: None,
         };
         runner.path = runner.plan(now, settings);
+        runner.arrive();
         runner
     }
 
@@ -144,6 +149,12 @@ impl Runner {
         self.carried_m
     }
 
+    /// The meeting point that the hand has come to.
+    #[must_use]
+    pub fn reached(&self) -> u8 {
+        self.reached
+    }
+
     /// Whether the hand has an object in its grip.
     #[must_use]
     pub fn grips(&self) -> bool {
@@ -173,6 +184,11 @@ impl Runner {
             turning: self.sites.turning(),
             lowering_m: (self.step().motion == Motion::Lower).then(|| self.sites.lowering_m()),
         }
+    }
+
+    /// Hears which meeting point the other hand has come to.
+    pub fn hear(&mut self, peer_reached: u8) {
+        self.peer_reached = peer_reached;
     }
 
     /// Measures before the modules are asked: touches, closing, carrying. `gap_m` is the measured distance between the
@@ -244,6 +260,7 @@ impl Runner {
             }
             Until::Held => self.step_s >= self.hold_s,
             Until::Concluded => concluded,
+            Until::Met(point) => self.peer_reached >= point,
         }
     }
 
@@ -269,10 +286,20 @@ impl Runner {
         self.index = index;
         self.step_s = 0.0;
         self.path = self.plan(now, settings);
+        self.arrive();
         modules.restart_path();
         match self.step().motion {
             Motion::Carry(_) if self.retreat.is_none() => self.lifted_from_m = Some(now.centre_m),
             Motion::Open | Motion::Square => self.holds = false,
+            _ => {}
+        }
+    }
+
+    /// What a step begins with besides its path.
+    fn arrive(&mut self) {
+        match self.step().until {
+            Until::Met(point) => self.reached = point,
+            Until::AllTouched => self.all_touched = false,
             _ => {}
         }
     }
@@ -282,7 +309,7 @@ impl Runner {
         let free = Speeds {
             move_m_s: motion.reach_m_s,
             turn_rad_s: motion.turn_rad_s,
-            open_m_s: motion.reach_m_s,
+            open_m_s: motion.open_m_s,
         };
         let gripping = |site, move_m_s| {
             let speeds = Speeds { move_m_s, ..free };

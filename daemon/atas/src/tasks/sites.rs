@@ -1,8 +1,9 @@
 //! Sites: the poses that a goal's steps refer to by name.
 
-use crate::goal::travel_height_m;
+use crate::goal::{goes_elsewhere, travel_height_m};
 use crate::path::reachable_yaw_rad;
 use crate::settings::Settings;
+use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel};
 use shm_schemas::{GoalKind, GoalRequest, Turn};
@@ -10,17 +11,36 @@ use shm_schemas::{GoalKind, GoalRequest, Turn};
 /// Lowest centre of a grasp, m (ours: the dome's radius and 3 mm of air).
 const LOWEST_M: f64 = 0.018;
 
+/// Home of a hand: x, distance from the middle, height (robot design), and distance between its fingertips, m.
+const HOME_M: [f64; 3] = [0.26, 0.22, 0.15];
+const HOME_OPENING_M: f64 = 0.07;
+/// Height of a grasp from the side, m; pitch of the hand below the horizontal and angle of the finger roots, rad (robot
+/// design: proved free of collisions with the hand that screws).
+const SIDE_HEIGHT_M: f64 = 0.045;
+const SIDE_PITCH_RAD: f64 = core::f64::consts::FRAC_PI_4;
+const SIDE_ROOT_RAD: f64 = -27.5 * core::f64::consts::PI / 180.0;
+/// Opening of each finger before a grasp from the side, and how far behind and above it begins, m (robot design).
+const SIDE_OPENING_M: f64 = 0.020;
+const SIDE_BEHIND_M: f64 = 0.10;
+const SIDE_ABOVE_M: f64 = 0.03;
+
 /// A named pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Site {
-    /// Before the object, open: straight above it.
+    /// Where the arm rests, tilted and open for a grasp from the side.
+    Tilted,
+    /// Before the object, open: straight above it, or behind it for a grasp from the side.
     BeforeSource,
+    /// At the object, opened wide.
+    Around,
     /// At the object, open a little wider than it.
     Source,
     /// Where the object is lifted to.
     Lifted,
     /// Over the target, as high as the object is lifted.
     OverTarget,
+    /// Where the hand is, open, where a turn begins.
+    TurnStart,
     /// Straight above where the hand is.
     Above,
     /// Where the arm rests.
@@ -30,7 +50,11 @@ pub enum Site {
 /// The poses of one goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sites {
+    tilted: GraspFrame,
+    before: GraspFrame,
+    around: GraspFrame,
     source: GraspFrame,
+    turn_start_m: f64,
     over_target: GraspFrame,
     home: GraspFrame,
     descend_m: f64,
@@ -58,7 +82,7 @@ impl Sites {
             let start_m = -goal.turn.sign() * settings.screw.travel_m;
             source.tangential_m = [start_m, -start_m];
         }
-        let places = goal.kind == GoalKind::PICK_PLACE;
+        let places = goes_elsewhere(goal.kind);
         let to_m = if places { goal.to_m } else { goal.from_m };
         let to_yaw_rad = if places {
             goal.to_yaw_rad
@@ -69,6 +93,10 @@ impl Sites {
         let over_m = [to_m[0], to_m[1], travel_m];
         let lowest_m = (to_m[2] - settings.place.search_m).max(LOWEST_M);
         Self {
+            tilted: home,
+            before: raised(&source, motion.descend_m),
+            around: source,
+            turn_start_m: -goal.turn.sign() * settings.screw.travel_m,
             source,
             over_target: from_above(hand, &source, over_m, to_yaw_rad, opening_m),
             home,
@@ -80,10 +108,42 @@ impl Sites {
         }
     }
 
+    /// The poses of the hand that holds the bottle of a checked assembly, from the side.
+    #[must_use]
+    pub fn helping(
+        hand: &HandModel,
+        home: GraspFrame,
+        goal: &GoalRequest,
+        settings: &Settings,
+    ) -> Self {
+        let source = from_the_side(hand, goal, settings.motion.clearance_m);
+        let around = from_the_side(hand, goal, SIDE_OPENING_M);
+        let (sin, cos) = libm::sincos(around.hand_azimuth_rad);
+        let behind_m = Vector3::new(-SIDE_BEHIND_M * cos, -SIDE_BEHIND_M * sin, SIDE_ABOVE_M);
+        let centre_m = around.centre_m + behind_m;
+        Self {
+            tilted: pointing(
+                hand,
+                GraspFrame {
+                    centre_m: home.centre_m,
+                    ..around
+                },
+            ),
+            before: GraspFrame { centre_m, ..around },
+            around,
+            source,
+            ..Self::resting(source, home, settings)
+        }
+    }
+
     /// The poses of a hand that only opens and goes home.
     #[must_use]
     pub fn resting(now: GraspFrame, home: GraspFrame, settings: &Settings) -> Self {
         Self {
+            tilted: home,
+            before: raised(&now, settings.motion.descend_m),
+            around: now,
+            turn_start_m: 0.0,
             source: now,
             over_target: now,
             home,
@@ -99,10 +159,17 @@ impl Sites {
     #[must_use]
     pub fn pose(&self, site: Site, now: &GraspFrame) -> GraspFrame {
         match site {
-            Site::BeforeSource => raised(&self.source, self.descend_m),
+            Site::Tilted => self.tilted,
+            Site::BeforeSource => self.before,
+            Site::Around => self.around,
             Site::Source => self.source,
             Site::Lifted => raised(&self.source, self.lift_m),
             Site::OverTarget => self.over_target,
+            Site::TurnStart => GraspFrame {
+                half_opening_m: self.source.half_opening_m,
+                tangential_m: [self.turn_start_m, -self.turn_start_m],
+                ..*now
+            },
             Site::Above => raised(now, self.descend_m),
             Site::Home => self.home,
         }
@@ -124,6 +191,37 @@ impl Sites {
     #[must_use]
     pub fn expected_m(&self) -> f64 {
         self.expected_m
+    }
+}
+
+/// Where an arm rests, for a hand that is at `now`: before its own shoulder, out of the other arm's way.
+#[must_use]
+pub fn home(hand: &HandModel, now: &GraspFrame) -> GraspFrame {
+    let [x, off_middle, z] = HOME_M;
+    let centre_m = [x, hand.side().y_sign() * off_middle, z];
+    from_above(hand, now, centre_m, FRAC_PI_2, HOME_OPENING_M)
+}
+
+/// The helping hand's grasp of the bottle: from the side, coming from its own shoulder.
+#[must_use]
+pub fn from_the_side(hand: &HandModel, goal: &GoalRequest, clearance_m: f64) -> GraspFrame {
+    let centre_m = Vector3::new(goal.to_m[0], goal.to_m[1], SIDE_HEIGHT_M);
+    let opening_m = goal.helper_width_m + 2.0 * clearance_m;
+    let grasp = GraspFrame {
+        hand_pitch_rad: SIDE_PITCH_RAD,
+        root_rad: SIDE_ROOT_RAD,
+        ..GraspFrame::from_above(centre_m, 0.0, opening_m)
+    };
+    pointing(hand, grasp)
+}
+
+/// The same pose with the hand pointing straight away from its shoulder, fingers to its left and right.
+fn pointing(hand: &HandModel, frame: GraspFrame) -> GraspFrame {
+    let azimuth_rad = hand.bearing_rad(&frame.centre_m);
+    GraspFrame {
+        hand_azimuth_rad: azimuth_rad,
+        closing_yaw_rad: azimuth_rad + FRAC_PI_2,
+        ..frame
     }
 }
 

@@ -55,7 +55,7 @@ fn every_bad_field_is_named() {
     let rows: [(Change, Cause, u32); 24] = [
         (|g| g.kind = GoalKind(0), Cause::UNKNOWN_GOAL, 0),
         (|g| g.kind = GoalKind(u32::MAX), Cause::UNKNOWN_GOAL, 0),
-        (|g| g.kind = GoalKind::ASSEMBLE, Cause::UNKNOWN_GOAL, 0),
+        (|g| g.kind = GoalKind::CUSTOM, Cause::UNKNOWN_GOAL, 0),
         (|g| g.hand = Hand(2), Cause::UNKNOWN_GOAL, 1),
         (|g| g.policy = GoalPolicy(2), Cause::UNKNOWN_GOAL, 2),
         (|g| g.from_m[0] = f64::NAN, Cause::NOT_FINITE, 0),

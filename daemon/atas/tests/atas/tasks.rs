@@ -3,7 +3,7 @@
 use atas::Settings;
 use atas::modules::IDS;
 use atas::tasks::{
-    BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Site, Step,
+    ASSEMBLE, BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Site, Step,
     Thresholds, Until,
 };
 use shm_schemas::ModuleId;
@@ -16,6 +16,8 @@ fn tracks() -> Vec<(&'static str, Vec<Step>)> {
         ("grasp", GRASP.acting.to_vec()),
         ("pick and place", PICK_PLACE.acting.to_vec()),
         ("screw", SCREW.acting.to_vec()),
+        ("assemble", ASSEMBLE.acting.to_vec()),
+        ("help to assemble", ASSEMBLE.helping.unwrap().to_vec()),
         ("release", RELEASE.acting.to_vec()),
         ("back out", BACK_OUT.to_vec()),
         ("raise", RAISE.to_vec()),
@@ -58,6 +60,7 @@ fn every_task_can_be_followed_to_its_end() {
                         step.name
                     );
                 }
+                Until::Met(_) => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
                 Until::Held => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
             }
         }
@@ -104,6 +107,22 @@ fn placing_consists_of_modules_0_1_2_3_and_4() {
         ModuleId::RELEASE_PLACED,
     ];
     assert_eq!(modules_of(step), expected);
+}
+
+/// Whoever waits at a point waits for a hand that comes to it, or to a later one.
+#[test]
+fn both_hands_come_to_the_last_meeting_point() {
+    let points = |steps: &[Step]| -> Vec<u8> {
+        let point = |step: &Step| match step.until {
+            Until::Met(point) => Some(point),
+            _ => None,
+        };
+        steps.iter().filter_map(point).collect()
+    };
+    let acting = points(&ASSEMBLE.acting);
+    let helping = points(&ASSEMBLE.helping.unwrap());
+    assert!(acting.is_sorted() && helping.is_sorted());
+    assert_eq!(acting.last(), helping.last());
 }
 
 #[test]

@@ -1,0 +1,74 @@
+//! Assembly (paper II.c, Fig. 8): all modules, both hands. "The robot screws the cap onto the bottle grasped by its left
+//! hand."
+//!
+//! | | acting hand | | helping hand |
+//! |---|---|---|---|
+//! | | waits | | grasps the bottle from the side |
+//! | 1 | picks the cap, places it, screws it, goes home | 1 | holds |
+//! | 2 | | 2 | lets go, goes home |
+
+use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
+use super::pick_place::{CONVEY_IT, LIFT_IT, PLACE_IT};
+use super::screw::SCREW_IT;
+use super::{Motion, Name, Site, Step, Task, Track, Until};
+use crate::modules::Selection;
+use shm_schemas::ModuleId;
+
+/// The bottle is held.
+const HELD: u8 = 1;
+/// The cap is closed and the acting hand is out of the way.
+const CLOSED: u8 = 2;
+
+const REGRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::FORCE_LIMIT]);
+
+const fn reach(name: &str, site: Site) -> Step {
+    Step::new(name, Motion::Reach(site), CARRY, Until::Arrived, 20.0)
+}
+
+const fn meet(name: &str, modules: Selection, point: u8) -> Step {
+    Step::new(
+        name,
+        Motion::Stay,
+        modules,
+        Until::Met(point),
+        f64::INFINITY,
+    )
+}
+
+/// The cap goes from its stand onto the bottle.
+pub static ASSEMBLE: Task = Task {
+    name: Name::new("assemble"),
+    acting: Track::of(&[
+        meet("wait", Selection::NONE, HELD),
+        REACH,
+        DESCEND,
+        APPROACH,
+        FEEL,
+        GRASP_IT,
+        LIFT_IT,
+        CONVEY_IT,
+        PLACE_IT,
+        OPEN,
+        reach("line up", Site::TurnStart),
+        APPROACH,
+        Step::new("regrip", Motion::Stay, REGRIP, Until::Gripped, 5.0),
+        SCREW_IT,
+        OPEN,
+        LEAVE,
+        GO_HOME,
+        meet("rest", Selection::NONE, CLOSED),
+    ]),
+    helping: Some(Track::of(&[
+        reach("tilt", Site::Tilted),
+        REACH,
+        reach("insert", Site::Around),
+        DESCEND,
+        APPROACH,
+        FEEL,
+        GRASP_IT,
+        meet("hold", SECURE, CLOSED),
+        OPEN,
+        reach("back out", Site::BeforeSource),
+        GO_HOME,
+    ])),
+};
