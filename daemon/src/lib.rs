@@ -5,14 +5,17 @@
 //!  JointState ───▶ │ pacer ─▶ inlet ─▶ guard(controller) ─▶ publisher │ ─▶ JointCommand, every tick
 //!                  └───────▲ orders ────────────── records │ ─────────┘
 //!                          │            (link)             ▼
-//!  goals, control ─▶ ┌─────┴──────────── supervisor (main thread) ────┐ ─▶ goal updates, control replies,
-//!  signals, config ─▶└────────────────────────────────────────────────┘    Status 50 Hz, TickReport, events, log
+//!  goals, control ─▶ ┌─────┴──────────── supervisor (main thread) ────┐ ─▶ goal updates, control replies, log,
+//!  signals, config ─▶└────────────────────────────────────────────────┘    Status 50 Hz, TickReport, events,
+//!                                                                          TickInputs (recording), flight files
 //! ```
 //!
 //! * **In:** a configuration ([`config`]), frames, joint states, goals, control requests, signals.
 //!   **Out:** a joint command every tick, and what observers may know.
 //! * **Invariants:** one daemon per bus. The tick never waits for the supervisor, nor for any other process. A command
 //!   goes out in every tick and every mode. Whatever the kernel refused, was late or was lost is counted and visible.
+//!   What is recorded is all that the commands depend on: it replays bit for bit (`tests/daemon/replay.rs`). A tick makes
+//!   one system call, its sleep, and no page fault (`tests/daemon/kernel.rs`).
 //! * **Absent on purpose:** any decision about motion (crate `atas`), any robot or sensor driver (other processes).
 //!
 //! # Exit codes
