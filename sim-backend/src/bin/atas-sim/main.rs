@@ -2,6 +2,7 @@
 //!
 //! Two ways to run: [`free_run`] follows the machine's clock at 1 kHz, [`lockstep`] waits for the daemon's answer to every
 //! tick and so repeats bit for bit. Both drive the same [`session::Session`].
+//! [`field_host`] is the other simulation: the swarm's field, at a frame rate or in lock-step with `ebts agents`.
 
 mod args;
 mod failure;
