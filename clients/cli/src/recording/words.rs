@@ -64,11 +64,13 @@ mod tests {
     fn schemas_describe_every_byte_of_a_word() {
         let schema = TickInputs::schema();
         let begin = format!(
-            "atas.TickInputs.v1: {}\n  stamp: 0, 24\n",
+            "{}: {}\n  stamp: 0, 24\n",
+            TickInputs::TYPE_NAME,
             size_of::<TickInputs>()
         );
         assert!(schema.contains(&begin), "{schema}");
-        assert!(schema.contains("\natas.HandFrame.v1: "), "{schema}");
+        let part = format!("\n{}: ", HandFrame::TYPE_NAME);
+        assert!(schema.contains(&part), "{schema}");
         let sizes: usize = TickInputs::FIELDS.iter().map(|(_, _, size)| size).sum();
         assert_eq!(sizes, size_of::<TickInputs>());
     }
