@@ -16,7 +16,7 @@ struct Stage {
     simulator: Process,
     daemon: Process,
     observer: Bus,
-    bus: FreshBus,
+    _bus: FreshBus,
 }
 
 impl Stage {
@@ -38,7 +38,7 @@ impl Stage {
             simulator,
             daemon,
             observer,
-            bus,
+            _bus: bus,
         }
     }
 
@@ -87,6 +87,16 @@ fn ticks_to_hold(fault: &str) -> Option<u64> {
         let _news = pending.next();
         answer
     })
+}
+
+/// Waits until the object is in the air, by the judge's view.
+fn wait_until_lifted(truth: &mut Subscriber<WorldTruth>, pending: &mut shm_bus::PendingGoal) {
+    let mut world = WorldTruth::default();
+    wait_for("the object to be lifted", || {
+        truth.newest(&mut world).expect("readable");
+        let _news = pending.next();
+        (world.objects[0].lifted_m > 0.005).then_some(())
+    });
 }
 
 fn sim_start_s() -> f64 {
@@ -158,12 +168,7 @@ fn a_sensor_that_dies_in_mid_grasp_leaves_the_grip_as_it_was() {
     let mut statuses = stage.subscribe::<Status>(service::STATUS);
     let mut commands = stage.subscribe::<JointCommand>(service::JOINT_COMMAND);
     let mut pending = stage.grasp();
-    let mut world = WorldTruth::default();
-    wait_for("the object to be lifted", || {
-        truth.newest(&mut world).expect("readable");
-        let _news = pending.next();
-        (world.objects[0].lifted_m > 0.005).then_some(())
-    });
+    wait_until_lifted(&mut truth, &mut pending);
     stage.simulator.signal(Signal::KILL);
     stage.simulator.wait();
     let mut status = Status::default();
@@ -208,12 +213,8 @@ fn sigterm_in_a_grasp_stops_in_order() {
     let mut stage = Stage::set(&[], false);
     let mut truth = stage.subscribe::<WorldTruth>(service::WORLD_TRUTH);
     let mut pending = stage.grasp();
+    wait_until_lifted(&mut truth, &mut pending);
     let mut world = WorldTruth::default();
-    wait_for("the object to be lifted", || {
-        truth.newest(&mut world).expect("readable");
-        let _news = pending.next();
-        (world.objects[0].lifted_m > 0.005).then_some(())
-    });
     stage.daemon.signal(Signal::TERM);
     assert_eq!(stage.daemon.wait().code(), Some(0));
     // Without a daemon the simulated robot lets its last command expire and keeps the grip.
@@ -227,5 +228,4 @@ fn sigterm_in_a_grasp_stops_in_order() {
         "lifted {} m",
         world.objects[0].lifted_m
     );
-    assert!(!stage.bus.as_str().is_empty());
 }
