@@ -30,6 +30,8 @@ code! {
         CARRY = 9, "carry";
         /// Gives back force that friction does not need.
         RELAX = 10, "relax";
+        /// Turns the hand back when it touches something while it moves freely.
+        GUARD = 11, "touch guard";
     }
 }
 

@@ -45,6 +45,8 @@ code! {
         CLIENT_GONE = 16, "client-gone";
         /// Nothing carried the object where it should have been set down; the hand has lifted it again.
         NO_SUPPORT = 17, "no-support";
+        /// A fingertip touched something while the hand moved freely; the hand has gone back.
+        OBSTRUCTED = 18, "obstructed";
         /// No tactile frame for too long.
         FRAMES_STOPPED = 20, "frames-stopped";
         /// A frame's stamp is too old.
@@ -262,6 +264,12 @@ impl Reason {
                 "lowered to {:.1} mm and felt no support, expected it at {:.1} mm; the hand keeps the object",
                 value * 1e3,
                 limit * 1e3
+            ),
+            Cause::OBSTRUCTED => write!(
+                f,
+                "finger {} touched something at {value:.2} N on its way, touch counts from {limit:.2} N; clear the way or grasp \
+                 nearer to the object's top",
+                self.index + 1
             ),
             _ => self.tell_unknown(f),
         }

@@ -76,6 +76,11 @@ fn table() -> Vec<(Reason, &'static str)> {
             "lowered to 18.1 mm and felt no support, expected it at 33.0 mm; the hand keeps the object",
         ),
         (
+            limit(Cause::OBSTRUCTED, 0.0914, 0.06, 1),
+            "finger 2 touched something at 0.09 N on its way, touch counts from 0.06 N; clear the way or grasp nearer to the \
+             object's top",
+        ),
+        (
             limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6, 0),
             "no tactile frame of hand left yet; is the sensor process running?",
         ),

@@ -12,6 +12,7 @@
 //! | `force_limit` | 3: never enhance above F_2 | II.b (1) |
 //! | `relax` | gives back force that friction does not need | ours |
 //! | `probe` | hardness within 100 ms of the first touch, refined while the force grows | II.b (1) |
+//! | `guard` | turns back what touches something on its way | ours |
 //! | `carry` | moves the hand along the step's path | II.b (1), (3) |
 //! | `trajectory` | 0: the square trajectory, and what contact makes of it | II.b (2) |
 //! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
@@ -21,6 +22,7 @@
 mod carry;
 mod first_touch;
 mod force_limit;
+mod guard;
 mod probe;
 mod relax;
 mod release_placed;
@@ -36,6 +38,7 @@ use crate::tasks::Thresholds;
 use carry::Carry;
 use first_touch::FirstTouch;
 use force_limit::ForceLimit;
+use guard::Guard;
 use nalgebra::Matrix3;
 use probe::Probe;
 use relax::Relax;
@@ -140,7 +143,7 @@ pub trait Module {
 }
 
 /// Number of modules.
-pub const COUNT: usize = 10;
+pub const COUNT: usize = 11;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -188,6 +191,7 @@ pub struct Modules {
     release_placed: ReleasePlaced,
     trajectory: Trajectory,
     terminate_screw: TerminateScrew,
+    guard: Guard,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -202,6 +206,7 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::RELEASE_PLACED,
     ModuleId::TRAJECTORY,
     ModuleId::TERMINATE_SCREW,
+    ModuleId::GUARD,
 ];
 
 impl Modules {
@@ -223,6 +228,7 @@ impl Modules {
             &mut self.release_placed,
             &mut self.trajectory,
             &mut self.terminate_screw,
+            &mut self.guard,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {

@@ -5,6 +5,8 @@ use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
 pub(super) const CARRY: Selection = Selection::of(&[ModuleId::CARRY]);
+/// Moves freely, and expects to touch nothing.
+const FREE: Selection = CARRY.and(Selection::of(&[ModuleId::GUARD]));
 pub(super) const TOUCH: Selection = Selection::of(&[ModuleId::FIRST_TOUCH]);
 pub(super) const PROBE: Selection = Selection::of(&[ModuleId::PROBE]);
 pub(super) const GRIP: Selection = Selection::of(&[
@@ -27,14 +29,14 @@ const LIFT: Selection = HOLD.and(CARRY);
 pub(super) const REACH: Step = Step::new(
     "reach",
     Motion::Reach(Site::BeforeSource),
-    CARRY,
+    FREE,
     Until::Arrived,
     20.0,
 );
 pub(super) const DESCEND: Step = Step::new(
     "descend",
     Motion::Reach(Site::Source),
-    CARRY,
+    FREE,
     Until::Arrived,
     10.0,
 );
@@ -93,6 +95,15 @@ pub const BACK_OUT: Track = Track::of(&[
         10.0,
     ),
 ]);
+
+/// Goes back the way that the hand came, off what it touched there.
+pub const WITHDRAW: Track = Track::of(&[Step::new(
+    "withdraw",
+    Motion::Withdraw,
+    CARRY,
+    Until::Arrived,
+    20.0,
+)]);
 
 /// Opens the hand where it is and brings it home.
 pub static RELEASE: Task = Task::of("release", &[OPEN, LEAVE, GO_HOME]);

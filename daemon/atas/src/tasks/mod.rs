@@ -11,8 +11,8 @@
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
 //! | assembly | all | `assemble` |
 //!
-//! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`RAISE`] lifts again what
-//! found no support, [`STAND`] keeps holding when a goal ends.
+//! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`WITHDRAW`] turns
+//! back from what is in the way, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends.
 
 mod assemble;
 mod grasp;
@@ -25,7 +25,7 @@ mod thresholds;
 mod track;
 
 pub use assemble::ASSEMBLE;
-pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND};
+pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND, WITHDRAW};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE};
 pub use runner::{HandMotion, Outcome, Runner};
@@ -101,6 +101,8 @@ pub enum Motion {
     Square,
     /// Stays and opens.
     Open,
+    /// Freely back to where the step before began.
+    Withdraw,
 }
 
 /// When a step is done.

@@ -1,6 +1,6 @@
 //! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
 
-use super::{BACK_OUT, Motion, RAISE, STAND, Sites, Step, Thresholds, Track, Until};
+use super::{BACK_OUT, Motion, RAISE, STAND, Sites, Step, Thresholds, Track, Until, WITHDRAW};
 use crate::modules::{Context, Modules, Verdict, force_range_n};
 use crate::path::{Path, Speeds};
 use crate::perception::{HardnessFit, Percept};
@@ -75,6 +75,8 @@ enum Retreat {
     PutBack,
     /// Lifts the object again and keeps it.
     Raise,
+    /// Goes back the way it came, off what is in the way.
+    Withdraw,
 }
 
 impl Runner {
@@ -223,8 +225,13 @@ impl Runner {
     ) -> Outcome {
         match verdict {
             Verdict::Refuse(reason) if self.retreat.is_none() => {
+                let retreat = if reason.cause == Cause::OBSTRUCTED {
+                    Retreat::Withdraw
+                } else {
+                    Retreat::PutBack
+                };
                 let reason = self.in_hold(reason);
-                return self.give_up(Retreat::PutBack, reason, now, settings, modules);
+                return self.give_up(retreat, reason, now, settings, modules);
             }
             Verdict::Hardness(fit) => {
                 self.hardness = Some(fit);
@@ -267,7 +274,7 @@ impl Runner {
     fn advance(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) -> Outcome {
         if self.index + 1 == self.track.len() {
             return match self.retreat {
-                Some((Retreat::PutBack, reason)) => Outcome::Refused(reason),
+                Some((Retreat::PutBack | Retreat::Withdraw, reason)) => Outcome::Refused(reason),
                 Some((Retreat::Raise, reason)) => Outcome::Failed(reason),
                 None => Outcome::Succeeded,
             };
@@ -318,6 +325,7 @@ impl Runner {
         match self.step().motion {
             Motion::Stay | Motion::Lower | Motion::Square => Path::stay(*now),
             Motion::Reach(site) => Path::free(*now, self.sites.pose(site, now), &free),
+            Motion::Withdraw => Path::free(*now, self.path.at(0.0), &free),
             Motion::Carry(site) => gripping(site, motion.lift_m_s),
             Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
             Motion::Open => {
@@ -359,6 +367,7 @@ impl Runner {
         self.track = match retreat {
             Retreat::PutBack => BACK_OUT,
             Retreat::Raise => RAISE,
+            Retreat::Withdraw => WITHDRAW,
         };
         self.holds &= retreat == Retreat::Raise;
         self.enter(0, now, settings, modules);

@@ -173,6 +173,35 @@ fn the_report_shows_the_closing_speed() {
     assert_eq!(report.hands[0].fingers[0].closing_m_s, 0.0);
 }
 
+/// What the hand touches on its way it must not push over: it goes back where it came from and says why.
+#[test]
+fn a_touch_on_the_way_turns_the_hand_back() {
+    let mut world = World::ready();
+    let home = world.run(1).report.hands[1].centre_m;
+    world.order(Order::Start(grasp()));
+    world.run(400);
+    let met = world.run(1).report.hands[1].centre_m;
+    world.obstructed = true;
+    let (_, ticks) = world.run_until(50, |w| w.controller.step_name() == "withdraw");
+    assert!(ticks < 20, "{ticks} ticks");
+    world.obstructed = false;
+    let (outputs, _) = world.run_until(20_000, |w| w.controller.goal().unwrap().state.is_final());
+    let update = outputs.goal_update.unwrap();
+    assert_eq!(
+        (update.state, update.reason.cause, update.reason.index),
+        (GoalState::REFUSED, Cause::OBSTRUCTED, 1)
+    );
+    let far_mm = |a: [f64; 3], b: [f64; 3]| {
+        let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+        squares.sqrt() * 1e3
+    };
+    let back = world.run(300).report.hands[1].centre_m;
+    assert!(
+        far_mm(home, met) > 5.0 && far_mm(home, back) < 2.0,
+        "{home:?} {met:?} {back:?}"
+    );
+}
+
 #[test]
 fn an_empty_place_is_reported_and_the_hand_stays() {
     let mut world = World::ready();

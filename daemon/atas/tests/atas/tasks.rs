@@ -4,7 +4,7 @@ use atas::Settings;
 use atas::modules::IDS;
 use atas::tasks::{
     ASSEMBLE, BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Site, Step,
-    Thresholds, Until,
+    Thresholds, Until, WITHDRAW,
 };
 use shm_schemas::ModuleId;
 
@@ -21,6 +21,7 @@ fn tracks() -> Vec<(&'static str, Vec<Step>)> {
         ("release", RELEASE.acting.to_vec()),
         ("back out", BACK_OUT.to_vec()),
         ("raise", RAISE.to_vec()),
+        ("withdraw", WITHDRAW.to_vec()),
         ("stand", STAND.to_vec()),
     ]
 }

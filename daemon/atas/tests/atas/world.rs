@@ -16,6 +16,10 @@ pub(crate) const WIDTH_M: f64 = 0.05;
 const OBJECT_N_M: f64 = 8000.0;
 const LOAD_N: f64 = 1.0;
 const FRICTION: f64 = 0.8;
+/// How far from the object's axis the hand may be to be about it, m: the object has no height, and the hand comes from above.
+const ABOUT_M: f64 = 0.005;
+/// What an obstacle presses, N.
+const OBSTACLE_N: f64 = 0.5;
 /// How fast the load comes over while lifting, N/m.
 const LOADING_N_M: f64 = 400.0;
 
@@ -30,6 +34,8 @@ pub(crate) struct World {
     /// What happens to every joint state on its way.
     pub(crate) joint_fault: Option<fn(&mut JointState)>,
     pub(crate) has_object: bool,
+    /// Something presses on the second fingertip of the right hand.
+    pub(crate) obstructed: bool,
 }
 
 impl World {
@@ -42,6 +48,7 @@ impl World {
             mute: [false; 3],
             joint_fault: None,
             has_object: false,
+            obstructed: false,
         }
     }
 
@@ -165,6 +172,11 @@ impl World {
     /// What one hand's fingertips feel of the object, if there is one.
     fn feel(&self, side: Side, now_ns: u64) -> HandFrame {
         let mut frame = frame(Hand::BOTH[side.index()], self.ms, now_ns);
+        if side == Side::Right && self.obstructed {
+            press(&mut frame, 1, |d| {
+                Vector3::z() * -OBSTACLE_N * spread(Vector3::z(), 33.0)(d)
+            });
+        }
         if side == Side::Left || !self.has_object {
             return frame;
         }
@@ -178,7 +190,7 @@ impl World {
             let reach_m = (pose.tip_m(finger) - Vector3::from(OBJECT_M)).dot(&out)
                 - hand.dome_radius_m()[finger];
             let pressed_m = WIDTH_M / 2.0 - reach_m;
-            if pressed_m <= 0.0 || away_m > 0.02 {
+            if pressed_m <= 0.0 || away_m > ABOUT_M {
                 continue;
             }
             let tip = &self.controller.settings().perception;

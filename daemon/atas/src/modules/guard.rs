@@ -1,0 +1,32 @@
+//! Touch guard (ours): the hand that moves freely towards an object expects to touch nothing. What it touches all the same
+//! turns it back the way it came, before the arm pushes the thing over.
+//!
+//! Only fingertips feel: what an arm or the back of a finger hits is not noticed.
+
+use super::{Context, Module, Proposal, Verdict};
+use crate::perception::Percept;
+use robot_model::FINGERS;
+use shm_schemas::{Cause, ModuleId, Reason};
+
+/// The module has no memory: a touch is a touch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guard;
+
+impl Module for Guard {
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let touching = percept.fingers[..FINGERS]
+            .iter()
+            .position(|finger| finger.in_contact);
+        let Some(index) = touching else {
+            return Proposal::default();
+        };
+        let limit_n = context.settings.perception.touch_on_n;
+        let reason = Reason::limit(Cause::OBSTRUCTED, percept.fingers[index].normal_n, limit_n);
+        Proposal {
+            active: true,
+            carry_ceiling: 0.0,
+            verdict: Verdict::Refuse(reason.about(index).by(ModuleId::GUARD)),
+            ..Proposal::default()
+        }
+    }
+}
