@@ -1,0 +1,165 @@
+//! Judges of the tasks after the grasp, as tables of what happened and what it is called.
+
+use shm_schemas::{Cause, GoalState, GoalUpdate, ObjectTruth, Reason, Text, WorldTruth};
+
+use super::*;
+
+const MS_NS: u64 = 1_000_000;
+
+fn end(state: GoalState, cause: Cause, step: &str) -> GoalUpdate {
+    GoalUpdate {
+        state,
+        reason: Reason::of(cause),
+        step: Text::new(step),
+        ..GoalUpdate::default()
+    }
+}
+
+fn done() -> GoalUpdate {
+    end(GoalState::SUCCEEDED, Cause::NONE, "home")
+}
+
+fn world(first: ObjectTruth, second: ObjectTruth) -> WorldTruth {
+    let mut truth = WorldTruth::default();
+    (truth.objects[0], truth.objects[1]) = (first, second);
+    truth
+}
+
+/// An object that landed after 100 ms and was let go after 108 ms where it belongs.
+fn placed() -> ObjectTruth {
+    ObjectTruth {
+        position_m: [0.32, -0.27, 0.03],
+        landed_ns: 100 * MS_NS,
+        released_ns: 108 * MS_NS,
+        released_above_m: 0.0001,
+        ..ObjectTruth::default()
+    }
+}
+
+#[test]
+fn placings() {
+    let check = |end: GoalUpdate, object: ObjectTruth, carried_ms, expected: Option<&str>| {
+        let truth = world(object, ObjectTruth::default());
+        let carried_ns = Option::map(carried_ms, |ms: u64| ms * MS_NS);
+        let placing = Placing::of(&end, &truth, [0.32, -0.27], carried_ns);
+        assert_eq!(placing.failure.as_deref(), expected, "{placing:?}");
+    };
+    let object = placed();
+    check(done(), object, Some(101), None);
+    check(done(), object, None, None);
+    let off = |dx_m: f64| ObjectTruth {
+        position_m: [0.32 + dx_m, -0.27, 0.03],
+        ..object
+    };
+    check(done(), off(0.0049), None, None);
+    check(done(), off(-0.0051), None, Some("off its place"));
+    check(done(), off(f64::NAN), None, Some("off its place"));
+    let released = |ms: u64, above_m: f64| ObjectTruth {
+        released_ns: ms * MS_NS,
+        released_above_m: above_m,
+        ..object
+    };
+    check(done(), released(121, 0.0), None, Some("released late"));
+    check(done(), released(121, 0.0), Some(101), None);
+    check(done(), released(99, 0.0019), None, None);
+    check(done(), released(99, 0.0021), None, Some("released early"));
+    check(done(), released(0, 0.0), None, Some("never released"));
+    let harmed = ObjectTruth {
+        dropped: 1,
+        ..object
+    };
+    check(done(), harmed, None, Some("dropped"));
+    let heavy = end(GoalState::REFUSED, Cause::TOO_HEAVY, "leave");
+    check(heavy, object, None, Some("refused: too-heavy"));
+    let lost = end(GoalState::FAILED, Cause::LOST_OBJECT, "convey");
+    check(lost, object, None, Some("failed in convey: lost-object"));
+}
+
+#[test]
+fn a_place_carries_from_a_fifth_of_a_newton_or_a_tenth_of_the_weight() {
+    let check = |weight_n: f64, table_n: f64, landed_ns: u64, expected: Option<u64>| {
+        let mut support = Support::of(weight_n);
+        let object = ObjectTruth {
+            table_n,
+            landed_ns,
+            ..ObjectTruth::default()
+        };
+        support.look(&object, 7);
+        support.look(&object, 8);
+        assert_eq!(support.since_ns(), expected, "{weight_n} {table_n}");
+    };
+    check(1.0, 0.2, 5, Some(7));
+    check(1.0, 0.19, 5, None);
+    check(4.0, 0.39, 5, None);
+    check(4.0, 0.41, 5, Some(7));
+    // It still stands where it stood at first.
+    check(1.0, 1.0, 0, None);
+    check(1.0, f64::NAN, 5, None);
+}
+
+fn cap(tightness: f64) -> ObjectTruth {
+    ObjectTruth {
+        cap_angle_rad: 4.2,
+        cap_closing_rad: 4.0,
+        cap_friction_n_m: 0.01,
+        cap_holding_n_m: 0.01 * tightness,
+        cap_engaged: 1,
+        cap_closed: 1,
+        ..ObjectTruth::default()
+    }
+}
+
+#[test]
+fn screwings() {
+    let check = |end: GoalUpdate, cap: ObjectTruth, expected: Option<&str>| {
+        let screwing = Screwing::of(&end, &world(cap, ObjectTruth::default()));
+        assert_eq!(screwing.failure.as_deref(), expected, "{screwing:?}");
+    };
+    check(done(), cap(1.301), None);
+    check(done(), cap(2.499), None);
+    check(done(), cap(1.299), Some("early"));
+    check(done(), cap(2.501), Some("too tight"));
+    check(done(), cap(f64::NAN), Some("early"));
+    check(done(), ObjectTruth::default(), Some("off its thread"));
+    let late = end(GoalState::FAILED, Cause::TIMED_OUT, "screw");
+    check(late, cap(1.0), Some("never"));
+    let tipped = ObjectTruth {
+        tipped: 1,
+        ..cap(2.0)
+    };
+    check(late, tipped, Some("tipped"));
+    let held = end(GoalState::FAILED, Cause::BUSY, "");
+    check(held, cap(2.0), Some("failed: busy"));
+}
+
+#[test]
+fn assemblies() {
+    let check = |cap: ObjectTruth, bottle: ObjectTruth, expected: Option<&str>| {
+        let assembly = Assembly::of(&done(), &world(cap, bottle));
+        assert_eq!(assembly.failure.as_deref(), expected, "{assembly:?}");
+    };
+    let bottle = ObjectTruth {
+        table_n: 3.0,
+        ..ObjectTruth::default()
+    };
+    check(cap(2.0), bottle, None);
+    let tilted = |tilt_rad: f64| ObjectTruth { tilt_rad, ..bottle };
+    check(cap(2.0), tilted(-0.03), None);
+    check(cap(2.0), tilted(0.04), Some("bottle not standing"));
+    check(cap(2.0), tilted(f64::NAN), Some("bottle not standing"));
+    let lifted = ObjectTruth::default();
+    check(cap(2.0), lifted, Some("bottle not standing"));
+    let spilt = ObjectTruth { spilt: 1, ..bottle };
+    check(cap(2.0), spilt, Some("bottle spilt"));
+    let dropped = ObjectTruth {
+        dropped: 1,
+        ..cap(2.0)
+    };
+    check(dropped, bottle, Some("cap dropped"));
+    let open = ObjectTruth {
+        cap_closed: 0,
+        ..cap(1.0)
+    };
+    check(open, bottle, Some("cap not closed"));
+    check(ObjectTruth::default(), bottle, Some("cap off its thread"));
+}
