@@ -32,6 +32,8 @@ code! {
         RELAX = 10, "relax";
         /// Turns the hand back when it touches something while it moves freely.
         GUARD = 11, "touch guard";
+        /// Tugs back once in a lift, to tell what hangs from what still stands.
+        LIFT_PROOF = 12, "lift proof";
     }
 }
 

@@ -35,6 +35,9 @@ const GRASP_HEIGHT_RATIO: f64 = 1.15;
 const GRASP_BELOW_TOP_M: f64 = 0.010;
 /// Amplitude of the hands' tremble, m (tactile design).
 const VIBRATION_M: f64 = 1e-5;
+/// Deepest grasp below an object's top, m. Ours: the hand comes in 60 mm above its grasp, and its domes (15 mm) must clear
+/// the top of what it shall grasp.
+const GRASP_DEPTH_MAX_M: f64 = 0.040;
 /// Rate of a sensor that keeps up with the tick, Hz.
 const FULL_RATE_HZ: u32 = 1000;
 
@@ -157,8 +160,10 @@ impl Placed {
     #[must_use]
     pub fn new(object: Object, position_m: [f64; 2], yaw_rad: f64) -> Self {
         let half_m = object.shape.half_height_m();
+        let top_m = 2.0 * half_m;
         let height_m = (GRASP_HEIGHT_RATIO * half_m)
-            .min(2.0 * half_m - GRASP_BELOW_TOP_M)
+            .max(top_m - GRASP_DEPTH_MAX_M)
+            .min(top_m - GRASP_BELOW_TOP_M)
             .max(GRASP_HEIGHT_MIN_M);
         let from_m = [position_m[0], position_m[1], height_m];
         let nominal = GraspHint {

@@ -189,10 +189,10 @@ settings! {
         relieve_m_s = 0.001 in 0.0..0.02;
         /// Multiple of F_2 above which Module 3 opens.
         relieve_at = 1.15 in 1.0..2.0;
-        /// Utilisation that counts as slipping at F_2.
-        too_heavy_utilisation = 0.8 in 0.3..1.2;
-        /// Hand travel while slipping at F_2 after which the hand tugs back to see whether the object hangs, m.
-        too_heavy_travel_m = 0.002 in 0.0008..0.1;
+        /// Travel of a lift after which the hand tugs back to see whether the object hangs, m; half of it before it tries again.
+        proof_travel_m = 0.002 in 0.0008..0.1;
+        /// Multiple of its force to which the hand presses an object that still stands.
+        proof_press = 1.2 in 1.01..3.0;
         /// Momentary utilisation that means sliding out of the hand at F_2.
         too_heavy_gross = 0.975 in 0.5..1.2;
         /// How long it must last, s.

@@ -11,6 +11,7 @@
 //! | `slip` | 2: enhance while slipping, dF_t > dr | II.b (1) |
 //! | `force_limit` | 3: never enhance above F_2 | II.b (1) |
 //! | `relax` | gives back force that friction does not need | ours |
+//! | `lift_proof` | tugs back once in a lift: does the object hang? | ours |
 //! | `probe` | hardness within 100 ms of the first touch, refined while the force grows | II.b (1) |
 //! | `guard` | turns back what touches something on its way | ours |
 //! | `carry` | moves the hand along the step's path | II.b (1), (3) |
@@ -23,6 +24,7 @@ mod carry;
 mod first_touch;
 mod force_limit;
 mod guard;
+mod lift_proof;
 mod probe;
 mod relax;
 mod release_placed;
@@ -39,6 +41,7 @@ use carry::Carry;
 use first_touch::FirstTouch;
 use force_limit::ForceLimit;
 use guard::Guard;
+use lift_proof::LiftProof;
 use nalgebra::Matrix3;
 use probe::Probe;
 use relax::Relax;
@@ -143,7 +146,7 @@ pub trait Module {
 }
 
 /// Number of modules.
-pub const COUNT: usize = 11;
+pub const COUNT: usize = 12;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -192,6 +195,7 @@ pub struct Modules {
     trajectory: Trajectory,
     terminate_screw: TerminateScrew,
     guard: Guard,
+    lift_proof: LiftProof,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -207,6 +211,7 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::TRAJECTORY,
     ModuleId::TERMINATE_SCREW,
     ModuleId::GUARD,
+    ModuleId::LIFT_PROOF,
 ];
 
 impl Modules {
@@ -229,6 +234,7 @@ impl Modules {
             &mut self.trajectory,
             &mut self.terminate_screw,
             &mut self.guard,
+            &mut self.lift_proof,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {

@@ -24,7 +24,7 @@ pub(super) const SECURE: Selection = Selection::of(&[
 ]);
 /// The same, with no more force than needed.
 const HOLD: Selection = SECURE.and(Selection::of(&[ModuleId::RELAX]));
-const LIFT: Selection = HOLD.and(CARRY);
+const LIFT: Selection = HOLD.and(Selection::of(&[ModuleId::CARRY, ModuleId::LIFT_PROOF]));
 
 pub(super) const REACH: Step = Step::new(
     "reach",

@@ -3,12 +3,12 @@
 //! Force that friction does not need is kept until the object stands: whoever conveys has no time to feel his way to the
 //! edge of slipping.
 
-use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
+use super::grasp::{APPROACH, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
 use super::{Motion, Site, Step, Task, Track, Until};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
-const LIFT: Selection = SECURE.and(CARRY);
+const LIFT: Selection = SECURE.and(Selection::of(&[ModuleId::CARRY, ModuleId::LIFT_PROOF]));
 const CONVEY: Selection = SECURE.and(Selection::of(&[ModuleId::TRANSFER]));
 const PLACE: Selection = CONVEY.and(Selection::of(&[ModuleId::RELEASE_PLACED]));
 

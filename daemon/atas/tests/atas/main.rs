@@ -11,6 +11,7 @@ mod hardness;
 mod intake;
 mod intake_series;
 mod joints;
+mod lift_proof;
 mod mode;
 mod modules;
 

@@ -160,35 +160,6 @@ fn module_3_refuses_what_slides_out_at_f2() {
     }
 }
 
-/// The tug: the hand has travelled while slipping at F_2, goes back, and looks at the load.
-#[test]
-fn module_3_refuses_what_gives_its_load_back_when_tugged() {
-    for (load_share, refused) in [(1.0, false), (0.7, false), (0.5, true), (0.0, true)] {
-        let mut bench = Bench::new(ModuleId::FORCE_LIMIT);
-        assert_eq!(bench.evaluate(&sliding(4.1, 0.9)).carry_ceiling, 1.0);
-        bench.carried_m = 0.0021;
-        assert_eq!(
-            bench.evaluate(&sliding(4.1, 0.9)).carry_ceiling,
-            -1.0,
-            "tugs back"
-        );
-        let mut tugged = sliding(4.1, 0.3);
-        for finger in &mut tugged.fingers {
-            finger.tangential_n *= load_share;
-        }
-        bench.carried_m = 0.0018;
-        assert_eq!(bench.evaluate(&tugged).verdict, Verdict::None);
-        bench.carried_m = 0.0016;
-        let last = bench.evaluate(&tugged);
-        assert_eq!(
-            matches!(last.verdict, Verdict::Refuse(_)),
-            refused,
-            "load share {load_share}"
-        );
-        assert_eq!(last.carry_ceiling, 1.0);
-    }
-}
-
 #[test]
 fn relax_opens_while_friction_and_force_are_to_spare() {
     let felt = |utilisation, increment_n, gross_slip_s, normal_n| {

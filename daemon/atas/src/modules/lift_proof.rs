@@ -1,0 +1,144 @@
+//! Proof of the lift (ours, not in the paper): whether what the hand lifts hangs or still stands.
+//!
+//! Forces alone cannot tell: an object that slides evenly through the fingers loads them as steadily as one that hangs. So
+//! once the hand has travelled far enough for anything that it holds to have left its support, it tugs back a little. An
+//! object that hangs keeps its load; one that still stands gives it back to its support. Then the fingers press harder
+//! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
+
+use super::force_limit::RELEASE_SHARE;
+use super::{Context, Module, Proposal, Verdict, force_range_n};
+use crate::perception::Percept;
+use robot_model::FINGERS;
+use shm_schemas::{Cause, ModuleId, Reason};
+
+/// How far the tug goes back, m (ours: beyond what the rim of a patch stretches, well below what was lifted before).
+const TUG_M: f64 = 0.0004;
+/// Share of the load that an object must keep during the tug to count as hanging (ours).
+const HANGING_SHARE: f64 = 0.6;
+/// Load below which a tug tells nothing, N (ours: the noise of two fingertips).
+const LOAD_FLOOR_N: f64 = 0.03;
+
+/// Frames that must have come since the hand is back that far: the first may have been sensed before (ours).
+const FRAMES: u32 = 2;
+
+/// What the module remembers of one lift.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) enum LiftProof {
+    /// The lift has not begun.
+    #[default]
+    Ready,
+    /// The hand travels until it has carried the object this far, m.
+    Travelling(f64),
+    /// The hand tugs back.
+    Tugging(Tug),
+    /// It stands: the fingers press until the weakest has this force, N.
+    Pressing(f64),
+    /// It hangs.
+    Hangs,
+}
+
+/// One tug.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tug {
+    /// Where it began, m of carrying.
+    from_m: f64,
+    /// Load before it, N.
+    load_n: f64,
+    /// Least load since, N.
+    least_n: f64,
+    /// Frames since the hand is back far enough.
+    frames: u32,
+}
+
+impl Module for LiftProof {
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let settings = &context.settings.grasp;
+        let (weakest_n, strongest_n) = force_range_n(percept);
+        let at_ceiling = strongest_n > RELEASE_SHARE * context.thresholds.f2_n;
+        let stands = self.follow(percept, context, weakest_n, at_ceiling);
+        let reason = Reason::limit(Cause::TOO_HEAVY, strongest_n, context.thresholds.f2_n);
+        let (closing_m_s, carry_ceiling) = match self {
+            Self::Tugging(tug) if tug.frames == 0 => (0.0, -1.0),
+            Self::Tugging(_) => (0.0, 0.0),
+            Self::Pressing(_) => (settings.enhance_m_s, 0.0),
+            _ => (0.0, 1.0),
+        };
+        Proposal {
+            active: carry_ceiling < 1.0,
+            closing_m_s: [closing_m_s; FINGERS],
+            carry_ceiling,
+            verdict: if stands && at_ceiling {
+                Verdict::Refuse(reason.by(ModuleId::LIFT_PROOF))
+            } else {
+                Verdict::None
+            },
+            ..Proposal::default()
+        }
+    }
+}
+
+impl LiftProof {
+    /// Goes on to the next phase; true in the tick in which a tug finds that the object stands.
+    fn follow(
+        &mut self,
+        percept: &Percept,
+        context: &Context<'_>,
+        weakest_n: f64,
+        at_ceiling: bool,
+    ) -> bool {
+        let settings = &context.settings.grasp;
+        let carried_m = context.carried_m;
+        match self {
+            Self::Ready => *self = Self::Travelling(settings.proof_travel_m),
+            Self::Travelling(until_m) if carried_m > *until_m => {
+                *self = Self::Tugging(Tug::begin(carried_m, load_n(percept)));
+            }
+            Self::Tugging(tug) => match tug.hangs(percept, carried_m) {
+                Some(true) => *self = Self::Hangs,
+                Some(false) => {
+                    *self = Self::Pressing(weakest_n * settings.proof_press);
+                    return true;
+                }
+                None => {}
+            },
+            Self::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
+                *self = Self::Travelling(carried_m + settings.proof_travel_m / 2.0);
+            }
+            _ => {}
+        }
+        false
+    }
+}
+
+impl Tug {
+    fn begin(from_m: f64, load_n: f64) -> Self {
+        Self {
+            from_m,
+            load_n,
+            least_n: load_n,
+            frames: 0,
+        }
+    }
+
+    /// Whether the object hangs, once the hand is back far enough and has felt it there.
+    fn hangs(&mut self, percept: &Percept, carried_m: f64) -> Option<bool> {
+        let load_n = load_n(percept);
+        if load_n < self.least_n {
+            self.least_n = load_n;
+        }
+        let back = self.frames > 0 || self.from_m - carried_m > TUG_M;
+        if back && percept.step_s > 0.0 {
+            self.frames += 1;
+        }
+        let keeps = self.load_n < LOAD_FLOOR_N || self.least_n >= HANGING_SHARE * self.load_n;
+        (self.frames > FRAMES).then_some(keeps)
+    }
+}
+
+/// Tangential force that all fingers carry, N.
+fn load_n(percept: &Percept) -> f64 {
+    percept.fingers[..FINGERS]
+        .iter()
+        .map(|f| f.tangential_n)
+        .sum()
+}

@@ -1,0 +1,109 @@
+//! The proof of the lift: what hangs keeps its load when the hand tugs back, what stands gives it up.
+
+use crate::bench::{Bench, sliding};
+use atas::modules::{Proposal, Verdict};
+use shm_schemas::{Cause, ModuleId};
+
+/// Normal forces well below and above F_2 = 4 N.
+const BELOW_F2_N: f64 = 2.0;
+const ABOVE_F2_N: f64 = 4.1;
+
+/// Lifts to the tug, goes back far enough, and feels this share of the load there; what comes of it.
+fn tugged(bench: &mut Bench, normal_n: f64, load_share: f64) -> Proposal {
+    let felt = sliding(normal_n, 0.8);
+    assert_eq!(bench.evaluate(&felt).carry_ceiling, 1.0);
+    bench.carried_m = 0.0021;
+    let tug = bench.evaluate(&felt);
+    assert_eq!((tug.active, tug.carry_ceiling), (true, -1.0), "tugs back");
+    let mut unloaded = felt;
+    for finger in &mut unloaded.fingers {
+        finger.tangential_n *= load_share;
+    }
+    bench.carried_m = 0.0018;
+    assert_eq!(
+        bench.evaluate(&unloaded).carry_ceiling,
+        -1.0,
+        "not far enough"
+    );
+    bench.carried_m = 0.0016;
+    assert_eq!(
+        bench.evaluate(&unloaded).carry_ceiling,
+        0.0,
+        "waits to feel it"
+    );
+    assert_eq!(bench.evaluate(&unloaded).verdict, Verdict::None);
+    bench.evaluate(&unloaded)
+}
+
+#[test]
+fn what_keeps_its_load_hangs() {
+    for (normal_n, share) in [(BELOW_F2_N, 1.0), (BELOW_F2_N, 0.7), (ABOVE_F2_N, 0.7)] {
+        let mut bench = Bench::new(ModuleId::LIFT_PROOF);
+        let end = tugged(&mut bench, normal_n, share);
+        assert_eq!(
+            (end.active, end.verdict),
+            (false, Verdict::None),
+            "{normal_n} N"
+        );
+        bench.carried_m = 0.03;
+        assert!(
+            !bench.evaluate(&sliding(normal_n, 0.8)).active,
+            "one proof is enough"
+        );
+    }
+}
+
+#[test]
+fn what_stands_at_f2_is_refused() {
+    for share in [0.0, 0.5] {
+        let end = tugged(&mut Bench::new(ModuleId::LIFT_PROOF), ABOVE_F2_N, share);
+        let Verdict::Refuse(reason) = end.verdict else {
+            panic!("not refused with {share} of its load")
+        };
+        assert_eq!(
+            (reason.cause, reason.module, reason.value, reason.limit),
+            (Cause::TOO_HEAVY, ModuleId::LIFT_PROOF, ABOVE_F2_N, 4.0)
+        );
+    }
+}
+
+/// Regression: an object that slid evenly through the fingers below F_2 was reported as held.
+#[test]
+fn what_stands_below_f2_is_pressed_harder_and_tried_again() {
+    let mut bench = Bench::new(ModuleId::LIFT_PROOF);
+    let end = tugged(&mut bench, BELOW_F2_N, 0.2);
+    assert_eq!(
+        (end.active, end.verdict, end.carry_ceiling),
+        (true, Verdict::None, 0.0)
+    );
+    let press = |bench: &mut Bench, normal_n| bench.evaluate(&sliding(normal_n, 0.8));
+    assert!(press(&mut bench, 1.1 * BELOW_F2_N).closing_m_s[0] > 0.0);
+    let again = press(&mut bench, 1.25 * BELOW_F2_N);
+    assert_eq!(
+        (again.active, again.closing_m_s, again.carry_ceiling),
+        (false, [0.0; 2], 1.0)
+    );
+    bench.carried_m += 0.0009;
+    assert!(
+        !press(&mut bench, 1.25 * BELOW_F2_N).active,
+        "travels half as far"
+    );
+    bench.carried_m += 0.0002;
+    assert_eq!(press(&mut bench, 1.25 * BELOW_F2_N).carry_ceiling, -1.0);
+}
+
+/// A held frame says nothing new: a slow sensor is waited for.
+#[test]
+fn the_tug_waits_for_frames() {
+    let mut bench = Bench::new(ModuleId::LIFT_PROOF);
+    let mut felt = sliding(BELOW_F2_N, 0.8);
+    bench.evaluate(&felt);
+    bench.carried_m = 0.0021;
+    bench.evaluate(&felt);
+    bench.carried_m = 0.0016;
+    felt.step_s = 0.0;
+    assert_eq!(bench.evaluate_for(100, &felt).carry_ceiling, -1.0);
+    felt.step_s = 0.033;
+    assert_eq!(bench.evaluate_for(2, &felt).carry_ceiling, 0.0);
+    assert_eq!(bench.evaluate_for(1, &felt).carry_ceiling, 1.0, "it hangs");
+}
