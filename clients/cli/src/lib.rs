@@ -25,6 +25,7 @@ pub mod exit;
 mod interrupt;
 mod json;
 pub mod judge;
+mod nominal;
 mod output;
 mod progress;
 mod recording;

@@ -53,8 +53,8 @@ impl Progress {
         }
     }
 
-    /// Shows where the goal stands. `status` adds the active modules; `lifted_m` is the height to show.
-    pub(crate) fn show(&mut self, story: &Story, status: Option<&Status>, lifted_m: f64) {
+    /// Shows where the goal stands. `status` adds the active modules, `live` what else is worth watching.
+    pub(crate) fn show(&mut self, story: &Story, status: Option<&Status>, live: &str) {
         let last = story.last();
         let step = last.step.as_str();
         if step.is_empty() {
@@ -68,7 +68,7 @@ impl Progress {
                 .fold(0, |bits, hand| bits | hand.modules_active);
             line += &format!("  {}", modules(active));
         }
-        line += &format!("  lifted {} mm", number(lifted_m * 1e3, 1));
+        line += &format!("  {live}");
         match &self.bar {
             Some(bar) => bar.set_message(line),
             None => self.tell(step, &line),

@@ -35,6 +35,16 @@ const ASSEMBLY_YAW_RAD: f64 = core::f64::consts::FRAC_PI_3;
 /// Height at which the other hand holds the bottle, m (robot design).
 const HOLD_HEIGHT_M: f64 = 0.045;
 
+/// What the tasks are shown with if nothing else is named.
+impl Scene {
+    /// Object to grasp, or to pick and place.
+    pub const OBJECT: &'static str = "wood";
+    /// Cap to screw.
+    pub const CAP: &'static str = "cap";
+    /// Bottle to screw it on.
+    pub const BOTTLE: &'static str = "open-bottle";
+}
+
 impl Scene {
     /// An object in front of one hand, to be set down 12 cm further out.
     #[must_use]

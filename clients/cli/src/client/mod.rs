@@ -2,14 +2,16 @@
 
 mod control;
 mod events;
+mod goals;
 mod latency;
 mod pursuit;
 mod status;
 
 pub(crate) use control::{estop, get, list, recover, set};
 pub(crate) use events::events;
+pub(crate) use goals::{assemble, grasp, pick_place, release, screw, task};
 pub(crate) use latency::latency;
-pub(crate) use pursuit::{Cancelled, Pursuit, grasp, release};
+pub(crate) use pursuit::{Cancelled, Pursuit};
 pub(crate) use status::status;
 
 use std::cell::Cell;

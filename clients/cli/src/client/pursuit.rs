@@ -6,11 +6,11 @@ use shm_bus::writer_epoch;
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, GoalState};
 
 use super::{POLL, Session};
-use crate::arguments::{Grasp, Release, Sending};
+use crate::arguments::Sending;
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::json;
-use crate::output::Output;
+use crate::output::{Output, number};
 use crate::progress::Progress;
 use crate::story::Story;
 
@@ -89,39 +89,8 @@ fn unconfirmed() -> anyhow::Error {
     )
 }
 
-/// `atas grasp`.
-pub(crate) fn grasp(
-    arguments: &Grasp,
-    interrupt: &Interrupt,
-    output: &mut Output,
-) -> anyhow::Result<()> {
-    let goal = GoalRequest {
-        kind: GoalKind::GRASP,
-        from_m: arguments.at,
-        from_yaw_rad: arguments.yaw.to_radians(),
-        width_m: arguments.width * 1e-3,
-        lift_m: arguments.lift * 1e-3,
-        hold_s: arguments.hold,
-        ..GoalRequest::default()
-    };
-    send(goal, &arguments.sending, interrupt, output)
-}
-
-/// `atas release`.
-pub(crate) fn release(
-    arguments: &Release,
-    interrupt: &Interrupt,
-    output: &mut Output,
-) -> anyhow::Result<()> {
-    let goal = GoalRequest {
-        kind: GoalKind::RELEASE,
-        ..GoalRequest::default()
-    };
-    send(goal, &arguments.sending, interrupt, output)
-}
-
 /// Sends a goal as the user wants it sent, shows its progress and prints its end.
-fn send(
+pub(super) fn send(
     goal: GoalRequest,
     sending: &Sending,
     interrupt: &Interrupt,
@@ -138,7 +107,7 @@ fn send(
     };
     let session = Session::join(&sending.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
-    let mut progress = Progress::new(goal.kind.name());
+    let mut progress = Progress::new(name(&goal));
     let pursuit = Pursuit {
         session: &session,
         interrupt,
@@ -146,8 +115,9 @@ fn send(
     };
     let (story, cancelled) = pursuit.run(&goal, |story| {
         statuses.newest(&mut status)?;
-        let lifted_m = f64::from(story.last().figures.lifted_m);
-        progress.show(story, Some(&status), lifted_m);
+        let lifted_mm = f64::from(story.last().figures.lifted_m) * 1e3;
+        let live = format!("lifted {} mm", number(lifted_mm, 1));
+        progress.show(story, Some(&status), &live);
         Ok(())
     })?;
     drop(progress);
@@ -156,15 +126,23 @@ fn send(
     }
     match story.last().state {
         GoalState::SUCCEEDED if output.is_json() => Ok(()),
-        GoalState::SUCCEEDED => output.line(success(goal.kind, &story)),
+        GoalState::SUCCEEDED => output.line(success(&goal, &story)),
         _ => Err(failure(&story, cancelled)),
     }
 }
 
-fn success(kind: GoalKind, story: &Story) -> String {
+/// What a goal is called.
+fn name(goal: &GoalRequest) -> &str {
+    match goal.kind {
+        GoalKind::CUSTOM => goal.task.as_str(),
+        kind => kind.name(),
+    }
+}
+
+fn success(goal: &GoalRequest, story: &Story) -> String {
     let figures = story.figures();
     let [first, second, ..] = figures.normal_n;
-    match kind {
+    match goal.kind {
         GoalKind::GRASP => format!(
             "holds with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), hardness {:.0} N/m, lifted {:.1} mm",
             figures.f1_n,
@@ -172,8 +150,15 @@ fn success(kind: GoalKind, story: &Story) -> String {
             figures.hardness_n_m,
             figures.lifted_m * 1e3
         ),
+        GoalKind::PICK_PLACE => format!(
+            "set down and let go; carried with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), hardness {:.0} N/m; \
+             the hand is at home",
+            figures.f1_n, figures.f2_n, figures.hardness_n_m,
+        ),
+        GoalKind::SCREW => "the cap is tight; the hand is at home".into(),
+        GoalKind::ASSEMBLE => "the cap is on the bottle and tight; both hands are at home".into(),
         GoalKind::RELEASE => "released; the hand is at home".into(),
-        kind => format!("{kind} done"),
+        _ => format!("{} done", name(goal)),
     }
 }
 

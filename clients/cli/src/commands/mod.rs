@@ -9,7 +9,7 @@ use clap::{CommandFactory, Parser};
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_backend::{Object, ObjectError};
 
-use crate::arguments::{Arguments, Command, Demo, Eval, EvalGrasp, Param, RecordAction};
+use crate::arguments::{Arguments, Command, Eval, EvalGrasp, Param, RecordAction};
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
@@ -35,16 +35,15 @@ pub fn main() -> ExitCode {
 fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen()?;
     match command {
-        Command::Demo {
-            task: Demo::Grasp(arguments),
-        } => demo::grasp(arguments, &interrupt, output),
-        Command::Demo {
-            task: Demo::Swarm(arguments),
-        } => demo::swarm(arguments, &interrupt, output),
+        Command::Demo { task } => demo::demo(task, &interrupt, output),
         Command::Eval {
             task: Eval::Grasp(arguments),
         } => evaluate(arguments, &interrupt, output),
         Command::Grasp(arguments) => client::grasp(arguments, &interrupt, output),
+        Command::PickPlace(arguments) => client::pick_place(arguments, &interrupt, output),
+        Command::Screw(arguments) => client::screw(arguments, &interrupt, output),
+        Command::Assemble(arguments) => client::assemble(arguments, &interrupt, output),
+        Command::Task(arguments) => client::task(arguments, &interrupt, output),
         Command::Release(arguments) => client::release(arguments, &interrupt, output),
         Command::Estop(bus) => client::estop(&bus.bus, output),
         Command::Recover(bus) => client::recover(&bus.bus, output),

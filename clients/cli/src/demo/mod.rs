@@ -1,47 +1,88 @@
 //! Demos: the real processes on a bus of their own, a goal, and the judgement by physical truth.
 //!
 //! ```text
-//!  mod ── one object after another ─▶ performance ─┬─ stage ── child: atas-sim, atasd     (ends and wipes on drop)
-//!                                                  ├─ client::Pursuit: the goal, as any client would send it
-//!                                                  └─ judge: what the simulator's truth says of the outcome
-//! ```
+//!  grasp, pick_place, screw, assembly: a piece each ─ scene, goal, judgement
+//!   │
+//!   └─▶ performance ─┬─ stage ── child: atas-sim, atasd     (ends and wipes on drop)
+//!                    ├─ client::Pursuit: the goal, as any client would send it
+//!                    ├─ the simulator's truth, and the daemon's status ─▶ punctuality
+//!                    └─▶ judgement ─▶ table
 //!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal, against what evolution saw
+//! ```
 //!
 //! A demo is a client like any other: it uses nothing of the daemon but the bus.
 
+mod assembly;
 mod child;
+mod grasp;
 mod logs;
 mod performance;
+mod pick_place;
+mod piece;
+mod punctuality;
+mod screw;
 mod stage;
 mod swarm;
 mod table;
 
-use sim_backend::Object;
+use shm_schemas::WorldTruth;
+use sim_backend::{Object, Scene};
 
-use crate::arguments::DemoGrasp;
+use crate::arguments::{Demo, Running};
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
-use crate::output::Output;
-use performance::Performance;
+use crate::output::{Output, number};
+use piece::Piece;
+use table::Row;
 
-pub(crate) use swarm::swarm;
+/// `atas demo`.
+pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
+    match task {
+        Demo::Grasp(arguments) => {
+            let running = &arguments.running;
+            let names: Vec<&str> = if arguments.all {
+                Object::names().collect()
+            } else {
+                vec![&arguments.object]
+            };
+            let objects = names
+                .into_iter()
+                .map(|name| grasp::Grasp::new(name, running));
+            let pieces: Vec<grasp::Grasp> = objects.collect::<anyhow::Result<_>>()?;
+            show("grasp", &pieces, running, interrupt, output)
+        }
+        Demo::PickPlace(arguments) => {
+            let running = &arguments.running;
+            let piece = pick_place::PickPlace::new(&arguments.object, running)?;
+            show("pick-place", &[piece], running, interrupt, output)
+        }
+        Demo::Screw(arguments) => {
+            let running = &arguments.running;
+            let piece = screw::Screw::new(&arguments.cap, running)?;
+            show("screw", &[piece], running, interrupt, output)
+        }
+        Demo::Assembly(arguments) => {
+            let running = &arguments.running;
+            let piece = assembly::Assembly::new(&arguments.cap, running)?;
+            show("assembly", &[piece], running, interrupt, output)
+        }
+        Demo::Swarm(arguments) => swarm::swarm(arguments, interrupt, output),
+    }
+}
 
-/// `atas demo grasp`.
-pub(crate) fn grasp(
-    arguments: &DemoGrasp,
+/// Performs pieces one after another, prints what became of them, and holds them to what should have.
+fn show(
+    task: &str,
+    pieces: &[impl Piece],
+    running: &Running,
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let objects: Vec<&str> = if arguments.all {
-        Object::names().collect()
-    } else {
-        vec![&arguments.object]
-    };
-    let mut performances = Vec::new();
+    let mut rows = Vec::new();
     let mut ended = Ok(());
-    for object in objects {
-        match Performance::of(object, arguments.seed, arguments.lockstep, interrupt) {
-            Ok(performance) => performances.push(performance),
+    for piece in pieces {
+        match performance::perform(piece, running, interrupt) {
+            Ok(seen) => rows.push(Row::new(piece.name(), piece.judge(&seen), &seen)),
             Err(error) => {
                 ended = Err(error);
                 break;
@@ -49,33 +90,38 @@ pub(crate) fn grasp(
         }
     }
     // What was performed before an error is worth seeing.
-    if !performances.is_empty() {
-        table::print(&performances, output)?;
-    }
+    table::print(task, &rows, output)?;
     ended?;
-    verdict(&performances)
+    table::verdict(&rows)
 }
 
-/// An error that names what did not end as physics says it should.
-fn verdict(performances: &[Performance]) -> anyhow::Result<()> {
-    let unexpected: Vec<String> = performances
-        .iter()
-        .filter(|performance| !performance.is_expected())
-        .map(|performance| {
-            let should = if performance.load.is_feasible() {
-                "held"
-            } else {
-                "refused"
-            };
-            format!(
-                "{}: {}, should be {should}",
-                performance.object,
-                performance.outcome.name()
-            )
-        })
-        .collect();
-    if unexpected.is_empty() {
-        return Ok(());
+/// An object by name or file.
+fn object(argument: &str) -> anyhow::Result<Object> {
+    Object::named_or_file(argument).map_err(|error| Ended::with(Exit::Usage, error.to_string()))
+}
+
+/// An object that can be screwed.
+fn cap(argument: &str) -> anyhow::Result<Object> {
+    let cap = object(argument)?;
+    if cap.thread.is_some() {
+        return Ok(cap);
     }
-    Err(Ended::with(Exit::Unexpected, unexpected.join("; ")))
+    let sentence = format!(
+        "could not screw {argument:?} because it has no thread; name an object that has one"
+    );
+    Err(Ended::with(Exit::Usage, sentence))
+}
+
+/// The scene as the simulator will draw it.
+fn varied(scene: Scene, running: &Running) -> Scene {
+    if running.vary {
+        scene.varied(running.seed)
+    } else {
+        scene
+    }
+}
+
+/// How high the first object is, for people who watch.
+fn lifted(truth: &WorldTruth) -> String {
+    format!("lifted {} mm", number(truth.objects[0].lifted_m * 1e3, 1))
 }

@@ -10,6 +10,7 @@ use shm_schemas::{Mode, Status, service};
 
 use super::child::Child;
 use super::logs::{self, Logs};
+use crate::arguments::Running;
 use crate::client::{POLL, Session};
 use crate::interrupt::Interrupt;
 
@@ -31,16 +32,18 @@ pub(super) struct Stage {
 
 impl Stage {
     /// Starts simulator and daemon.
-    pub(super) fn set(object: &str, seed: u64, lockstep: bool) -> anyhow::Result<Self> {
+    pub(super) fn set(scene: &[String], running: &Running) -> anyhow::Result<Self> {
         logs::sweep();
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
-        let (name, seed) = (bus.as_str(), seed.to_string());
-        let mut simulate = vec![
-            "run", "--bus", name, "--object", object, "--hand", "right", "--seed", &seed,
-        ];
+        let (name, seed) = (bus.as_str(), running.seed.to_string());
+        let mut simulate = vec!["run", "--bus", name, "--seed", &seed];
+        simulate.extend(scene.iter().map(String::as_str));
         let mut control = vec!["--bus", name, "--config", NO_CONFIGURATION];
-        if lockstep {
+        if running.vary {
+            simulate.push("--vary");
+        }
+        if running.lockstep {
             simulate.push("--lockstep");
             control.push("--lockstep");
         }

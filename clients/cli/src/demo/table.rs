@@ -1,87 +1,108 @@
 //! The results of a demo.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value};
 
-use super::performance::Performance;
-use crate::output::{Output, number, table};
+use super::performance::Seen;
+use super::piece::{Figure, Judged};
+use super::punctuality::Punctuality;
+use crate::exit::{Ended, Exit};
+use crate::output::{Output, table};
 
-/// Share of missed milliseconds above which the results may be the machine's fault (ours: an idle machine misses none).
-const STARVED_SHARE: f64 = 0.002;
+/// What became of one piece.
+pub(super) struct Row {
+    name: String,
+    judged: Judged,
+    /// Why it did not succeed; empty if it did.
+    reason: String,
+    took_s: f64,
+    punctuality: Punctuality,
+}
+
+impl Row {
+    pub(super) fn new(name: &str, judged: Judged, seen: &Seen) -> Self {
+        let reason = if seen.story.last().reason.is_some() {
+            seen.story.sentence()
+        } else {
+            String::new()
+        };
+        Self {
+            name: name.to_owned(),
+            judged,
+            reason,
+            took_s: seen.took_s,
+            punctuality: seen.punctuality,
+        }
+    }
+
+    fn value(&self) -> Value {
+        let mut value = Map::new();
+        value.insert("object".into(), self.name.as_str().into());
+        for Figure { key, value: of, .. } in &self.judged.figures {
+            value.insert((*key).into(), of.clone());
+        }
+        value.insert("outcome".into(), self.judged.outcome.as_str().into());
+        value.insert("as_expected".into(), self.judged.as_expected.into());
+        value.insert("reason".into(), self.reason.as_str().into());
+        value.insert("took_s".into(), self.took_s.into());
+        if let Value::Object(punctuality) = self.punctuality.value() {
+            value.extend(punctuality);
+        }
+        value.into()
+    }
+}
 
 /// Prints the results in the format asked for.
-pub(super) fn print(performances: &[Performance], output: &mut Output) -> anyhow::Result<()> {
+pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Result<()> {
+    let Some(first) = rows.first() else {
+        return Ok(());
+    };
     if output.is_json() {
-        return output.json(&json!({
-            "task": "grasp",
-            "as_expected": performances.iter().all(Performance::is_expected),
-            "objects": performances.iter().map(value).collect::<Vec<Value>>(),
-        }));
+        let as_expected = rows.iter().all(|row| row.judged.as_expected);
+        let objects: Vec<Value> = rows.iter().map(Row::value).collect();
+        return output.json(
+            &serde_json::json!({ "task": task, "as_expected": as_expected, "objects": objects }),
+        );
     }
-    let mut rows = table(&[
-        "object",
-        "needed N",
-        "F_n N",
-        "F_2 N",
-        "hardness N/m",
-        "slip mm",
-        "lifted mm",
-        "outcome",
-        "reason",
-    ]);
-    for performance in performances {
-        let figures = &performance.figures;
-        let mut cells: Vec<comfy_table::Cell> = vec![
-            performance.object.as_str().into(),
-            format!("{:.2}", performance.load.needed_n).into(),
-            number(mean_normal_n(performance).into(), 2).into(),
-            format!("{:.2}", figures.f2_n).into(),
-            format!("{:.0}", figures.hardness_n_m).into(),
-            format!("{:.2}", performance.slip_m * 1e3).into(),
-            number(performance.lifted_m * 1e3, 1).into(),
-        ];
-        cells.push(output.verdict(performance.outcome.name(), performance.is_expected()));
-        cells.push(performance.reason.as_str().into());
-        rows.add_row(cells);
+    let heads = first.judged.figures.iter().filter_map(|figure| figure.head);
+    let header: Vec<&str> = ["object"]
+        .into_iter()
+        .chain(heads)
+        .chain(["took s", "outcome", "reason"])
+        .collect();
+    let mut lines = table(&header);
+    for row in rows {
+        let shown = row
+            .judged
+            .figures
+            .iter()
+            .filter(|figure| figure.head.is_some());
+        let mut cells: Vec<comfy_table::Cell> = vec![row.name.as_str().into()];
+        cells.extend(shown.map(|figure| figure.text.as_str().into()));
+        cells.push(format!("{:.1}", row.took_s).into());
+        cells.push(output.verdict(&row.judged.outcome, row.judged.as_expected));
+        cells.push(row.reason.as_str().into());
+        lines.add_row(cells);
     }
-    output.line(rows)?;
-    let starved = performances.iter().map(|p| p.starved).fold(0.0, f64::max);
-    if starved > STARVED_SHARE {
-        output.line(format!(
-            "This machine was too busy for real time: up to {:.1} % of the milliseconds were missed, and what is held may \
-             slip. End other programs, or use --lockstep.",
-            starved * 100.0
-        ))?;
+    output.line(lines)?;
+    match Punctuality::sum(rows.iter().map(|row| row.punctuality)).sentence() {
+        Some(sentence) => output.line(sentence),
+        None => Ok(()),
     }
-    Ok(())
 }
 
-fn value(performance: &Performance) -> Value {
-    let (load, figures) = (&performance.load, &performance.figures);
-    json!({
-        "object": performance.object,
-        "needed_n": load.needed_n,
-        "crush_n": finite(load.crush_n),
-        "feasible": load.is_feasible(),
-        "normal_n": figures.normal_n[..robot_model::FINGERS],
-        "f1_n": figures.f1_n,
-        "f2_n": figures.f2_n,
-        "hardness_n_m": figures.hardness_n_m,
-        "slip_mm": performance.slip_m * 1e3,
-        "lifted_mm": performance.lifted_m * 1e3,
-        "outcome": performance.outcome.name(),
-        "as_expected": performance.is_expected(),
-        "reason": performance.reason,
-        "starved": performance.starved,
-    })
-}
-
-/// JSON has no infinity: `null` if nothing crushes it.
-fn finite(value: f64) -> Value {
-    value.is_finite().then_some(value).into()
-}
-
-/// What the fingers press on average, N.
-fn mean_normal_n(performance: &Performance) -> f32 {
-    let pressed_n = &performance.figures.normal_n[..robot_model::FINGERS];
-    pressed_n.iter().sum::<f32>() / pressed_n.len() as f32
+/// An error that names what did not end as physics says it should.
+pub(super) fn verdict(rows: &[Row]) -> anyhow::Result<()> {
+    let unexpected = rows.iter().filter(|row| !row.judged.as_expected);
+    let sentences: Vec<String> = unexpected
+        .map(|row| {
+            format!(
+                "{}: {}, should be {}",
+                row.name, row.judged.outcome, row.judged.should
+            )
+        })
+        .collect();
+    if sentences.is_empty() {
+        return Ok(());
+    }
+    Err(Ended::with(Exit::Unexpected, sentences.join("; ")))
 }

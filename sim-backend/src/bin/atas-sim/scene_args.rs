@@ -8,12 +8,6 @@ use sim_backend::{Object, Placed, Scene};
 
 use crate::failure::Failure;
 
-/// Object of pick and place if none is named.
-const PICK_PLACE_OBJECT: &str = "wood";
-/// Parts of screwing and assembly if none are named.
-const CAP: &str = "cap";
-const BOTTLE: &str = "open-bottle";
-
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// What the world is set up for.
@@ -148,7 +142,7 @@ impl SceneArgs {
 
     fn pick_place(&self) -> Result<Scene, Failure> {
         let name = match &self.objects[..] {
-            [] => PICK_PLACE_OBJECT,
+            [] => Scene::OBJECT,
             [ObjectArg { name, place: None }] => name,
             [_] => {
                 return Err(Failure::Usage(
@@ -168,7 +162,7 @@ impl SceneArgs {
     }
 
     fn cap(&self) -> Result<Object, Failure> {
-        let cap = Object::named_or_file(self.cap.as_deref().unwrap_or(CAP))?;
+        let cap = Object::named_or_file(self.cap.as_deref().unwrap_or(Scene::CAP))?;
         match cap.thread {
             Some(_) => Ok(cap),
             None => Err(Failure::Usage(
@@ -178,7 +172,7 @@ impl SceneArgs {
     }
 
     fn bottle(&self) -> Result<Object, Failure> {
-        let bottle = Object::named_or_file(self.bottle.as_deref().unwrap_or(BOTTLE))?;
+        let bottle = Object::named_or_file(self.bottle.as_deref().unwrap_or(Scene::BOTTLE))?;
         match bottle.neck {
             Some(_) => Ok(bottle),
             None => Err(Failure::Usage(

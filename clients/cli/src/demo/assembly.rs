@@ -1,0 +1,82 @@
+//! Assembly: one hand holds the bottle, the other puts the cap on and screws it tight; the bottle stands.
+
+use shm_schemas::{GoalRequest, WorldTruth};
+use sim_backend::Scene;
+
+use super::performance::{SIDE, Seen};
+use super::piece::{Figure, Judged, Piece};
+use super::screw::{turned, turning};
+use crate::arguments::Running;
+use crate::judge;
+use crate::nominal::Nominal;
+use crate::rehearsal::assemble_goal;
+
+/// A cap on a stand, and a free bottle.
+pub(super) struct Assembly {
+    argument: String,
+    scene: Scene,
+    nominal: Nominal,
+}
+
+impl Assembly {
+    /// A cap by name or file.
+    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+        let scene = Scene::assembly(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
+        let scene = super::varied(scene, running);
+        Ok(Self {
+            argument: argument.to_owned(),
+            nominal: Nominal::of(&scene)?,
+            scene,
+        })
+    }
+}
+
+impl Piece for Assembly {
+    fn name(&self) -> &str {
+        &self.scene.objects[0].object.name
+    }
+
+    fn setting(&self) -> Vec<String> {
+        ["--scene", "assembly", "--cap", &self.argument]
+            .map(str::to_owned)
+            .to_vec()
+    }
+
+    fn goal(&self) -> GoalRequest {
+        let Nominal {
+            object,
+            place,
+            bottle_width_m,
+        } = &self.nominal;
+        assemble_goal(object, place, *bottle_width_m, SIDE)
+    }
+
+    fn live(&self, truth: &WorldTruth) -> String {
+        format!("{}, {}", super::lifted(truth), turned(truth))
+    }
+
+    fn judge(&self, seen: &Seen) -> Judged {
+        let assembly = judge::Assembly::of(seen.story.last(), &seen.truth);
+        let mut figures = turning(seen, assembly.tightness);
+        let [cap, bottle, ..] = &seen.truth.objects;
+        figures.push(Figure::new(
+            "tilt °",
+            "bottle_tilt_deg",
+            assembly.tilt_rad.to_degrees(),
+            2,
+        ));
+        figures.push(Figure::hidden("cap_closed", cap.cap_closed != 0));
+        figures.push(Figure::hidden(
+            "bottle_stands",
+            bottle.table_n > 0.0 && bottle.tipped == 0,
+        ));
+        Judged {
+            figures,
+            as_expected: assembly.failure.is_none(),
+            outcome: assembly
+                .failure
+                .unwrap_or_else(|| "closed, standing".to_owned()),
+            should: "closed, standing",
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Whether daemon and simulator kept the beat while a goal was pursued, by their own count.
+
+use serde_json::{Value, json};
+use shm_schemas::{Status, StatusFlags, WorldTruth};
+use sim_backend::TICK_NS;
+
+/// Ticks that were due, and those that were missed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Punctuality {
+    /// Ticks of the daemon that were due: so many commands should have come.
+    pub(super) ticks: u64,
+    /// Of these, ticks that the daemon skipped because their time had passed.
+    pub(super) daemon_missed: u64,
+    /// Milliseconds that the simulator skipped.
+    pub(super) simulator_missed: u64,
+    /// Commands that lapsed without a successor, or were refused.
+    pub(super) lapsed: u32,
+    /// [`StatusFlags`] at the end.
+    flags: u32,
+}
+
+impl Punctuality {
+    /// Between two looks at truth and status.
+    pub(super) fn between(from: (&WorldTruth, &Status), to: (&WorldTruth, &Status)) -> Self {
+        let count = |of: fn(&Status) -> u64| of(to.1).saturating_sub(of(from.1));
+        let (begin, end) = (&from.0.stamp, &to.0.stamp);
+        // The truth's sequence counts the milliseconds that were simulated, its stamp those that passed.
+        let passed = end.captured_ns.saturating_sub(begin.captured_ns) / TICK_NS;
+        let missed = count(|status| status.missed_ticks);
+        Self {
+            ticks: count(|status| status.ticks) + missed,
+            daemon_missed: missed,
+            simulator_missed: passed.saturating_sub(end.sequence.saturating_sub(begin.sequence)),
+            lapsed: to
+                .0
+                .expired_commands
+                .saturating_sub(from.0.expired_commands),
+            flags: to.1.flags,
+        }
+    }
+
+    /// Commands that were missed by anyone.
+    pub(super) fn missed(&self) -> u64 {
+        self.daemon_missed + self.simulator_missed
+    }
+
+    /// Both counts together.
+    pub(super) fn sum(counts: impl Iterator<Item = Self>) -> Self {
+        counts.fold(Self::default(), |sum, next| Self {
+            ticks: sum.ticks + next.ticks,
+            daemon_missed: sum.daemon_missed + next.daemon_missed,
+            simulator_missed: sum.simulator_missed + next.simulator_missed,
+            lapsed: sum.lapsed + next.lapsed,
+            flags: next.flags,
+        })
+    }
+
+    /// In words; `None` in lock-step, where nothing can be missed.
+    pub(super) fn sentence(&self) -> Option<String> {
+        let has = |flag| self.flags & flag != 0;
+        if has(StatusFlags::LOCKSTEP) {
+            return None;
+        }
+        let mut text = format!(
+            "Real time: missed {} of {} ticks (atasd {}, atas-sim {}), {} commands lapsed; {}, {}.",
+            self.missed(),
+            self.ticks,
+            self.daemon_missed,
+            self.simulator_missed,
+            self.lapsed,
+            if has(StatusFlags::REALTIME) {
+                "real-time scheduling"
+            } else {
+                "ordinary scheduling"
+            },
+            if has(StatusFlags::PHASE_LOCKED) {
+                "phase-locked"
+            } else {
+                "not phase-locked"
+            },
+        );
+        if self.missed() > 0 {
+            text += " This machine was too busy for some of them, and what is held may slip: end other programs, or use \
+                     --lockstep.";
+        }
+        if has(StatusFlags::DEGRADED) {
+            text += " The daemon is DEGRADED: `atas doctor` says what to do.";
+        }
+        Some(text)
+    }
+
+    pub(super) fn value(&self) -> Value {
+        json!({
+            "ticks": self.ticks,
+            "missed_ticks": self.missed(),
+            "missed_by_atasd": self.daemon_missed,
+            "missed_by_atas_sim": self.simulator_missed,
+            "lapsed_commands": self.lapsed,
+            "lockstep": self.flags & StatusFlags::LOCKSTEP != 0,
+            "realtime": self.flags & StatusFlags::REALTIME != 0,
+            "phase_locked": self.flags & StatusFlags::PHASE_LOCKED != 0,
+            "degraded": self.flags & StatusFlags::DEGRADED != 0,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(ms: u64, simulated: u64, ticks: u64, missed_ticks: u64) -> (WorldTruth, Status) {
+        let (mut truth, status) = (
+            WorldTruth::default(),
+            Status {
+                ticks,
+                missed_ticks,
+                ..Status::default()
+            },
+        );
+        truth.stamp.captured_ns = ms * TICK_NS;
+        truth.stamp.sequence = simulated;
+        (truth, status)
+    }
+
+    #[test]
+    fn both_processes_are_counted() {
+        let check = |to: (WorldTruth, Status), expected: [u64; 3]| {
+            let from = look(1000, 500, 400, 7);
+            let counts = Punctuality::between((&from.0, &from.1), (&to.0, &to.1));
+            assert_eq!(
+                [counts.ticks, counts.daemon_missed, counts.simulator_missed],
+                expected
+            );
+        };
+        check(look(2000, 1500, 1400, 7), [1000, 0, 0]);
+        check(look(2000, 1498, 1397, 10), [1000, 3, 2]);
+        check(look(1000, 500, 400, 7), [0, 0, 0]);
+        check(look(900, 400, 300, 0), [0, 0, 0]);
+    }
+
+    #[test]
+    fn lock_step_misses_nothing_and_says_nothing() {
+        let sentence = |flags, daemon_missed| {
+            Punctuality {
+                ticks: 9,
+                daemon_missed,
+                flags,
+                ..Punctuality::default()
+            }
+            .sentence()
+        };
+        assert_eq!(sentence(StatusFlags::LOCKSTEP, 0), None);
+        let told =
+            sentence(StatusFlags::REALTIME | StatusFlags::PHASE_LOCKED, 0).expect("a sentence");
+        assert_eq!(
+            told,
+            "Real time: missed 0 of 9 ticks (atasd 0, atas-sim 0), 0 commands lapsed; real-time scheduling, phase-locked."
+        );
+        let told = sentence(StatusFlags::DEGRADED, 2).expect("a sentence");
+        assert!(
+            told.contains("missed 2 of 9")
+                && told.contains("--lockstep")
+                && told.contains("DEGRADED"),
+            "{told}"
+        );
+    }
+}
