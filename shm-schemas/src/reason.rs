@@ -190,10 +190,23 @@ impl Reason {
                     goal_value(index)
                 )
             }
+            // No limit of one number is at fault: the arm has no posture for all of them together.
+            Cause::UNREACHABLE if limit == 0.0 => write!(
+                f,
+                "the arm has no posture for the place {:?} with this yaw, width and lift: the fingertips stay {:.1} mm off; move \
+                 the place or turn the closing axis",
+                goal_place(index),
+                value * 1e3
+            ),
             Cause::UNREACHABLE => write!(
                 f,
-                "the hand cannot reach it: {} is {value:.4}, the limit is {limit:.4}; move the object nearer",
-                goal_value(index)
+                "the hand cannot reach it: {} is {value:.4}, the limit is {limit:.4}; {}",
+                goal_value(index),
+                if goal_place(index).is_empty() {
+                    "choose a value within it"
+                } else {
+                    "move the object nearer"
+                }
             ),
             Cause::UNKNOWN_GOAL => write!(
                 f,
@@ -267,7 +280,7 @@ impl Reason {
             ),
             Cause::OBSTRUCTED => write!(
                 f,
-                "finger {} touched something at {value:.2} N on its way, touch counts from {limit:.2} N; clear the way or grasp \
+                "finger {} touched something at {value:.2} N on its way, the limit is {limit:.2} N; clear the way or grasp \
                  nearer to the object's top",
                 self.index + 1
             ),
@@ -424,6 +437,14 @@ impl Reason {
             ..
         } = *self;
         write!(f, "{cause}: value {value}, limit {limit}")
+    }
+}
+
+/// The place that a value of the goal belongs to; empty if it is no place's.
+fn goal_place(index: u32) -> &'static str {
+    match goal_value(index).split_once(' ') {
+        Some((place @ ("from" | "to"), _)) => place,
+        _ => "",
     }
 }
 

@@ -20,6 +20,15 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the hand cannot reach it: from x is 0.5500, the limit is 0.4000; move the object nearer",
         ),
         (
+            limit(Cause::UNREACHABLE, 0.15, 0.11, 8),
+            "the hand cannot reach it: width is 0.1500, the limit is 0.1100; choose a value within it",
+        ),
+        (
+            limit(Cause::UNREACHABLE, 0.0123, 0.0, 4),
+            "the arm has no posture for the place \"to\" with this yaw, width and lift: the fingertips stay 12.3 mm off; \
+             move the place or turn the closing axis",
+        ),
+        (
             limit(Cause::UNKNOWN_GOAL, 99.0, 0.0, 1),
             "field 1 of the goal has the unknown code 99; update the client",
         ),
@@ -77,7 +86,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::OBSTRUCTED, 0.0914, 0.06, 1),
-            "finger 2 touched something at 0.09 N on its way, touch counts from 0.06 N; clear the way or grasp nearer to the \
+            "finger 2 touched something at 0.09 N on its way, the limit is 0.06 N; clear the way or grasp nearer to the \
              object's top",
         ),
         (

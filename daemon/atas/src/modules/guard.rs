@@ -8,19 +8,22 @@ use crate::perception::Percept;
 use robot_model::FINGERS;
 use shm_schemas::{Cause, ModuleId, Reason};
 
+/// Multiple of the touch threshold that turns the hand back (ours): noise that a slow approach shrugs off must not end a goal.
+const TOUCH_FACTOR: f64 = 2.0;
+
 /// The module has no memory: a touch is a touch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Guard;
 
 impl Module for Guard {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let limit_n = TOUCH_FACTOR * context.settings.perception.touch_on_n;
         let touching = percept.fingers[..FINGERS]
             .iter()
-            .position(|finger| finger.in_contact);
+            .position(|finger| finger.in_contact && finger.normal_n > limit_n);
         let Some(index) = touching else {
             return Proposal::default();
         };
-        let limit_n = context.settings.perception.touch_on_n;
         let reason = Reason::limit(Cause::OBSTRUCTED, percept.fingers[index].normal_n, limit_n);
         Proposal {
             active: true,
