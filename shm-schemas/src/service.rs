@@ -36,7 +36,7 @@ pub const TICK_INPUTS: &str = "atas/v2/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.
-pub const WORLD_TRUTH: &str = "atas/v2/world-truth";
+pub const WORLD_TRUTH: &str = "atas/v3/world-truth";
 /// Publish-subscribe: [`crate::AgentSensors`], one per field frame, from the field's host.
 pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 /// Publish-subscribe: [`crate::WheelCommands`], one per field frame, from the agents process.

@@ -7,7 +7,7 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 word! {
     /// The true state of one simulated object.
-    ObjectTruth as "atas.ObjectTruth.v2" {
+    ObjectTruth as "atas.ObjectTruth.v3" {
         /// Name of the object, as in its data file.
         pub name: Text<32>,
         /// Centre of mass, base frame, m.
@@ -28,6 +28,9 @@ word! {
         pub table_n: f64,
         /// When it first stood again after it had been lifted, simulated time, ns; 0 if never.
         pub landed_ns: u64,
+        /// When what it stands on first truly carried it again: with 0.2 N or a tenth of its weight, whichever is more, where a
+        /// first corner that grazes carries less; simulated time, ns; 0 if never.
+        pub carried_ns: u64,
         /// When the last fingertip let go of it after it had been lifted: for the first time after it landed, else most
         /// recently; simulated time, ns; 0 if never.
         pub released_ns: u64,
@@ -61,9 +64,11 @@ word! {
 
 word! {
     /// The true state of the simulated world.
-    WorldTruth as "atas.WorldTruth.v2" {
+    WorldTruth as "atas.WorldTruth.v3" {
         /// `captured_ns` is the simulated time.
         pub stamp: Stamp,
+        /// Milliseconds of the machine's clock that were skipped so far because the simulator came late; 0 in lock-step.
+        pub missed_ticks: u64,
         /// Objects that carry data.
         pub object_count: u32,
         /// Commands refused or expired so far.

@@ -17,6 +17,10 @@ const CRUSHED_STIFFNESS: f64 = 0.05;
 const DROP_M: f64 = 0.002;
 /// Speed after a free fall from [`DROP_M`], m/s: √(2·g·h). Landing faster is being dropped.
 const DROP_M_S: f64 = 0.198;
+/// Force with which a support truly carries an object, N, or the share of its weight, whichever is more (issue: Module 4
+/// shall answer it).
+const CARRIES_N: f64 = 0.2;
+const CARRIES_SHARE: f64 = 0.1;
 /// Tilt beyond which an object has tipped over, rad (45°). Ours.
 const TIPPED_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
@@ -48,6 +52,8 @@ pub(crate) struct Thing {
 struct Landing {
     /// When it first stood again after it had been lifted, ns; 0 if never.
     landed_ns: u64,
+    /// When its support first truly carried it again, ns; 0 if never.
+    carried_ns: u64,
     /// When the last fingertip let go of it: for the first time after it landed, else most recently, ns; 0 if never.
     released_ns: u64,
     /// Its height above what is under it at that moment, m.
@@ -143,6 +149,10 @@ impl Thing {
         self.dropped |= self.lifted && !in_the_air && self.body.velocity_m_s.z < -DROP_M_S;
         if self.lifted {
             self.landing.look(in_the_air, held, clearance_m, now_ns);
+            let carries_n = CARRIES_N.max(CARRIES_SHARE * self.body.weight_n());
+            if self.landing.carried_ns == 0 && self.body.table_n >= carries_n {
+                self.landing.carried_ns = now_ns;
+            }
         }
     }
 
@@ -164,6 +174,7 @@ impl Thing {
             tipped: self.tipped.into(),
             spilt: self.spilt.into(),
             landed_ns: self.landing.landed_ns,
+            carried_ns: self.landing.carried_ns,
             released_ns: self.landing.released_ns,
             released_above_m: self.landing.released_above_m,
             ..ObjectTruth::default()

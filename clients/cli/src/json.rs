@@ -80,6 +80,7 @@ pub(crate) fn status(status: &Status) -> Value {
         "degraded": status.flags & StatusFlags::DEGRADED != 0,
         "lockstep": status.flags & StatusFlags::LOCKSTEP != 0,
         "realtime": status.flags & StatusFlags::REALTIME != 0,
+        "phase_locked": status.flags & StatusFlags::PHASE_LOCKED != 0,
         "memory_locked": status.flags & StatusFlags::MEMORY_LOCKED != 0,
         "ticks": status.ticks,
         "missed_ticks": status.missed_ticks,

@@ -1,15 +1,15 @@
 //! A goal's story: its updates, condensed to what a user wants to hear at the end.
 
-use atas::tasks::BACK_OUT;
+use atas::tasks::{BACK_OUT, RAISE, RELEASE};
 use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
 
 /// What happened to a goal so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Story {
     last: GoalUpdate,
-    /// The last step that was named: the final update of a goal that left the hand at rest names none.
+    /// The last step of the task: what ends it early names what the hand does afterwards, or nothing.
     step: Text<16>,
-    /// The last update of the attempt itself, before the hand backed out of a refused object.
+    /// The last update of the attempt itself, before the hand let go of the object.
     attempt: GoalUpdate,
 }
 
@@ -17,11 +17,13 @@ impl Story {
     /// Takes in the next update.
     pub fn add(&mut self, update: &GoalUpdate) {
         self.last = *update;
-        if update.step.as_str().is_empty() {
+        let is_cut_short = update.state.is_final() && update.state != GoalState::SUCCEEDED;
+        let is_known = !self.step.as_str().is_empty();
+        if update.step.as_str().is_empty() || (is_cut_short && is_known) {
             return;
         }
         self.step = update.step;
-        if !self.is_backing_out() {
+        if !self.lets_go() {
             self.attempt = *update;
         }
     }
@@ -32,10 +34,13 @@ impl Story {
         &self.last
     }
 
-    /// Whether the hand is putting a refused object back, or opening.
+    /// Whether the hand is putting the object back, raising it again, opening, or on its way home.
     #[must_use]
-    pub fn is_backing_out(&self) -> bool {
-        BACK_OUT.iter().any(|step| step.name == self.step.as_str())
+    pub fn lets_go(&self) -> bool {
+        let mut steps = [BACK_OUT, RAISE, RELEASE.acting]
+            .into_iter()
+            .flat_map(|track| track.to_vec());
+        steps.any(|step| step.name == self.step.as_str())
     }
 
     /// What the hand knew and pressed when it last tried.
@@ -48,11 +53,12 @@ impl Story {
         }
     }
 
-    /// The step that decided: the last one, but for a refused object the one before the hand backed out.
+    /// The step that decided: the last one, but the one before if the hand then put the object back or raised it again.
     #[must_use]
     pub fn step(&self) -> &str {
-        let refused = self.last.state == GoalState::REFUSED && self.was_attempted();
-        if refused {
+        let raised = RAISE.iter().any(|step| step.name == self.step.as_str());
+        let retreated = self.last.state == GoalState::REFUSED || raised;
+        if retreated && self.was_attempted() {
             self.attempt.step.as_str()
         } else {
             self.step.as_str()

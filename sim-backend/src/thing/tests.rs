@@ -40,28 +40,28 @@ fn only_an_open_bottle_that_tilts_far_enough_spills() {
     check(50.0, true, 1, 1);
 }
 
-/// Ticks of an object: height, whether a fingertip presses, whether it stands.
+/// Ticks of an object: height, whether a fingertip presses, the force of what it stands on.
 #[test]
 fn the_release_that_counts_is_the_first_after_landing() {
     let mut wood = thing("wood");
     let history = [
-        (0.010, true, false),
-        (0.010, true, false),
-        (0.0, true, true),
-        (0.0, true, true),
-        (0.0, false, true),
-        (0.0, true, true),
-        (0.0, false, true),
+        (0.010, true, 0.0),
+        (0.010, true, 0.0),
+        (0.0, true, 0.1),
+        (0.0, true, 3.0),
+        (0.0, false, 3.0),
+        (0.0, true, 3.0),
+        (0.0, false, 3.0),
     ];
-    for (tick, (up_m, held, stands)) in (1..).zip(history) {
+    for (tick, (up_m, held, table_n)) in (1..).zip(history) {
         pose(&mut wood, up_m, 0.0);
-        (wood.touched, wood.body.table_n) = (held, if stands { 3.0 } else { 0.0 });
+        (wood.touched, wood.body.table_n) = (held, table_n);
         wood.judge(&Ground::default(), false, false, tick * TICK_NS);
     }
     let truth = wood.truth(None);
     assert_eq!(
-        (truth.landed_ns, truth.released_ns),
-        (3 * TICK_NS, 5 * TICK_NS)
+        [truth.landed_ns, truth.carried_ns, truth.released_ns],
+        [3, 4, 5].map(|tick| tick * TICK_NS)
     );
     assert_eq!((truth.released_above_m, truth.dropped), (0.0, 0));
 }

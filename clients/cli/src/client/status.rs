@@ -98,6 +98,7 @@ fn flags(flags: u32) -> String {
         (StatusFlags::LOCKSTEP, "lock-step"),
         (StatusFlags::REALTIME, "real-time scheduling"),
         (StatusFlags::MEMORY_LOCKED, "memory locked"),
+        (StatusFlags::PHASE_LOCKED, "phase-locked"),
         (
             StatusFlags::DEGRADED,
             "DEGRADED: real-time scheduling or memory locking was refused",

@@ -121,7 +121,7 @@ impl Audience {
         if self.now.object_count > 0 && self.status.pid > 0 {
             self.first.get_or_insert((self.now, self.status));
         }
-        if !story.is_backing_out() {
+        if !story.lets_go() {
             self.attempt = self.now;
         }
         let pressed = self.now.normal_n[SIDE.index()][..FINGERS]

@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 use shm_schemas::{Status, StatusFlags, WorldTruth};
-use sim_backend::TICK_NS;
 
 /// Ticks that were due, and those that were missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,14 +22,11 @@ impl Punctuality {
     /// Between two looks at truth and status.
     pub(super) fn between(from: (&WorldTruth, &Status), to: (&WorldTruth, &Status)) -> Self {
         let count = |of: fn(&Status) -> u64| of(to.1).saturating_sub(of(from.1));
-        let (begin, end) = (&from.0.stamp, &to.0.stamp);
-        // The truth's sequence counts the milliseconds that were simulated, its stamp those that passed.
-        let passed = end.captured_ns.saturating_sub(begin.captured_ns) / TICK_NS;
         let missed = count(|status| status.missed_ticks);
         Self {
             ticks: count(|status| status.ticks) + missed,
             daemon_missed: missed,
-            simulator_missed: passed.saturating_sub(end.sequence.saturating_sub(begin.sequence)),
+            simulator_missed: to.0.missed_ticks.saturating_sub(from.0.missed_ticks),
             lapsed: to
                 .0
                 .expired_commands
@@ -108,34 +104,35 @@ impl Punctuality {
 mod tests {
     use super::*;
 
-    fn look(ms: u64, simulated: u64, ticks: u64, missed_ticks: u64) -> (WorldTruth, Status) {
-        let (mut truth, status) = (
-            WorldTruth::default(),
+    fn look(ticks: u64, missed_ticks: u64, by_simulator: u64) -> (WorldTruth, Status) {
+        let truth = WorldTruth {
+            missed_ticks: by_simulator,
+            ..WorldTruth::default()
+        };
+        (
+            truth,
             Status {
                 ticks,
                 missed_ticks,
                 ..Status::default()
             },
-        );
-        truth.stamp.captured_ns = ms * TICK_NS;
-        truth.stamp.sequence = simulated;
-        (truth, status)
+        )
     }
 
     #[test]
     fn both_processes_are_counted() {
         let check = |to: (WorldTruth, Status), expected: [u64; 3]| {
-            let from = look(1000, 500, 400, 7);
+            let from = look(400, 7, 5);
             let counts = Punctuality::between((&from.0, &from.1), (&to.0, &to.1));
             assert_eq!(
                 [counts.ticks, counts.daemon_missed, counts.simulator_missed],
                 expected
             );
         };
-        check(look(2000, 1500, 1400, 7), [1000, 0, 0]);
-        check(look(2000, 1498, 1397, 10), [1000, 3, 2]);
-        check(look(1000, 500, 400, 7), [0, 0, 0]);
-        check(look(900, 400, 300, 0), [0, 0, 0]);
+        check(look(1400, 7, 5), [1000, 0, 0]);
+        check(look(1397, 10, 7), [1000, 3, 2]);
+        check(look(400, 7, 5), [0, 0, 0]);
+        check(look(300, 0, 0), [0, 0, 0]);
     }
 
     #[test]

@@ -79,6 +79,7 @@ impl Session {
     pub(crate) fn publish_truth(&mut self) -> Result<(), Failure> {
         let mut truth = self.world.truth();
         truth.stamp.sequence = self.truths;
+        truth.missed_ticks = self.missed_ticks;
         self.truths += 1;
         Ok(self.truth.send(&truth)?)
     }
