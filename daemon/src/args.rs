@@ -23,6 +23,9 @@ pub struct Args {
     /// Checks the configuration, prints what would be in force, and exits.
     #[arg(long)]
     pub check_config: bool,
+    /// Prints the built-in tasks as a configuration of one's own tasks, to start from, and exits.
+    #[arg(long)]
+    pub print_tasks: bool,
     /// Ticks when the simulator has sent a joint state instead of by the clock. Deterministic; never real-time.
     #[arg(long)]
     pub lockstep: bool,

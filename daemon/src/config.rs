@@ -14,11 +14,13 @@ mod error;
 mod keys;
 mod layout;
 mod source;
+mod tasks;
 
 pub use error::{ConfigError, Place, Problem};
 pub use keys::{known_keys, nearest_parameter};
 pub use layout::{CustomLayout, LayoutChoice};
 pub use source::Source;
+pub use tasks::{TaskProblem, Tasks};
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -54,6 +56,9 @@ pub struct Config {
     pub motion: settings::Motion,
     /// The last gate.
     pub safety: settings::Safety,
+    /// The user's own tasks.
+    #[serde(skip_serializing)]
+    pub tasks: Tasks,
 }
 
 /// What is kept of a run.
@@ -253,7 +258,7 @@ impl Config {
     #[must_use]
     pub fn text(&self) -> String {
         // Every field is a number, a word, a truth value or an array of those, which TOML can always write.
-        toml::to_string(self).unwrap_or_default()
+        toml::to_string(self).unwrap_or_default() + &self.tasks.text()
     }
 
     /// FNV-1a 64 of [`Config::text`].

@@ -1,13 +1,14 @@
 //! `atasd`, see the crate `atasd` and `atasd --help`.
 #![expect(
     clippy::print_stdout,
-    reason = "the effective configuration is what --check-config is for"
+    reason = "the effective configuration and the tasks are what --check-config and --print-tasks are for"
 )]
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use atasd::args::{Args, LogFormat};
+use atasd::config::Tasks;
 use atasd::daemon::{self, Failure};
 use clap::Parser;
 use tracing_subscriber::EnvFilter;
@@ -16,7 +17,10 @@ use tracing_subscriber::filter::LevelFilter;
 fn main() -> ExitCode {
     let args = Args::parse();
     log_to_stderr(args.log_format);
-    let ended = if args.check_config {
+    let ended = if args.print_tasks {
+        print!("{}", Tasks::built_in_text().trim_start());
+        Ok(())
+    } else if args.check_config {
         check_config(&args)
     } else {
         daemon::run(&args)

@@ -11,7 +11,7 @@ use std::cell::Cell;
 use std::io::Write as _;
 use std::sync::Arc;
 
-use atas::{Controller, Order, Settings, Wiring};
+use atas::{Controller, Goal, Order, Settings, Wiring};
 use atasd::figures::Figures;
 use atasd::link::Link;
 use atasd::pacer::{LockStep, Pacer};
@@ -59,7 +59,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 fn grasp() -> Order {
-    Order::Start(GoalRequest {
+    let request = GoalRequest {
         goal_id: 1,
         kind: GoalKind::GRASP,
         hand: Hand::RIGHT,
@@ -67,7 +67,8 @@ fn grasp() -> Order {
         width_m: 0.05,
         lift_m: 0.03,
         ..GoalRequest::default()
-    })
+    };
+    Order::Start(Goal::resolve(&request, &[]).expect("built in"))
 }
 
 #[test]

@@ -14,3 +14,5 @@ pub const AGENTS: usize = 1024;
 pub const STAGES: usize = 8;
 /// Tunable numbers of the controller; it has about half as many.
 pub const SETTINGS: usize = 96;
+/// Steps of one hand's task; the longest built-in task has 18.
+pub const STEPS: usize = 32;

@@ -197,7 +197,7 @@ word! {
         pub progress: f32,
         /// Why, when rejected, refused, failed or held.
         pub reason: Reason,
-        /// Name of the task's step, for example `lift`.
+        /// Name of the task's step, for example `lift`; of a goal that names an unknown task, that name.
         pub step: Text<16>,
         /// What the hand learnt so far.
         pub figures: GraspFigures,

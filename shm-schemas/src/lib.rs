@@ -44,7 +44,10 @@ pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFi
 pub use joints::{JointCommand, JointState, Mode};
 pub use layout::Layout;
 pub use reason::{Cause, Reason};
-pub use record::{HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, TickInputs};
+pub use record::{
+    HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, StepRecord, TaskRecord,
+    TickInputs, TrackRecord,
+};
 pub use service::Payload;
 pub use stamp::{Hand, Stamp};
 pub use status::{HandStatus, JointStatus, Percentiles, SensorStatus, Status, StatusFlags};

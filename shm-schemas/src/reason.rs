@@ -47,6 +47,8 @@ code! {
         NO_SUPPORT = 17, "no-support";
         /// A fingertip touched something while the hand moved freely; the hand has gone back.
         OBSTRUCTED = 18, "obstructed";
+        /// The goal names a task that the configuration does not have.
+        UNKNOWN_TASK = 19, "unknown-task";
         /// No tactile frame for too long.
         FRAMES_STOPPED = 20, "frames-stopped";
         /// A frame's stamp is too old.
@@ -152,7 +154,7 @@ impl Reason {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.cause.0 {
-            0..=9 => self.tell_goal(f),
+            0..=9 | 19 => self.tell_goal(f),
             10..=19 => self.tell_task(f),
             20..=29 => self.tell_frames(f),
             30..=39 => self.tell_joints(f),
@@ -238,6 +240,9 @@ impl Reason {
                     crate::Hand(index)
                 )
             }
+            Cause::UNKNOWN_TASK => f.write_str(
+                "the daemon's configuration has no task of this name; `atasd --check-config` prints those that it has",
+            ),
             _ => self.tell_unknown(f),
         }
     }

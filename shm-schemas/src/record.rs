@@ -3,7 +3,7 @@
 //! The daemon publishes these only when it was started with recording switched on, because a replay begins with the
 //! controller's first tick. A recorder that joins later misses the beginning, sees that by the sequence, and must say so.
 
-use crate::capacity::{ELEMENTS, HANDS, JOINTS, SETTINGS};
+use crate::capacity::{ELEMENTS, HANDS, JOINTS, SETTINGS, STEPS};
 use crate::code::code;
 use crate::service::word;
 use crate::{GoalRequest, HandFrame, JointCommand, JointState, Reason, Stamp, Text};
@@ -48,8 +48,54 @@ word! {
 }
 
 word! {
+    /// One step of a task. The numbers are those of the daemon's words for tasks (crate `atas`, `tasks::words`).
+    StepRecord as "atas.StepRecord.v1" {
+        /// Name, as users see it.
+        pub name: Text<16>,
+        /// How the hand moves.
+        pub motion: u32,
+        /// Where to, for a motion that has a site.
+        pub site: u32,
+        /// Which modules work: bit n stands for the module with the number n.
+        pub modules: u32,
+        /// When the step is done.
+        pub until: u32,
+        /// Meeting point, for a step that ends at one.
+        pub point: u32,
+        /// Written as zero.
+        pub pad: u32,
+        /// When it has taken too long, s; infinite for never.
+        pub timeout_s: f64,
+    }
+}
+
+word! {
+    /// The steps of one hand.
+    TrackRecord as "atas.TrackRecord.v1" {
+        /// Steps that are used, at most [`STEPS`]; 0 for a hand that does nothing.
+        pub count: u32,
+        /// Written as zero.
+        pub pad: u32,
+        /// The steps.
+        pub steps: [StepRecord; STEPS],
+    }
+}
+
+word! {
+    /// What a goal made the hands do: a built-in task or a user's own.
+    TaskRecord as "atas.TaskRecord.v1" {
+        /// Name, as users see it.
+        pub name: Text<16>,
+        /// The hand that the goal names.
+        pub acting: TrackRecord,
+        /// The other hand.
+        pub helping: TrackRecord,
+    }
+}
+
+word! {
     /// One order; only what its kind names is used, the rest is zero.
-    OrderRecord as "atas.OrderRecord.v2" {
+    OrderRecord as "atas.OrderRecord.v3" {
         /// What is ordered.
         pub kind: OrderKind,
         /// Index of a parameter or of a hand.
@@ -62,6 +108,8 @@ word! {
         pub reason: Reason,
         /// A goal to start.
         pub goal: GoalRequest,
+        /// Its task, as the configuration had it then.
+        pub task: TaskRecord,
         /// All settings.
         pub settings: SettingsRecord,
     }
@@ -70,7 +118,7 @@ word! {
 word! {
     /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
     /// several parts, one after the other.
-    TickInputs as "atas.TickInputs.v2" {
+    TickInputs as "atas.TickInputs.v3" {
         /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
         pub stamp: Stamp,
         /// Index of the tick; a gap means missed ticks.

@@ -1,6 +1,6 @@
 //! The controller's step by itself: grasp task, both hands, 22 joints.
 
-use atas::{Order, Settings};
+use atas::{Goal, Order, Settings};
 use atas_cli::rehearsal::{Rehearsal, grasp_goal};
 use criterion::{Criterion, criterion_group, criterion_main};
 use robot_model::{RobotModel, Side};
@@ -17,7 +17,9 @@ fn lifting() -> Rehearsal {
         3600.0,
     );
     let mut rehearsal = Rehearsal::new(&robot, &scene, 1, Settings::default()).expect("a world");
-    rehearsal.step(Some(&Order::Start(goal)));
+    rehearsal.step(Some(&Order::Start(
+        Goal::resolve(&goal, &[]).expect("built in"),
+    )));
     for _ in 0..6000 {
         rehearsal.step(None);
     }

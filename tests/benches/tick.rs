@@ -5,7 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
 
-use atas::{Controller, Inputs, Order, Settings, Stage, Tick, Wiring};
+use atas::{Controller, Goal, Inputs, Order, Settings, Stage, Tick, Wiring};
 use atas_cli::rehearsal::{Rehearsal, grasp_goal};
 use hdrhistogram::Histogram;
 use robot_model::{RobotModel, Side};
@@ -95,7 +95,8 @@ fn run(ticks: u64, histograms: &mut [Histogram<u64>]) {
                 .expect("sent");
         }
         joints_out.send(&sensed.joints).expect("sent");
-        let order = (index == 100).then_some(Order::Start(goal));
+        let order =
+            (index == 100).then_some(Order::Start(Goal::resolve(&goal, &[]).expect("built in")));
         let mut marks = [now_ns(); 7];
         for (port, frame) in frames_in.iter_mut().zip(&mut frames) {
             port.newest(frame).expect("readable");

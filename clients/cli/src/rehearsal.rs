@@ -3,6 +3,7 @@
 //! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, no clock, no threads: the same arguments give
 //! the same bits as the two processes in lock-step.
 
+use atas::goal::{self, Circumstances};
 use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::{
@@ -125,12 +126,20 @@ impl Rehearsal {
         limit_s: f64,
         mut watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
-        if let Err(reason) = atas::goal::check(goal, &self.robot, self.controller.wiring()) {
-            return Trial::ended(GoalState::REJECTED, reason, self.world.truth(), 0.0);
-        }
+        let now = Circumstances {
+            robot: &self.robot,
+            wiring: self.controller.wiring(),
+            tasks: &[],
+        };
+        let checked = match goal::check(goal, &now) {
+            Ok(checked) => checked,
+            Err(reason) => {
+                return Trial::ended(GoalState::REJECTED, reason, self.world.truth(), 0.0);
+            }
+        };
         let first = self.index;
         let limit_ticks = (limit_s * 1e9) as u64 / TICK_NS;
-        let mut order = Some(Order::Start(*goal));
+        let mut order = Some(Order::Start(checked));
         while self.index - first < limit_ticks {
             let outputs = *self.step(order.take().as_ref());
             watch(&outputs, &self.world);

@@ -1,6 +1,6 @@
 //! The controller: [`Controller::step`] is the whole real-time path, one call per tick.
 
-use crate::goal::{ActiveGoal, is_attached};
+use crate::goal::{ActiveGoal, Goal};
 use crate::hand::HandControl;
 use crate::io::{Events, Inputs, Order, Outputs};
 use crate::joints::JointIntake;
@@ -14,8 +14,8 @@ use crate::{Stage, Tick};
 use robot_model::{RobotModel, Side};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
-    Cause, EventKind, GoalRequest, GoalState, GoalUpdate, Hand, HandStatus, JointCommand,
-    JointStatus, Mode, ModuleEvent, Reason, Stamp, Text, TickReport,
+    Cause, EventKind, GoalState, GoalUpdate, Hand, HandStatus, JointCommand, JointStatus, Mode,
+    ModuleEvent, Reason, Stamp, Text, TickReport,
 };
 
 /// Ticks between two progress updates of a goal that has no other news (0.1 s at 1 kHz).
@@ -167,7 +167,7 @@ impl Controller {
     fn obey(&mut self, order: Option<&Order>) {
         match order {
             None => {}
-            Some(Order::Start(request)) => self.start(request),
+            Some(Order::Start(goal)) => self.start(goal),
             Some(Order::Cancel { goal_id }) => self.end_if(*goal_id, false, Cause::CANCELLED),
             Some(Order::ClientGone { goal_id }) => self.end_if(*goal_id, true, Cause::CLIENT_GONE),
             Some(Order::Stop(reason)) => self.stop(*reason),
@@ -187,35 +187,28 @@ impl Controller {
         }
     }
 
-    fn start(&mut self, request: &GoalRequest) {
-        let Some(side) = request.hand.index().map(|i| Side::BOTH[i]) else {
-            return;
-        };
-        let goal = ActiveGoal {
-            request: *request,
-            side,
-            state: GoalState::ACCEPTED,
-            paused_s: 0.0,
-        };
-        if let Some(reason) = self.refusal(&goal) {
+    fn start(&mut self, asked: &Goal) {
+        let goal = ActiveGoal::begin(asked);
+        if let Some(reason) = self.refusal(asked) {
             self.outputs.goal_update = Some(self.update_of(&goal, GoalState::REJECTED, reason));
             return;
         }
-        for (hand, own) in self.hands.iter_mut().zip(Side::BOTH) {
-            if goal.involves(own) {
-                hand.start(request, own == side, &self.settings);
+        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+            if goal.involves(side) {
+                hand.start(asked, &self.settings);
             }
         }
         self.goal = Some(goal);
         self.last_goal = None;
         self.news(GoalState::ACCEPTED, Reason::default());
-        if let Some(runner) = self.hands[side.index()].runner() {
-            let event = self.hands[side.index()].step_event(runner.step());
+        let hand = &self.hands[goal.side.index()];
+        if let Some(runner) = hand.runner() {
+            let event = hand.step_event(runner.step());
             self.outputs.events.push(event);
         }
     }
 
-    fn refusal(&self, goal: &ActiveGoal) -> Option<Reason> {
+    fn refusal(&self, goal: &Goal) -> Option<Reason> {
         let mode = self.mode.mode();
         if !matches!(mode, Mode::READY | Mode::RUN) || !self.gate.is_anchored() {
             return Some(Reason::limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
@@ -223,12 +216,16 @@ impl Controller {
         if self.goal.is_some() {
             return Some(Reason::of(Cause::BUSY));
         }
-        let fills = goal.request.kind != shm_schemas::GoalKind::RELEASE;
-        let full = Side::BOTH
-            .into_iter()
-            .find(|side| goal.involves(*side) && self.hands[side.index()].grips());
-        full.filter(|_| fills)
-            .map(|side| Reason::of(Cause::HAND_FULL).about(side.index()))
+        let demands = goal.demands();
+        let full = Side::BOTH.into_iter().find(|side| {
+            let must_be_empty = if *side == goal.side() {
+                !demands.lets_go_first
+            } else {
+                demands.both_hands
+            };
+            must_be_empty && self.hands[side.index()].grips()
+        });
+        full.map(|side| Reason::of(Cause::HAND_FULL).about(side.index()))
     }
 
     /// Ends the goal with this id; `attached_only` leaves detached goals alone.
@@ -236,7 +233,7 @@ impl Controller {
         let Some(goal) = self.goal.filter(|g| g.request.goal_id == goal_id) else {
             return;
         };
-        if attached_only && !is_attached(&goal.request) {
+        if attached_only && !goal.is_attached() {
             return;
         }
         self.end_hands(&goal);

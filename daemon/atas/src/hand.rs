@@ -2,6 +2,7 @@
 
 use crate::Tick;
 use crate::arbitration::{Arbiter, Intent};
+use crate::goal::Goal;
 use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{Carrier, HandCommand, gap_m};
@@ -14,8 +15,8 @@ use crate::wiring::Wiring;
 use nalgebra::Matrix3;
 use robot_model::{FINGERS, HandModel, HandPose, HandVector};
 use shm_schemas::{
-    EventKind, FingerReport, GoalKind, GoalRequest, GraspFigures, Hand, HandFrame, HandReport,
-    HandStatus, ModuleEvent, Reason,
+    EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus, ModuleEvent,
+    Reason,
 };
 
 /// One hand of the controller.
@@ -167,9 +168,10 @@ impl HandControl {
         }
     }
 
-    /// Starts this hand's part of the task of a checked goal, if it has one.
-    pub(crate) fn start(&mut self, goal: &GoalRequest, acts: bool, settings: &Settings) {
-        let task = tasks::of(goal.kind);
+    /// Starts this hand's part of the task of a goal, if it has one.
+    pub(crate) fn start(&mut self, goal: &Goal, settings: &Settings) {
+        let (request, task) = (goal.request(), goal.task());
+        let acts = self.model.side() == goal.side();
         let track = if acts {
             Some(task.acting)
         } else {
@@ -180,20 +182,22 @@ impl HandControl {
         };
         let now = *carrier.frame();
         let home = tasks::home(&self.model, &now);
-        let (sites, width_m) = match goal.kind {
-            GoalKind::RELEASE => (Sites::resting(now, home, settings), goal.width_m),
-            _ if acts => (
+        let (sites, width_m) = if !acts {
+            (
+                Sites::helping(&self.model, home, request, settings),
+                request.helper_width_m,
+            )
+        } else if goal.demands().visits_source || goal.demands().visits_target {
+            (
                 Sites::new(&self.model, &now, home, goal, settings),
-                goal.width_m,
-            ),
-            _ => (
-                Sites::helping(&self.model, home, goal, settings),
-                goal.helper_width_m,
-            ),
+                request.width_m,
+            )
+        } else {
+            (Sites::resting(now, home, settings), request.width_m)
         };
         self.modules.reset();
         self.arbiter.rest();
-        let wishes = (width_m, goal.hold_s);
+        let wishes = (width_m, request.hold_s);
         self.runner = Some(Runner::start(track, sites, &now, wishes, settings));
     }
 

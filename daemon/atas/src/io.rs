@@ -1,9 +1,10 @@
 //! What one tick takes in and gives out.
 
+use crate::goal::Goal;
 use crate::{Settings, Tick};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
-    GoalRequest, GoalUpdate, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,
+    GoalUpdate, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,
 };
 
 /// Everything that one tick is a function of, besides the controller's own state. Recording these replays the run.
@@ -27,7 +28,7 @@ pub struct Inputs<'a> {
 )]
 pub enum Order {
     /// Start a goal.
-    Start(GoalRequest),
+    Start(Goal),
     /// The client wants its goal to end; the hand stays as it is.
     Cancel {
         /// Which goal.

@@ -39,6 +39,7 @@ mod tick;
 mod wiring;
 
 pub use controller::Controller;
+pub use goal::Goal;
 pub use io::{Events, Inputs, Order, Outputs};
 pub use mode::ModeMachine;
 pub use settings::Settings;

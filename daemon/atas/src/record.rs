@@ -7,12 +7,13 @@
 //! * **Absent on purpose:** files. And the ticks after a panic: there the daemon held without the controller.
 
 mod replay;
+mod task;
 
 pub use replay::{Replay, ReplayError, Replayed};
 
 use crate::settings::PARAMETERS;
-use crate::{Controller, HandWiring, Order, Settings, Wiring};
-use robot_model::{HAND_JOINTS, HandVector, RobotModel};
+use crate::{Controller, Goal, HandWiring, Order, Settings, Wiring};
+use robot_model::{HAND_JOINTS, HandVector, RobotModel, Side};
 use shm_schemas::capacity::{ELEMENTS, JOINTS, SETTINGS};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{HandWiringRecord, Layout, OrderKind, OrderRecord, RunHeader, SettingsRecord};
@@ -34,6 +35,8 @@ pub enum Unreadable {
         /// Its number.
         kind: u32,
     },
+    /// A goal's hand or task is none that this version knows.
+    UnknownGoal,
     /// A hand is wired to more elements or fingers than there can be, or to none.
     ImpossibleHand,
 }
@@ -52,6 +55,10 @@ impl core::fmt::Display for Unreadable {
                 f,
                 "could not read an order because its kind was {kind}, which this version does not know; \
                  replay with the version that recorded it"
+            ),
+            Self::UnknownGoal => f.write_str(
+                "could not read a goal because its hand or its task has words that this version does not know; \
+                 replay with the version that recorded it",
             ),
             Self::ImpossibleHand => f.write_str(
                 "could not read the wiring because a hand has an impossible layout; is the recording damaged?",
@@ -108,7 +115,8 @@ pub fn write_order(order: Option<&Order>) -> OrderRecord {
     let kind = match order {
         None => OrderKind::NONE,
         Some(Order::Start(goal)) => {
-            record.goal = *goal;
+            record.goal = *goal.request();
+            record.task = task::write(goal.task());
             OrderKind::START
         }
         Some(Order::Cancel { goal_id }) => {
@@ -154,7 +162,7 @@ pub fn read_order(record: &OrderRecord) -> Result<Option<Order>, Unreadable> {
     let (goal_id, index) = (record.goal_id, record.index as usize);
     Ok(Some(match record.kind {
         OrderKind::NONE => return Ok(None),
-        OrderKind::START => Order::Start(record.goal),
+        OrderKind::START => Order::Start(read_goal(record)?),
         OrderKind::CANCEL => Order::Cancel { goal_id },
         OrderKind::CLIENT_GONE => Order::ClientGone { goal_id },
         OrderKind::STOP => Order::Stop(record.reason),
@@ -167,6 +175,12 @@ pub fn read_order(record: &OrderRecord) -> Result<Option<Order>, Unreadable> {
         OrderKind::BIAS => Order::Bias { hand: index },
         unknown => return Err(Unreadable::UnknownOrder { kind: unknown.0 }),
     }))
+}
+
+fn read_goal(record: &OrderRecord) -> Result<Goal, Unreadable> {
+    let hand = record.goal.hand.index().ok_or(Unreadable::UnknownGoal)?;
+    let task = task::read(&record.task).ok_or(Unreadable::UnknownGoal)?;
+    Ok(Goal::of(record.goal, Side::BOTH[hand], task))
 }
 
 /// Writes what the controller is made from into the header of a run; the header's other fields are the daemon's.
@@ -239,20 +253,25 @@ fn read_hand(record: &HandWiringRecord) -> Result<HandWiring, Unreadable> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, GoalRequest, Reason};
+    use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, Reason};
 
     #[test]
     fn every_order_reads_back_as_written() {
         let mut settings = Settings::default();
         settings.set("grasp.dr_n", 0.1 + 0.2).expect("in range");
-        let goal = GoalRequest {
-            goal_id: 3,
-            width_m: 1.0 / 3.0,
-            ..GoalRequest::default()
+        let goal = |kind| {
+            let request = GoalRequest {
+                goal_id: 3,
+                kind,
+                width_m: 1.0 / 3.0,
+                ..GoalRequest::default()
+            };
+            Goal::resolve(&request, &[]).expect("built in")
         };
         for order in [
             None,
-            Some(Order::Start(goal)),
+            Some(Order::Start(goal(GoalKind::GRASP))),
+            Some(Order::Start(goal(GoalKind::ASSEMBLE))),
             Some(Order::Cancel { goal_id: 5 }),
             Some(Order::ClientGone { goal_id: 6 }),
             Some(Order::Stop(Reason::limit(Cause::ESTOP, 1.0, 2.0))),
@@ -277,6 +296,11 @@ mod tests {
         assert_eq!(read_order(&record), Err(out_of_range));
         record.settings.names_hash ^= 1;
         assert_eq!(read_order(&record), Err(Unreadable::OtherParameters));
+        let mut start = write_order(None);
+        start.kind = OrderKind::START;
+        assert_eq!(read_order(&start), Err(Unreadable::UnknownGoal), "no task");
+        start.goal.hand = Hand(2);
+        assert_eq!(read_order(&start), Err(Unreadable::UnknownGoal), "no hand");
         record.kind = OrderKind(99);
         assert_eq!(
             read_order(&record),

@@ -106,12 +106,17 @@ fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
         };
         match value {
             Value::Table(inner) if inner.is_empty() && keys::is_section(&key) => {}
-            Value::Table(inner) if !inner.is_empty() && keys::needs(&key).is_none() => {
+            Value::Table(inner) if !inner.is_empty() && !is_value(&key) => {
                 flatten(&key, inner, each);
             }
             _ => each(&key, value),
         }
     }
+}
+
+/// Whether a table under this key is one value.
+fn is_value(key: &str) -> bool {
+    keys::needs(key).is_some() || keys::task_name(key).is_some()
 }
 
 fn offset_of(table: &DeTable<'_>, key: &str) -> Option<usize> {

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::TaskProblem;
+
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -48,6 +50,15 @@ pub enum Problem {
         value: String,
         /// What it needs to be.
         needs: String,
+    },
+    /// One of the user's own tasks.
+    Task {
+        /// Where.
+        place: Place,
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        problem: TaskProblem,
     },
     /// The URDF does not load.
     Robot {
@@ -108,6 +119,17 @@ impl fmt::Display for Problem {
                 needs,
             } => {
                 write!(f, "{key} is {value} by default, needs {needs}")
+            }
+            Self::Task {
+                place,
+                name,
+                problem,
+            } => {
+                write!(f, "{place}: tasks.{name}: ")?;
+                if !problem.at.is_empty() {
+                    write!(f, "{}: ", problem.at)?;
+                }
+                f.write_str(&problem.why)
             }
             Self::Robot { why } => write!(f, "robot.urdf: {why}"),
         }

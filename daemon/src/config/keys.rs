@@ -16,6 +16,8 @@ struct FixedKey {
 
 const LAYOUT: &str = "\"dome-41\", \"dome-1\" or { normals = [[x, y, z], …], radius_m = …, element_area_m2 = … } \
     with 1 to 64 unit vectors that do not point along x";
+/// The section whose keys are the names of the user's own tasks.
+const TASKS: &str = "tasks";
 const YES_NO: &str = "true or false";
 
 /// `SCHED_FIFO` has 1 to 99; 99 belongs to the kernel's own threads.
@@ -135,7 +137,7 @@ const FIXED: &[FixedKey] = &[
 ];
 
 /// Jaro-Winkler likeness from which a suggestion helps more than it confuses. Ours, by trying misspellings.
-const LIKELY: f64 = 0.8;
+pub(super) const LIKELY: f64 = 0.8;
 const FINGERS: &str = "a whole number from 1 to 4";
 const RATE: &str = "a number from 1 to 10000";
 
@@ -173,12 +175,18 @@ pub(super) fn is_fixed(name: &str) -> bool {
     FIXED.iter().any(|key| key.name == name)
 }
 
+/// The name of a task, for the key of one.
+pub(super) fn task_name(key: &str) -> Option<&str> {
+    key.strip_prefix(TASKS)?.strip_prefix('.')
+}
+
 /// Whether keys begin with this name and a dot.
 pub(super) fn is_section(name: &str) -> bool {
-    known_keys().any(|key| {
-        key.strip_prefix(name)
-            .is_some_and(|rest| rest.starts_with('.'))
-    })
+    name == TASKS
+        || known_keys().any(|key| {
+            key.strip_prefix(name)
+                .is_some_and(|rest| rest.starts_with('.'))
+        })
 }
 
 /// What the value of a key needs to be; `None` for an unknown key.

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::document::{self, Leaf};
-use super::{Config, ConfigError, Place, Problem, keys};
+use super::{Config, ConfigError, Place, Problem, keys, tasks};
 
 /// The system's configuration: this file, then every `*.toml` of the folder.
 const SYSTEM_FILE: &str = "/etc/atas/atas.toml";
@@ -104,6 +104,17 @@ fn read_file(path: &Path) -> Result<Vec<Leaf>, Problem> {
 /// Each key is checked on its own, with defaults for the others, so that one wrong key hides no other.
 fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
     let (key, place) = (leaf.key.clone(), leaf.place.clone());
+    if let Some(name) = keys::task_name(&key) {
+        if let Err(problem) = tasks::read(name, &leaf.value) {
+            let name = name.to_owned();
+            problems.push(Problem::Task {
+                place,
+                name,
+                problem,
+            });
+        }
+        return;
+    }
     let value = leaf.value.to_string();
     if keys::is_section(&key) {
         let needs = "to be a section with keys".to_owned();

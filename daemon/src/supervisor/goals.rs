@@ -2,7 +2,7 @@
 
 use atas::{Order, goal};
 use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
-use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp};
+use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
 use super::Knowledge;
 use crate::link::Link;
@@ -73,7 +73,8 @@ impl GoalDesk {
                 });
             }
             Err(reason) => {
-                tracing::info!(goal = request.goal_id, %reason, "goal rejected");
+                let task = &request.task;
+                tracing::info!(goal = request.goal_id, kind = %request.kind, %task, %reason, "goal rejected");
                 let _heard = client.update(&rejection(&request, reason, knowledge.tick));
             }
         }
@@ -85,12 +86,12 @@ impl GoalDesk {
         knowledge: &Knowledge,
         link: &Link,
     ) -> Result<(), Reason> {
-        goal::check(request, &knowledge.robot, &knowledge.wiring)?;
+        let goal = goal::check(request, &knowledge.circumstances())?;
         let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
         if id_in_use || self.open.len() >= OPEN_MAX {
             return Err(Reason::of(Cause::BUSY));
         }
-        let queued = link.order(Order::Start(*request));
+        let queued = link.order(Order::Start(goal));
         queued.map(|_ticket| ()).ok_or(Reason::of(Cause::BUSY))
     }
 }
@@ -119,6 +120,10 @@ fn rejection(request: &GoalRequest, reason: Reason, tick: u64) -> GoalUpdate {
         tick,
         state: GoalState::REJECTED,
         reason,
+        step: match reason.cause {
+            Cause::UNKNOWN_TASK => Text::new(request.task.as_str()),
+            _ => Text::default(),
+        },
         ..GoalUpdate::default()
     }
 }

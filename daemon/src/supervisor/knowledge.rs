@@ -1,6 +1,7 @@
 //! What the supervisor knows, and how the configuration changes while the daemon runs.
 
-use atas::{Order, Settings, Wiring};
+use atas::goal::Circumstances;
+use atas::{Order, Wiring};
 use robot_model::RobotModel;
 use shm_schemas::{Mode, StatusFlags};
 
@@ -68,6 +69,15 @@ impl Knowledge {
         }
     }
 
+    /// What a goal is checked against now.
+    pub(super) fn circumstances(&self) -> Circumstances<'_> {
+        Circumstances {
+            robot: &self.robot,
+            wiring: &self.wiring,
+            tasks: self.config.tasks.as_slice(),
+        }
+    }
+
     /// Changes one parameter: checks it, queues the order, remembers it.
     pub(super) fn set_parameter(
         &mut self,
@@ -80,10 +90,12 @@ impl Knowledge {
         settings
             .set(parameter.name, value)
             .map_err(|e| e.to_string())?;
-        self.adopt(settings, Order::SetParameter { index, value }, link)
+        let config = self.config.with_settings(&settings);
+        self.adopt(config, Order::SetParameter { index, value }, link)
     }
 
-    /// Reads the configuration again. Either everything changes in one tick, or nothing does.
+    /// Reads the configuration again. Either everything changes, the settings in one tick, or nothing does. A goal that was
+    /// taken keeps its task.
     pub(super) fn reload(&mut self, link: &Link) -> Result<u64, String> {
         let config = self.source.load().map_err(|e| e.to_string())?;
         let fixed = self.config.fixed_differences(&config);
@@ -93,12 +105,11 @@ impl Knowledge {
                 "could not change {keys} while running; restart the daemon for that"
             ));
         }
-        let settings = config.settings();
-        self.adopt(settings, Order::Configure(settings), link)
+        let order = Order::Configure(config.settings());
+        self.adopt(config, order, link)
     }
 
-    fn adopt(&mut self, settings: Settings, order: Order, link: &Link) -> Result<u64, String> {
-        let config = self.config.with_settings(&settings);
+    fn adopt(&mut self, config: Config, order: Order, link: &Link) -> Result<u64, String> {
         config.check().map_err(|e| e.to_string())?;
         let ticket = link
             .order(order)

@@ -90,6 +90,10 @@ fn table() -> Vec<(Reason, &'static str)> {
              object's top",
         ),
         (
+            limit(Cause::UNKNOWN_TASK, 0.0, 0.0, 0),
+            "the daemon's configuration has no task of this name; `atasd --check-config` prints those that it has",
+        ),
+        (
             limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6, 0),
             "no tactile frame of hand left yet; is the sensor process running?",
         ),

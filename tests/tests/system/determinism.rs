@@ -1,6 +1,6 @@
 //! The same seed gives the same commands, bit for bit: twice over the bus, and in process.
 
-use atas::{Order, Settings};
+use atas::{Goal, Order, Settings};
 use atas_cli::rehearsal::{Rehearsal, grasp_goal};
 use robot_model::{RobotModel, Side};
 use shm_bus::{Bus, FreshBus, Realtime};
@@ -74,7 +74,8 @@ fn in_process() -> BTreeMap<u64, u32> {
     let mut sums = BTreeMap::new();
     loop {
         let tick = sums.len() as u64;
-        let order = (tick == WARM_UP_TICKS).then(|| Order::Start(goal()));
+        let order = (tick == WARM_UP_TICKS)
+            .then(|| Order::Start(Goal::resolve(&goal(), &[]).expect("built in")));
         let outputs = rehearsal.step(order.as_ref());
         sums.insert(outputs.report.tick, outputs.report.command_crc32);
         if outputs.goal_update.is_some_and(|u| u.state.is_final()) {

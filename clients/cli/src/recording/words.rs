@@ -3,7 +3,7 @@
 use shm_schemas::{
     FingerReport, GoalRequest, HandFrame, HandReport, HandWiringRecord, JointCommand, JointState,
     ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SettingsRecord, Stamp,
-    Status, TickInputs, TickReport, service,
+    Status, StepRecord, TaskRecord, TickInputs, TickReport, TrackRecord, service,
 };
 
 /// Encoding of messages and schemas: the bytes of a `#[repr(C)]` word, described as text.
@@ -42,7 +42,7 @@ macro_rules! recorded {
 
 recorded! {
     RunHeader at service::RUN_HEADER, with HandWiringRecord SettingsRecord;
-    TickInputs at service::TICK_INPUTS, with HandFrame JointState OrderRecord Reason GoalRequest SettingsRecord JointCommand;
+    TickInputs at service::TICK_INPUTS, with HandFrame JointState OrderRecord Reason GoalRequest TaskRecord TrackRecord StepRecord SettingsRecord JointCommand;
     TickReport at service::TICK_REPORT, with HandReport FingerReport;
     ModuleEvent at service::MODULE_EVENT, with Reason;
     Status at service::STATUS, with Percentiles Reason;

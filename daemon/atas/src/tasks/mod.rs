@@ -2,7 +2,7 @@
 //!
 //! A [`Task`] has a [`Track`] of [`Step`]s for the acting hand and, for two-handed tasks, one for the helping hand; a
 //! step is a motion, a list of modules and an end condition. Nothing here looks at forces: that is what the modules are
-//! for. The built-in tasks are tables, each in its file; a user's own have the same shape.
+//! for. The built-in tasks are tables, each in its file; a user's own have the same shape and keep the same [rules](Rule).
 //!
 //! | task | modules (paper) | file |
 //! |---|---|---|
@@ -15,37 +15,47 @@
 //! back from what is in the way, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends.
 
 mod assemble;
+mod demands;
 mod grasp;
 mod name;
 mod pick_place;
+mod rules;
 mod runner;
 mod screw;
 mod sites;
 mod thresholds;
 mod track;
+mod words;
 
 pub use assemble::ASSEMBLE;
+pub use demands::Demands;
 pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND, WITHDRAW};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE};
+pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};
 pub use runner::{HandMotion, Outcome, Runner};
 pub use screw::SCREW;
 pub use sites::{Site, Sites, from_the_side, home};
 pub use thresholds::Thresholds;
 pub use track::{STEPS_MAX, Task, Track};
+pub use words::{ENDS, MOTIONS, SITES};
 
 use crate::modules::Selection;
 use shm_schemas::GoalKind;
 
-/// The built-in task of a checked goal.
+/// The built-in tasks.
+pub static BUILT_IN: [&Task; 5] = [&GRASP, &PICK_PLACE, &SCREW, &ASSEMBLE, &RELEASE];
+
+/// The built-in task of a kind of goal; `None` for a user's own and for an unknown kind.
 #[must_use]
-pub fn of(kind: GoalKind) -> &'static Task {
+pub fn of(kind: GoalKind) -> Option<&'static Task> {
     match kind {
-        GoalKind::GRASP => &GRASP,
-        GoalKind::PICK_PLACE => &PICK_PLACE,
-        GoalKind::SCREW => &SCREW,
-        GoalKind::ASSEMBLE => &ASSEMBLE,
-        _ => &RELEASE,
+        GoalKind::GRASP => Some(&GRASP),
+        GoalKind::PICK_PLACE => Some(&PICK_PLACE),
+        GoalKind::SCREW => Some(&SCREW),
+        GoalKind::ASSEMBLE => Some(&ASSEMBLE),
+        GoalKind::RELEASE => Some(&RELEASE),
+        _ => None,
     }
 }
 

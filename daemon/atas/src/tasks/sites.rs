@@ -1,12 +1,12 @@
 //! Sites: the poses that a goal's steps refer to by name.
 
-use crate::goal::{goes_elsewhere, travel_height_m};
+use crate::goal::Goal;
 use crate::path::reachable_yaw_rad;
 use crate::settings::Settings;
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel};
-use shm_schemas::{GoalKind, GoalRequest, Turn};
+use shm_schemas::{GoalRequest, Turn};
 
 /// Lowest centre of a grasp, m (ours: the dome's radius and 3 mm of air).
 const LOWEST_M: f64 = 0.018;
@@ -71,40 +71,34 @@ impl Sites {
         hand: &HandModel,
         now: &GraspFrame,
         home: GraspFrame,
-        goal: &GoalRequest,
+        goal: &Goal,
         settings: &Settings,
     ) -> Self {
-        let motion = &settings.motion;
-        let opening_m = goal.width_m + 2.0 * motion.clearance_m;
-        let mut source = from_above(hand, now, goal.from_m, goal.from_yaw_rad, opening_m);
-        if goal.kind == GoalKind::SCREW {
-            // A turn begins at the far end of its travel.
-            let start_m = -goal.turn.sign() * settings.screw.travel_m;
+        let (request, motion) = (goal.request(), &settings.motion);
+        let opening_m = request.width_m + 2.0 * motion.clearance_m;
+        let mut source = from_above(hand, now, request.from_m, request.from_yaw_rad, opening_m);
+        // A turn begins at the far end of its travel.
+        let start_m = -request.turn.sign() * settings.screw.travel_m;
+        if goal.demands().grasps_to_turn {
             source.tangential_m = [start_m, -start_m];
         }
-        let places = goes_elsewhere(goal.kind);
-        let to_m = if places { goal.to_m } else { goal.from_m };
-        let to_yaw_rad = if places {
-            goal.to_yaw_rad
-        } else {
-            goal.from_yaw_rad
-        };
-        let travel_m = travel_height_m(goal);
+        let (to_m, to_yaw_rad) = goal.destination();
+        let travel_m = goal.travel_height_m();
         let over_m = [to_m[0], to_m[1], travel_m];
         let lowest_m = (to_m[2] - settings.place.search_m).max(LOWEST_M);
         Self {
             tilted: home,
             before: raised(&source, motion.descend_m),
             around: source,
-            turn_start_m: -goal.turn.sign() * settings.screw.travel_m,
+            turn_start_m: start_m,
             source,
             over_target: from_above(hand, &source, over_m, to_yaw_rad, opening_m),
             home,
             descend_m: motion.descend_m,
-            lift_m: travel_m - goal.from_m[2],
+            lift_m: travel_m - request.from_m[2],
             lowering_m: (travel_m - lowest_m).max(0.0),
             expected_m: to_m[2],
-            turning: goal.turn.sign(),
+            turning: request.turn.sign(),
         }
     }
 

@@ -1,11 +1,11 @@
 //! Tasks of fixed capacity, so that a user's task can be handed to the tick without the heap.
 
-use super::{Motion, Name, Step, Until};
+use super::{Demands, Motion, Name, Step, Until};
 use crate::modules::Selection;
 use core::ops::Deref;
 
-/// Most steps of one hand's track (ours: twice what the longest built-in task needs).
-pub const STEPS_MAX: usize = 32;
+/// Most steps of one hand's track.
+pub const STEPS_MAX: usize = shm_schemas::capacity::STEPS;
 
 /// The steps of one hand, in order; reads as a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,8 +14,10 @@ pub struct Track {
     count: usize,
 }
 
-/// What stands in the unused places of a track.
-const NO_STEP: Step = Step::new("", Motion::Stay, Selection::NONE, Until::Arrived, 0.0);
+impl Step {
+    /// What stands in the unused places of a track.
+    pub(crate) const NONE: Self = Self::new("", Motion::Stay, Selection::NONE, Until::Arrived, 0.0);
+}
 
 impl Track {
     /// A track of these steps.
@@ -24,9 +26,20 @@ impl Track {
     /// When it has no step or more than [`STEPS_MAX`]: for a table in the code this fails while it compiles.
     #[must_use]
     pub const fn of(steps: &[Step]) -> Self {
-        assert!(!steps.is_empty() && steps.len() <= STEPS_MAX);
+        match Self::checked(steps) {
+            Some(track) => track,
+            None => panic!("a track needs 1 to STEPS_MAX steps"),
+        }
+    }
+
+    /// A track of these steps, if it is not empty and they fit.
+    #[must_use]
+    pub const fn checked(steps: &[Step]) -> Option<Self> {
+        if steps.is_empty() || steps.len() > STEPS_MAX {
+            return None;
+        }
         let mut track = Self {
-            steps: [NO_STEP; STEPS_MAX],
+            steps: [Step::NONE; STEPS_MAX],
             count: steps.len(),
         };
         let mut i = 0;
@@ -34,7 +47,7 @@ impl Track {
             track.steps[i] = steps[i];
             i += 1;
         }
-        track
+        Some(track)
     }
 }
 
@@ -66,5 +79,11 @@ impl Task {
             acting: Track::of(steps),
             helping: None,
         }
+    }
+
+    /// What the task asks of its goal.
+    #[must_use]
+    pub fn demands(&self) -> Demands {
+        Demands::of(self)
     }
 }

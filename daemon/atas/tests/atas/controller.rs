@@ -1,7 +1,7 @@
 //! The whole controller: modes, goals, and what clients hear.
 
 use crate::support::home_rad;
-use crate::world::{World, commanded_gap_m, grasp};
+use crate::world::{World, commanded_gap_m, grasp, start};
 use atas::Order;
 use robot_model::ROBOT_JOINTS;
 use shm_schemas::{
@@ -64,7 +64,7 @@ fn init_waits_for_what_is_missing_and_says_so() {
 #[test]
 fn goals_that_cannot_begin_are_rejected_with_the_reason() {
     let rejected = |world: &mut World, goal: GoalRequest| {
-        let outputs = world.order(Order::Start(goal));
+        let outputs = world.order(start(goal));
         let update = outputs.goal_update.expect("an answer in the same tick");
         assert_eq!(
             (update.state, update.goal_id),
@@ -108,7 +108,7 @@ fn goals_that_cannot_begin_are_rejected_with_the_reason() {
 fn a_grasp_tells_its_story_in_order() {
     let mut world = World::ready();
     world.has_object = true;
-    let mut updates = vec![world.order(Order::Start(grasp())).goal_update.unwrap()];
+    let mut updates = vec![world.order(start(grasp())).goal_update.unwrap()];
     let (mut steps, mut sequence) = (Vec::<String>::new(), None);
     while !updates.last().unwrap().state.is_final() {
         let outputs = world.tick();
@@ -162,7 +162,7 @@ fn a_grasp_tells_its_story_in_order() {
 fn the_report_shows_the_closing_speed() {
     let mut world = World::ready();
     world.has_object = true;
-    world.order(Order::Start(grasp()));
+    world.order(start(grasp()));
     world.run_until(30_000, |w| w.controller.step_name() == "approach");
     let report = world.run(40).report;
     assert!(
@@ -178,7 +178,7 @@ fn the_report_shows_the_closing_speed() {
 fn a_touch_on_the_way_turns_the_hand_back() {
     let mut world = World::ready();
     let home = world.run(1).report.hands[1].centre_m;
-    world.order(Order::Start(grasp()));
+    world.order(start(grasp()));
     world.run(400);
     let met = world.run(1).report.hands[1].centre_m;
     world.obstructed = true;
@@ -205,7 +205,7 @@ fn a_touch_on_the_way_turns_the_hand_back() {
 #[test]
 fn an_empty_place_is_reported_and_the_hand_stays() {
     let mut world = World::ready();
-    world.order(Order::Start(grasp()));
+    world.order(start(grasp()));
     let (outputs, _) = world.run_until(60_000, |w| w.controller.goal().unwrap().state.is_final());
     let update = outputs.goal_update.unwrap();
     assert_eq!(
@@ -221,7 +221,7 @@ fn an_empty_place_is_reported_and_the_hand_stays() {
 #[test]
 fn the_search_for_a_narrow_object_ends_before_the_fingers_meet() {
     let mut world = World::ready();
-    world.order(Order::Start(GoalRequest {
+    world.order(start(GoalRequest {
         width_m: 0.02,
         ..grasp()
     }));
@@ -256,11 +256,7 @@ fn a_cancelled_goal_ends_where_the_hand_is() {
     );
     // And the next goal may begin.
     assert_eq!(
-        world
-            .order(Order::Start(grasp()))
-            .goal_update
-            .unwrap()
-            .state,
+        world.order(start(grasp())).goal_update.unwrap().state,
         GoalState::ACCEPTED
     );
 }
@@ -270,7 +266,7 @@ fn a_cancelled_goal_ends_where_the_hand_is() {
 fn a_cancelled_goal_keeps_its_object() {
     let mut world = World::ready();
     world.has_object = true;
-    world.order(Order::Start(grasp()));
+    world.order(start(grasp()));
     world.run_until(30_000, |w| w.controller.step_name() == "lift");
     world.run(500);
     let gap_m = commanded_gap_m(&world.order(Order::Cancel { goal_id: 7 }));
@@ -292,11 +288,7 @@ fn a_cancelled_goal_keeps_its_object() {
         ..grasp()
     };
     assert_eq!(
-        world
-            .order(Order::Start(release))
-            .goal_update
-            .unwrap()
-            .state,
+        world.order(start(release)).goal_update.unwrap().state,
         GoalState::ACCEPTED
     );
     let (outputs, _) = world.run_until(30_000, |w| w.controller.step_name() == "leave");
@@ -315,7 +307,7 @@ fn only_attached_goals_end_with_their_client() {
         ),
     ] {
         let mut world = World::ready();
-        world.order(Order::Start(GoalRequest { policy, ..grasp() }));
+        world.order(start(GoalRequest { policy, ..grasp() }));
         world.run(20);
         let update = world.order(Order::ClientGone { goal_id: 7 }).goal_update;
         assert_eq!(update.map(|u| (u.state, u.reason.cause)), expected);

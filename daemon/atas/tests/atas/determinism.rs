@@ -1,7 +1,7 @@
 //! Same inputs, same bits; and whatever the inputs are, the outputs are safe.
 
 use crate::support::{MS_NS, frame, joints, robot};
-use crate::world::{World, grasp};
+use crate::world::{World, grasp, start};
 use atas::{Inputs, Order, Outputs, Tick};
 use proptest::prelude::*;
 use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, HandFrame, JointState, Reason, Stamp};
@@ -61,9 +61,8 @@ fn any_twist() -> impl Strategy<Value = Twist> {
 
 fn any_order() -> impl Strategy<Value = Order> {
     prop_oneof![
-        4 => Just(Order::Start(grasp())),
-        1 => Just(Order::Start(GoalRequest { kind: GoalKind::RELEASE, ..grasp() })),
-        1 => Just(Order::Start(GoalRequest { hand: Hand(9), ..grasp() })),
+        4 => Just(start(grasp())),
+        1 => Just(start(GoalRequest { kind: GoalKind::RELEASE, ..grasp() })),
         1 => (5..9_u64).prop_map(|goal_id| Order::Cancel { goal_id }),
         1 => (5..9_u64).prop_map(|goal_id| Order::ClientGone { goal_id }),
         1 => Just(Order::Stop(Reason::of(Cause::ESTOP))),
@@ -217,7 +216,7 @@ fn a_grasp_replays_byte_for_byte() {
     let run = || {
         let mut world = World::ready();
         world.has_object = true;
-        let mut all = bytes(&world.order(Order::Start(grasp())));
+        let mut all = bytes(&world.order(start(grasp())));
         for _ in 0..4000 {
             all.extend(bytes(&world.tick()));
         }

@@ -1,10 +1,11 @@
 //! Goals: every bad field has its cause and its name.
 
 use crate::support::robot;
-use atas::Wiring;
-use atas::goal::check;
+use atas::goal::{self, ActiveGoal, Circumstances};
+use atas::tasks::{GRASP, RELEASE, Task};
+use atas::{Goal, Wiring};
 use robot_model::Side;
-use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand};
+use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, Text};
 
 fn goal() -> GoalRequest {
     GoalRequest {
@@ -20,22 +21,34 @@ fn goal() -> GoalRequest {
     }
 }
 
+fn check_with(goal: &GoalRequest, wiring: &Wiring, tasks: &[Task]) -> Result<Goal, Reason> {
+    let now = Circumstances {
+        robot: robot(),
+        wiring,
+        tasks,
+    };
+    goal::check(goal, &now)
+}
+
+fn check(goal: &GoalRequest, wiring: &Wiring) -> Result<Side, Reason> {
+    check_with(goal, wiring, &[]).map(|goal| goal.side())
+}
+
 #[test]
 fn a_good_goal_names_its_hand() {
-    assert_eq!(check(&goal(), robot(), &Wiring::default()), Ok(Side::Right));
+    assert_eq!(check(&goal(), &Wiring::default()), Ok(Side::Right));
     let left = GoalRequest {
         hand: Hand::LEFT,
         from_m: [0.3, 0.1, 0.05],
         ..goal()
     };
-    assert_eq!(check(&left, robot(), &Wiring::default()), Ok(Side::Left));
+    assert_eq!(check(&left, &Wiring::default()), Ok(Side::Left));
     let attached = GoalRequest {
         policy: GoalPolicy::ATTACHED,
         ..goal()
     };
-    assert!(
-        check(&attached, robot(), &Wiring::default()).is_ok() && atas::goal::is_attached(&attached)
-    );
+    let attached = Goal::resolve(&attached, &[]).unwrap();
+    assert!(ActiveGoal::begin(&attached).is_attached());
     // Releasing needs no place.
     let release = GoalRequest {
         kind: GoalKind::RELEASE,
@@ -43,10 +56,7 @@ fn a_good_goal_names_its_hand() {
         width_m: 0.0,
         ..goal()
     };
-    assert_eq!(
-        check(&release, robot(), &Wiring::default()),
-        Ok(Side::Right)
-    );
+    assert_eq!(check(&release, &Wiring::default()), Ok(Side::Right));
 }
 
 #[test]
@@ -55,7 +65,7 @@ fn every_bad_field_is_named() {
     let rows: [(Change, Cause, u32); 24] = [
         (|g| g.kind = GoalKind(0), Cause::UNKNOWN_GOAL, 0),
         (|g| g.kind = GoalKind(u32::MAX), Cause::UNKNOWN_GOAL, 0),
-        (|g| g.kind = GoalKind::CUSTOM, Cause::UNKNOWN_GOAL, 0),
+        (|g| g.kind = GoalKind::CUSTOM, Cause::UNKNOWN_TASK, 0),
         (|g| g.hand = Hand(2), Cause::UNKNOWN_GOAL, 1),
         (|g| g.policy = GoalPolicy(2), Cause::UNKNOWN_GOAL, 2),
         (|g| g.from_m[0] = f64::NAN, Cause::NOT_FINITE, 0),
@@ -85,23 +95,48 @@ fn every_bad_field_is_named() {
     for (change, cause, index) in rows {
         let mut goal = goal();
         change(&mut goal);
-        let reason = check(&goal, robot(), &Wiring::default()).unwrap_err();
+        let reason = check(&goal, &Wiring::default()).unwrap_err();
         assert_eq!((reason.cause, reason.index), (cause, index), "{goal:?}");
     }
+}
+
+/// A user's own task is found by its whole name, and asks for what its steps need.
+#[test]
+fn own_tasks_are_found_by_name() {
+    let own = |name: &str, task: &Task| Task::checked(name, &task.acting, None).unwrap();
+    let tasks = [own("hold-it", &GRASP), own("let-go", &RELEASE)];
+    let ask = |name: &str, change: fn(&mut GoalRequest)| {
+        let mut goal = GoalRequest {
+            kind: GoalKind::CUSTOM,
+            task: Text::new(name),
+            ..goal()
+        };
+        change(&mut goal);
+        check_with(&goal, &Wiring::default(), &tasks)
+            .map(|goal| goal.task().name.to_string())
+            .map_err(|reason| reason.cause)
+    };
+    assert_eq!(ask("let-go", |_| ()).as_deref(), Ok("let-go"));
+    for name in ["", "let", "let-go-", "grasp", "Let-go"] {
+        assert_eq!(ask(name, |_| ()), Err(Cause::UNKNOWN_TASK), "{name}");
+    }
+    let far: fn(&mut GoalRequest) = |g| g.from_m[0] = 9.0;
+    assert_eq!(ask("let-go", far).as_deref(), Ok("let-go"));
+    assert_eq!(ask("hold-it", far), Err(Cause::UNREACHABLE));
 }
 
 #[test]
 fn a_hand_without_a_sensor_takes_no_goals() {
     let mut wiring = Wiring::default();
     wiring.hands[1].required = false;
-    let reason = check(&goal(), robot(), &wiring).unwrap_err();
+    let reason = check(&goal(), &wiring).unwrap_err();
     assert_eq!((reason.cause, reason.index), (Cause::NO_SENSOR, 1));
     let left = GoalRequest {
         hand: Hand::LEFT,
         from_m: [0.3, 0.1, 0.05],
         ..goal()
     };
-    assert!(check(&left, robot(), &wiring).is_ok());
+    assert!(check(&left, &wiring).is_ok());
 }
 
 /// The two hands' workspaces mirror each other.
@@ -117,7 +152,7 @@ fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
             from_m: [0.3, -y, 0.05],
             ..goal()
         };
-        let reached = [right, left].map(|g| check(&g, robot(), &Wiring::default()).is_ok());
+        let reached = [right, left].map(|g| check(&g, &Wiring::default()).is_ok());
         assert_eq!(reached[0], reached[1], "y = {y}");
     }
 }

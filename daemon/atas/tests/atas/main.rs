@@ -14,11 +14,11 @@ mod joints;
 mod lift_proof;
 mod mode;
 mod modules;
-
 mod path;
 mod perception;
 mod placing;
 mod rig;
+mod rules;
 mod screwing;
 mod settings;
 mod support;

@@ -1,7 +1,7 @@
 //! A tiny world for the whole controller: joints that follow at once, two sensors, and perhaps one springy object.
 
 use crate::support::{MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
-use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use atas::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use nalgebra::Vector3;
 use robot_model::{FINGERS, ROBOT_JOINTS, Side};
 use shm_schemas::{
@@ -66,7 +66,7 @@ impl World {
     /// A world whose right hand is on its way to the object, in the step `reach`.
     pub(crate) fn reaching() -> Self {
         let mut world = Self::ready();
-        world.order(Order::Start(grasp()));
+        world.order(start(grasp()));
         world.run(300);
         assert_eq!(
             (world.mode(), world.controller.step_name()),
@@ -80,7 +80,7 @@ impl World {
         static HOLDING: LazyLock<World> = LazyLock::new(|| {
             let mut world = World::ready();
             world.has_object = true;
-            world.order(Order::Start(grasp()));
+            world.order(start(grasp()));
             let (outputs, _) = world.run_until(60_000, |world| {
                 world.controller.goal().unwrap().state.is_final()
             });
@@ -259,6 +259,11 @@ pub(crate) fn grasp() -> GoalRequest {
         hold_s: 0.2,
         ..GoalRequest::default()
     }
+}
+
+/// The order to start a goal of a built-in task.
+pub(crate) fn start(request: GoalRequest) -> Order {
+    Order::Start(Goal::resolve(&request, &[]).unwrap())
 }
 
 /// Distance between the fingertips of the right hand as commanded, m.

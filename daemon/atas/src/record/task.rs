@@ -1,0 +1,90 @@
+//! A task as words for the bus, and back.
+
+use crate::modules::{IDS, Selection};
+use crate::tasks::{ENDS, MOTIONS, Name, SITES, Step, Task, Track, Until};
+use shm_schemas::{StepRecord, TaskRecord, Text, TrackRecord};
+
+/// A task as a record.
+pub(super) fn write(task: &Task) -> TaskRecord {
+    TaskRecord {
+        name: Text::new(&task.name),
+        acting: write_track(Some(&task.acting)),
+        helping: write_track(task.helping.as_ref()),
+    }
+}
+
+/// The task of a record; `None` if this version does not know one of its words.
+pub(super) fn read(record: &TaskRecord) -> Option<Task> {
+    let helping = &record.helping;
+    Some(Task {
+        name: Name::new(record.name.as_str()),
+        acting: read_track(&record.acting)?,
+        helping: match helping.count {
+            0 => None,
+            _ => Some(read_track(helping)?),
+        },
+    })
+}
+
+fn write_track(track: Option<&Track>) -> TrackRecord {
+    let steps: &[Step] = track.map_or(&[], |track| track);
+    let mut record = TrackRecord {
+        count: super::index_word(steps.len()),
+        ..TrackRecord::default()
+    };
+    for (record, step) in record.steps.iter_mut().zip(steps) {
+        *record = write_step(step);
+    }
+    record
+}
+
+fn read_track(record: &TrackRecord) -> Option<Track> {
+    let used = record.steps.get(..record.count as usize)?;
+    let mut steps = [Step::NONE; shm_schemas::capacity::STEPS];
+    for (step, record) in steps.iter_mut().zip(used) {
+        *step = read_step(record)?;
+    }
+    Track::checked(&steps[..used.len()])
+}
+
+fn write_step(step: &Step) -> StepRecord {
+    let place = |place: Option<usize>| place.map_or(u32::MAX, super::index_word);
+    let motion = step.motion;
+    StepRecord {
+        name: Text::new(&step.name),
+        motion: place(MOTIONS.iter().position(|m| m.word() == motion.word())),
+        site: place(motion.site().map_or(Some(0), |site| {
+            SITES.iter().position(|known| *known == site)
+        })),
+        modules: bits(step.modules),
+        until: place(ENDS.iter().position(|u| u.word() == step.until.word())),
+        point: match step.until {
+            Until::Met(point) => u32::from(point),
+            _ => 0,
+        },
+        pad: 0,
+        timeout_s: step.timeout_s,
+    }
+}
+
+fn read_step(record: &StepRecord) -> Option<Step> {
+    let motion = MOTIONS.get(record.motion as usize)?;
+    let site = SITES.get(record.site as usize)?;
+    let until = match ENDS.get(record.until as usize)? {
+        Until::Met(_) => Until::Met(u8::try_from(record.point).ok()?),
+        until => *until,
+    };
+    let modules = IDS
+        .into_iter()
+        .filter(|id| record.modules >> id.0 & 1 == 1)
+        .fold(Selection::NONE, |sum, id| sum.and(Selection::of(&[id])));
+    if bits(modules) != record.modules {
+        return None;
+    }
+    let (name, motion) = (record.name.as_str(), motion.to(*site));
+    Some(Step::new(name, motion, modules, until, record.timeout_s))
+}
+
+fn bits(modules: Selection) -> u32 {
+    modules.ids().fold(0, |bits, id| bits | 1 << id.0)
+}

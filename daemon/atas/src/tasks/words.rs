@@ -1,0 +1,160 @@
+//! The words and numbers for what tasks consist of: words in a user's configuration, numbers in a recording.
+//!
+//! Both are read off the same lists. A number is a place in its list, so what is new comes last.
+
+use super::{Motion, Site, Until};
+use crate::modules::{IDS, Selection};
+use shm_schemas::ModuleId;
+
+/// The motions. A motion that goes to a site stands here with any site.
+pub const MOTIONS: [Motion; 8] = [
+    Motion::Stay,
+    Motion::Reach(Site::Home),
+    Motion::Carry(Site::Home),
+    Motion::Convey(Site::Home),
+    Motion::Lower,
+    Motion::Square,
+    Motion::Open,
+    Motion::Withdraw,
+];
+
+/// The sites.
+pub const SITES: [Site; 9] = [
+    Site::Tilted,
+    Site::BeforeSource,
+    Site::Around,
+    Site::Source,
+    Site::Lifted,
+    Site::OverTarget,
+    Site::TurnStart,
+    Site::Above,
+    Site::Home,
+];
+
+/// The ends of a step. Meeting stands here with any point.
+pub const ENDS: [Until; 7] = [
+    Until::Arrived,
+    Until::AllTouched,
+    Until::HardnessKnown,
+    Until::Gripped,
+    Until::Held,
+    Until::Concluded,
+    Until::Met(1),
+];
+
+impl Motion {
+    /// The word for it, without its site.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Stay => "stay",
+            Self::Reach(_) => "reach",
+            Self::Carry(_) => "carry",
+            Self::Convey(_) => "convey",
+            Self::Lower => "lower",
+            Self::Square => "square",
+            Self::Open => "open",
+            Self::Withdraw => "withdraw",
+        }
+    }
+
+    /// Where it goes, if it goes to a site.
+    #[must_use]
+    pub const fn site(self) -> Option<Site> {
+        match self {
+            Self::Reach(site) | Self::Carry(site) | Self::Convey(site) => Some(site),
+            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::Withdraw => None,
+        }
+    }
+
+    /// The same motion to a site; unchanged if it goes to none.
+    #[must_use]
+    pub const fn to(self, site: Site) -> Self {
+        match self {
+            Self::Reach(_) => Self::Reach(site),
+            Self::Carry(_) => Self::Carry(site),
+            Self::Convey(_) => Self::Convey(site),
+            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::Withdraw => self,
+        }
+    }
+
+    /// Whether it moves the hand with an object in it, the fingers following the modules.
+    #[must_use]
+    pub const fn needs_grip(self) -> bool {
+        matches!(
+            self,
+            Self::Carry(_) | Self::Convey(_) | Self::Lower | Self::Square
+        )
+    }
+}
+
+impl Site {
+    /// The word for it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Tilted => "tilted",
+            Self::BeforeSource => "before-source",
+            Self::Around => "around",
+            Self::Source => "source",
+            Self::Lifted => "lifted",
+            Self::OverTarget => "over-target",
+            Self::TurnStart => "turn-start",
+            Self::Above => "above",
+            Self::Home => "home",
+        }
+    }
+}
+
+impl Until {
+    /// The word for it, without its point.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Arrived => "arrived",
+            Self::AllTouched => "all-touched",
+            Self::HardnessKnown => "hardness-known",
+            Self::Gripped => "gripped",
+            Self::Held => "held",
+            Self::Concluded => "concluded",
+            Self::Met(_) => "met",
+        }
+    }
+
+    /// Whether something else than the hand decides how long it takes: the goal or the other hand.
+    #[must_use]
+    pub const fn is_open_ended(self) -> bool {
+        matches!(self, Self::Held | Self::Met(_))
+    }
+}
+
+impl Selection {
+    /// The modules, in the order of [`IDS`].
+    pub fn ids(self) -> impl Iterator<Item = ModuleId> {
+        IDS.into_iter().filter(move |id| self.contains(*id))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_stands_for_one_thing() {
+        fn check<const N: usize>(words: [&str; N]) {
+            for (i, word) in words.iter().enumerate() {
+                assert!(!words[..i].contains(word), "{word} stands for two things");
+            }
+        }
+        check(MOTIONS.map(Motion::word));
+        check(SITES.map(Site::word));
+        check(ENDS.map(Until::word));
+        for site in SITES {
+            for motion in MOTIONS {
+                let expected = motion.site().map(|_| site);
+                assert_eq!(motion.to(site).site(), expected);
+                assert_eq!(motion.to(site).word(), motion.word());
+            }
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The rules of a task: the built-in tables keep them, and each way to break one is named.
+
+use atas::modules::Selection;
+use atas::tasks::{
+    BUILT_IN, Fault, GRASP, Motion, Name, PICK_PLACE, Part, Rule, SCREW, STEPS_MAX, Site, Step,
+    Task, Until,
+};
+use shm_schemas::ModuleId;
+
+type Change = fn(&mut Vec<Step>);
+
+fn fault(task: &Task, change: Change) -> Result<Task, Fault> {
+    let mut acting = task.acting.to_vec();
+    change(&mut acting);
+    Task::checked("own", &acting, None)
+}
+
+fn modules(ids: &[ModuleId]) -> Selection {
+    Selection::of(ids)
+}
+
+#[test]
+fn built_in_tasks_keep_every_rule() {
+    for task in BUILT_IN {
+        let checked = Task::checked("own", &task.acting, task.helping.as_deref());
+        let own = checked.unwrap_or_else(|fault| panic!("{}: {fault:?}", task.name));
+        assert_eq!((own.acting, own.helping), (task.acting, task.helping));
+    }
+}
+
+#[test]
+fn names_are_plain_and_not_taken() {
+    let check = |name: &str, rule: Option<Rule>| {
+        let checked = Task::checked(name, &GRASP.acting, None);
+        assert_eq!(checked.err().map(|fault| fault.rule), rule, "{name:?}");
+    };
+    check("own", None);
+    check("exactly-sixteen-", None);
+    for name in [
+        "",
+        "seventeen-letters",
+        "Own",
+        "own.task",
+        "own task",
+        "päron",
+        "a\nb",
+    ] {
+        check(name, Some(Rule::TaskName));
+    }
+    for task in BUILT_IN {
+        check(&task.name, Some(Rule::BuiltIn));
+    }
+}
+
+#[test]
+fn every_broken_rule_is_named_with_its_step() {
+    let check = |task: &Task, change: Change, step: usize, rule: Rule| {
+        let expected = Fault {
+            part: Part::Acting,
+            step: Some(step),
+            rule,
+        };
+        assert_eq!(fault(task, change).map(|_| ()), Err(expected));
+    };
+    // grasp: reach descend approach probe grip lift hold; pick-place goes on: convey place open leave home.
+    check(
+        &GRASP,
+        |s| s[0].name = Name::new("Reach"),
+        0,
+        Rule::StepName,
+    );
+    check(&GRASP, |s| s[0].timeout_s = 0.0, 0, Rule::Timeout(0.0));
+    check(&GRASP, |s| s[1].timeout_s = -1.0, 1, Rule::Timeout(-1.0));
+    check(
+        &GRASP,
+        |s| s[1].timeout_s = 3601.0,
+        1,
+        Rule::Timeout(3601.0),
+    );
+    check(
+        &GRASP,
+        |s| s[2].timeout_s = f64::INFINITY,
+        2,
+        Rule::NoTimeout,
+    );
+    assert!(fault(&GRASP, |s| s[2].timeout_s = f64::NAN).is_err());
+    check(
+        &GRASP,
+        |s| s[0].modules = Selection::NONE,
+        0,
+        Rule::NoCarrier(ModuleId::CARRY),
+    );
+    check(
+        &GRASP,
+        |s| s[2].modules = s[2].modules.and(modules(&[ModuleId::CARRY])),
+        2,
+        Rule::WrongCarrier(ModuleId::CARRY),
+    );
+    check(
+        &PICK_PLACE,
+        |s| s[6].modules = s[5].modules,
+        6,
+        Rule::NoCarrier(ModuleId::TRANSFER),
+    );
+    check(
+        &GRASP,
+        |s| s[4].modules = s[2].modules,
+        4,
+        Rule::NoForceLimit,
+    );
+    check(
+        &GRASP,
+        |s| s[5].modules = modules(&[ModuleId::CARRY]),
+        5,
+        Rule::NoForceLimit,
+    );
+    check(
+        &GRASP,
+        |s| s[2].modules = Selection::NONE,
+        2,
+        Rule::NoModule(ModuleId::FIRST_TOUCH),
+    );
+    check(
+        &GRASP,
+        |s| s[3].modules = Selection::NONE,
+        3,
+        Rule::NoModule(ModuleId::PROBE),
+    );
+    check(
+        &GRASP,
+        |s| (s[6].until, s[6].timeout_s) = (Until::Concluded, 9.0),
+        6,
+        Rule::NoModule(ModuleId::RELEASE_PLACED),
+    );
+    check(
+        &PICK_PLACE,
+        |s| s[7].modules = s[6].modules,
+        7,
+        Rule::NoEnd(ModuleId::RELEASE_PLACED),
+    );
+    check(
+        &PICK_PLACE,
+        |s| s[7].until = Until::Arrived,
+        7,
+        Rule::NoEnd(ModuleId::RELEASE_PLACED),
+    );
+    check(
+        &SCREW,
+        |s| s[5].until = Until::Held,
+        5,
+        Rule::NoEnd(ModuleId::TERMINATE_SCREW),
+    );
+    check(
+        &GRASP,
+        |s| s[2].until = Until::Arrived,
+        2,
+        Rule::NeverArrives,
+    );
+    check(
+        &GRASP,
+        |s| s.retain(|step| step.name != "grip"),
+        4,
+        Rule::NothingGripped,
+    );
+    check(
+        &GRASP,
+        |s| {
+            s[5].motion = Motion::Reach(Site::Home);
+        },
+        5,
+        Rule::LetsGo,
+    );
+    check(
+        &GRASP,
+        |s| s[0].motion = Motion::Withdraw,
+        0,
+        Rule::OnlyInRetreat,
+    );
+    check(&GRASP, |s| s[6].until = Until::Met(1), 6, Rule::Alone);
+}
+
+#[test]
+fn tracks_are_neither_empty_nor_too_long() {
+    let rule = |steps: &[Step]| {
+        let fault = Task::checked("own", steps, None).unwrap_err();
+        (fault.step, fault.rule)
+    };
+    assert_eq!(rule(&[]), (None, Rule::NoSteps));
+    let many = vec![GRASP.acting[0]; STEPS_MAX + 1];
+    assert_eq!(rule(&many), (None, Rule::TooManySteps(STEPS_MAX + 1)));
+}
+
+#[test]
+fn hands_that_would_wait_for_ever_are_refused() {
+    let track = |points: &[u8]| -> Vec<Step> {
+        let meet = |point: &u8| {
+            let until = Until::Met(*point);
+            Step::new("wait", Motion::Stay, Selection::NONE, until, f64::INFINITY)
+        };
+        points.iter().map(meet).chain([GRASP.acting[0]]).collect()
+    };
+    let check = |acting: &[u8], helping: &[u8], expected: Option<(Part, usize, Rule)>| {
+        let found = Task::checked("own", &track(acting), Some(&track(helping)));
+        let found = found
+            .err()
+            .map(|fault| (fault.part, fault.step.unwrap(), fault.rule));
+        assert_eq!(found, expected, "{acting:?} {helping:?}");
+    };
+    check(&[], &[], None);
+    check(&[1], &[1], None);
+    check(&[1, 2], &[2], None);
+    check(&[1, 3], &[2, 3], None);
+    check(&[1], &[], Some((Part::Acting, 0, Rule::NeverMet(1))));
+    check(&[], &[1, 2], Some((Part::Helping, 0, Rule::NeverMet(1))));
+    check(&[1, 2], &[1], Some((Part::Acting, 1, Rule::NeverMet(2))));
+    check(&[2], &[1, 3], Some((Part::Helping, 1, Rule::NeverMet(3))));
+    check(&[2, 1], &[2], Some((Part::Acting, 1, Rule::PointsCountUp)));
+    check(&[1, 1], &[1], Some((Part::Acting, 1, Rule::PointsCountUp)));
+    check(&[0], &[1], Some((Part::Acting, 0, Rule::PointsCountUp)));
+}

@@ -1,0 +1,95 @@
+//! One word of a step each: known, or refused with the word that was probably meant.
+
+use atas::modules::{IDS, Selection};
+use atas::tasks::{ENDS, MOTIONS, Motion, SITES, Site, Until};
+use shm_schemas::ModuleId;
+use toml::Value;
+
+use super::super::keys::LIKELY;
+
+/// The motion with this word, to this site.
+pub(super) fn motion(word: &str, site: Option<&str>) -> Result<Motion, String> {
+    let known = MOTIONS.into_iter().find(|motion| motion.word() == word);
+    let motion =
+        known.ok_or_else(|| unknown("motion", word, MOTIONS.into_iter().map(Motion::word)))?;
+    match (motion.site(), site) {
+        (None, None) => Ok(motion),
+        (None, Some(_)) => Err(format!("motion \"{word}\" goes to no site; leave site out")),
+        (Some(_), None) => Err(format!(
+            "motion \"{word}\" has no site, needs one of {}",
+            list(SITES.into_iter().map(Site::word))
+        )),
+        (Some(_), Some(site)) => Ok(motion.to(read_site(site)?)),
+    }
+}
+
+fn read_site(word: &str) -> Result<Site, String> {
+    let known = SITES.into_iter().find(|site| site.word() == word);
+    known.ok_or_else(|| unknown("site", word, SITES.into_iter().map(Site::word)))
+}
+
+/// The end with this word; meeting has a point.
+pub(super) fn until(word: &str, point: Option<&Value>) -> Result<Until, String> {
+    let known = ENDS.into_iter().find(|until| until.word() == word);
+    let until = known.ok_or_else(|| unknown("until", word, ENDS.into_iter().map(Until::word)))?;
+    match (until, point) {
+        (Until::Met(_), Some(value)) => value
+            .as_integer()
+            .and_then(|point| u8::try_from(point).ok())
+            .filter(|point| (1..u8::MAX).contains(point))
+            .map(Until::Met)
+            .ok_or_else(|| format!("point is {value}, needs a whole number from 1 to 254")),
+        (Until::Met(_), None) => Err("until \"met\" has no point, needs 1 to 254".to_owned()),
+        (_, Some(_)) => Err(format!("until \"{word}\" has no point; leave point out")),
+        (until, None) => Ok(until),
+    }
+}
+
+/// The modules with these names. What stands before the comma of a name may be left out.
+pub(super) fn modules(value: Option<&Value>) -> Result<Selection, String> {
+    let Some(value) = value else {
+        return Ok(Selection::NONE);
+    };
+    let names = value.as_array().and_then(|list| {
+        let names: Option<Vec<_>> = list.iter().map(Value::as_str).collect();
+        names
+    });
+    let names =
+        names.ok_or_else(|| format!("modules is {value}, needs a list of names in quotes"))?;
+    names.into_iter().try_fold(Selection::NONE, |sum, name| {
+        module(name).map(|id| sum.and(Selection::of(&[id])))
+    })
+}
+
+fn module(name: &str) -> Result<ModuleId, String> {
+    let known = IDS
+        .into_iter()
+        .find(|id| id.name() == name || short(id.name()) == name);
+    let names = || IDS.into_iter().map(ModuleId::name);
+    known.ok_or_else(|| unknown("module", name, names().chain(names().map(short))))
+}
+
+fn short(name: &'static str) -> &'static str {
+    name.rsplit_once(", ").map_or(name, |(_, short)| short)
+}
+
+/// What is not known, with what was probably meant, or else with all that there is.
+pub(super) fn unknown(
+    what: &str,
+    word: &str,
+    known: impl Iterator<Item = &'static str> + Clone,
+) -> String {
+    let likely = known
+        .clone()
+        .map(|known| (strsim::jaro_winkler(known, word), known))
+        .filter(|(likeness, _)| *likeness > LIKELY)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    match likely {
+        Some((_, meant)) => format!("\"{word}\" is no {what}; did you mean \"{meant}\"?"),
+        None => format!("\"{word}\" is no {what}, needs one of {}", list(known)),
+    }
+}
+
+fn list(words: impl Iterator<Item = &'static str>) -> String {
+    words.collect::<Vec<_>>().join(", ")
+}
