@@ -70,9 +70,13 @@ impl Args {
     }
 
     fn flags(&self) -> Vec<String> {
-        let recording = self
-            .record_stream
-            .then(|| "recording.stream=true".to_owned());
-        self.set.iter().cloned().chain(recording).collect()
+        let implied = [
+            (self.record_stream, "recording.stream=true"),
+            (self.lockstep, "realtime.mode=off"),
+        ];
+        let implied = implied
+            .into_iter()
+            .filter_map(|(is_set, flag)| is_set.then(|| flag.to_owned()));
+        self.set.iter().cloned().chain(implied).collect()
     }
 }

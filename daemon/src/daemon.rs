@@ -11,7 +11,7 @@ use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, writer_ep
 use shm_schemas::StatusFlags;
 
 use crate::args::Args;
-use crate::config::{self, Config, ConfigError, RealtimeMode};
+use crate::config::{self, Config, ConfigError};
 use crate::link::Link;
 use crate::pacer::{FreePacer, LockStep, Pacer};
 use crate::panics::{self, TICK_THREAD};
@@ -76,10 +76,7 @@ impl Failure {
 /// [`Failure`].
 pub fn run(args: &Args) -> Result<(), Failure> {
     let source = args.source();
-    let mut config = source.load()?;
-    if args.lockstep {
-        config.realtime.mode = RealtimeMode::Off;
-    }
+    let config = source.load()?;
     let _owner = OwnerLock::take(&args.bus, ROLE)?;
     let signals = Signals::install()?;
     panics::note_those_of_the_tick();

@@ -11,7 +11,7 @@ use crossbeam::queue::ArrayQueue;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
 
-/// Boxes of 9 KiB: the supervisor may fall behind by a second at 1 kHz. Ours.
+/// Boxes of 12 KiB: the supervisor may fall behind by a second at 1 kHz. Ours.
 const BOXES: usize = 1024;
 /// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
 const WARM: usize = 8;

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use tempfile::TempDir;
 
 /// Sources of these texts, as files `0.toml`, `1.toml`, … in a folder.
-fn source(texts: &[&str], flags: &[&str]) -> (TempDir, Source) {
+pub(crate) fn source(texts: &[&str], flags: &[&str]) -> (TempDir, Source) {
     let folder = TempDir::new().expect("a temporary folder");
     let write = |(i, text): (usize, &&str)| -> PathBuf {
         let path = folder.path().join(format!("{i}.toml"));
@@ -27,7 +27,7 @@ fn source(texts: &[&str], flags: &[&str]) -> (TempDir, Source) {
     )
 }
 
-fn check_refused(texts: &[&str], flags: &[&str], wanted: &str) {
+pub(crate) fn check_refused(texts: &[&str], flags: &[&str], wanted: &str) {
     let (folder, source) = source(texts, flags);
     let message = source.load().expect_err("must be refused").to_string();
     let folder = format!("{}/", folder.path().display());

@@ -84,3 +84,15 @@ fn shows_every_parameter_with_its_meaning_and_range() {
         check_lines(&text[at..], &rendered);
     }
 }
+
+/// The commented task is a task: what the comment says can be copied.
+#[test]
+fn the_task_of_the_example_is_sound() {
+    let text = text();
+    let (_, task) = text.split_once("#\n# [tasks").expect("has a task");
+    let (task, _) = task.split_once("# ]\n").expect("has an end");
+    let task = format!("[tasks{task}# ]").replace("\n# ", "\n");
+    let (_folder, source) = crate::config::source(&[&task], &[]);
+    let config = source.load().unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(config.tasks.as_slice()[0].name, "show");
+}

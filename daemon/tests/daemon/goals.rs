@@ -4,7 +4,7 @@ use shm_bus::{FreshBus, GoalClient, PendingGoal};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{
     Cause, ControlOp, ControlOutcome, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate,
-    Hand, Mode,
+    Hand, Mode, Status,
 };
 
 use crate::support::{Daemon, PATIENCE, World, wait_for};
@@ -26,15 +26,15 @@ fn grasp(goal_id: u64) -> GoalRequest {
 }
 
 /// A world that answers every command with the next tick.
-struct LockStep {
-    world: World,
+pub(crate) struct LockStep {
+    pub(crate) world: World,
     tick: u64,
     /// FNV-1a over the checksums of all commands so far.
     commands: u64,
 }
 
 impl LockStep {
-    fn on(bus: &FreshBus) -> Self {
+    pub(crate) fn on(bus: &FreshBus) -> Self {
         let mut world = World::on(bus);
         world.publish(PERIOD_NS);
         Self {
@@ -57,7 +57,7 @@ impl LockStep {
         }
     }
 
-    fn until_update(
+    pub(crate) fn until_update(
         &mut self,
         pending: &mut PendingGoal,
         wanted: impl Fn(&GoalUpdate) -> bool,
@@ -77,7 +77,23 @@ impl LockStep {
         }
     }
 
-    fn send(&mut self, goals: &GoalClient, goal: &GoalRequest) -> PendingGoal {
+    /// Turns until something has come to pass.
+    pub(crate) fn wait_for(&mut self, what: &str, holds: impl Fn() -> bool) {
+        wait_for(what, || {
+            self.turn();
+            holds().then_some(())
+        });
+    }
+
+    /// Turns until the status is as wanted.
+    pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) {
+        wait_for(what, || {
+            self.turn();
+            wanted(&self.world.newest).then_some(())
+        });
+    }
+
+    pub(crate) fn send(&mut self, goals: &GoalClient, goal: &GoalRequest) -> PendingGoal {
         wait_for("the goal server", || {
             self.turn();
             goals.send(goal).ok()

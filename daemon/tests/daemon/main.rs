@@ -8,4 +8,5 @@ mod lives;
 mod replay;
 mod service;
 mod support;
+mod tasks;
 mod unit;

@@ -8,7 +8,7 @@ use rustix::process::Signal;
 use shm_bus::{FreshBus, GoalClient, Subscriber};
 use shm_schemas::{
     ControlOp, GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, HandFrame, Mode, OrderKind,
-    RunHeader, TickInputs, service,
+    RunHeader, Text, TickInputs, service,
 };
 
 use crate::support::{Daemon, World, wait_for};
@@ -78,8 +78,9 @@ fn grasp(goal_id: u64) -> GoalRequest {
 }
 
 /// Patient enough for a loaded machine, so that the goal runs for a while.
-const PATIENT: &str =
-    "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n";
+const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n\
+     [tasks.nod]\nacting = [{ step = \"there\", motion = \"reach\", site = \"above\", modules = [\"carry\"], until = \"arrived\", \
+     timeout_s = 20.0 }]\n";
 
 /// Lets time go by: two frames and joint states per millisecond, so that many ticks take several.
 fn go_on(
@@ -119,6 +120,16 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
         let update = goal.next().expect("the daemon lives");
         update.is_some_and(|update| update.state == GoalState::CANCELLED)
     });
+    let own = GoalRequest {
+        kind: GoalKind::CUSTOM,
+        task: Text::new("nod"),
+        ..grasp(2)
+    };
+    let mut goal = goals.send(&own).expect("there is room");
+    go_on(&mut world, &mut recorder, 30_000, |_| {
+        let update = goal.next().expect("the daemon lives");
+        update.is_some_and(|update| update.state == GoalState::SUCCEEDED)
+    });
     world.control(ControlOp::BIAS, "", 1.0);
     world.odd_position_rad = Some(f64::NAN);
     go_on(&mut world, &mut recorder, 30_000, |w| {
@@ -154,6 +165,12 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
     ] {
         assert!(recorder.has_order(kind), "{kind}");
     }
+    let starts = |name: &str| {
+        let start = |part: &&TickInputs| part.order.kind == OrderKind::START;
+        let mut starts = recorder.parts.iter().filter(start);
+        starts.any(|part| part.order.task.name.as_str() == name)
+    };
+    assert!(starts("grasp") && starts("nod"), "tasks are recorded");
     assert!(
         recorder.parts.iter().any(|part| part.parts > 1),
         "ticks with several frames"

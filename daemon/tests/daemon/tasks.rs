@@ -1,0 +1,286 @@
+//! A user's own tasks: read or refused with the task and the step, exchanged by a reload, never under a running goal.
+
+use std::fs;
+
+use atas::tasks::BUILT_IN;
+use atasd::config::Tasks;
+use rustix::process::Signal;
+use shm_bus::FreshBus;
+use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, Text};
+
+use crate::config::{check_refused, source};
+use crate::goals::LockStep;
+use crate::support::Daemon;
+
+/// A task that needs no object: there, up, home.
+fn nod(step: &str) -> String {
+    format!(
+        "[tasks.nod]\nacting = [\n\
+         {{ step = \"{step}\", motion = \"reach\", site = \"before-source\", modules = [\"carry\"], until = \"arrived\", timeout_s = 20.0 }},\n\
+         {{ step = \"up\", motion = \"reach\", site = \"above\", modules = [\"carry\"], until = \"arrived\", timeout_s = 20 }},\n\
+         ]\n"
+    )
+}
+
+fn goal(goal_id: u64, task: &str) -> GoalRequest {
+    GoalRequest {
+        goal_id,
+        kind: GoalKind::CUSTOM,
+        hand: Hand::RIGHT,
+        policy: GoalPolicy::DETACHED,
+        from_m: [0.3, -0.1, 0.08],
+        width_m: 0.05,
+        lift_m: 0.03,
+        task: Text::new(task),
+        ..GoalRequest::default()
+    }
+}
+
+/// What `atasd --print-tasks` prints is a configuration, and means the same.
+#[test]
+fn printed_built_in_tasks_read_back_as_equal_tables() {
+    let (_folder, source) = source(&[&Tasks::built_in_text()], &[]);
+    let config = source.load().expect("valid");
+    assert_eq!(config.tasks.as_slice().len(), BUILT_IN.len());
+    for task in BUILT_IN {
+        let own = format!("my-{}", task.name);
+        let read = config
+            .tasks
+            .as_slice()
+            .iter()
+            .find(|t| t.name == own.as_str());
+        let read = read.unwrap_or_else(|| panic!("{own} is missing"));
+        assert_eq!((read.acting, read.helping), (task.acting, task.helping));
+    }
+    let (_folder, again) = crate::config::source(&[&config.text()], &[]);
+    assert_eq!(again.load().expect("valid"), config);
+}
+
+#[test]
+fn later_tasks_win_and_short_names_are_enough() {
+    let texts = [nod("there"), nod("somewhere")];
+    let (_folder, source) = source(&[&texts[0], &texts[1]], &[]);
+    let config = source.load().expect("valid");
+    assert_eq!(config.tasks.as_slice()[0].acting[0].name, "somewhere");
+    assert_ne!(config.hash(), atasd::config::Config::default().hash());
+    let long = "\"module 1, first touch\", \"module 3, force limit\"";
+    let grip = |modules: &str| {
+        let text = format!(
+            "[tasks.squeeze]\nacting = [{{ step = \"grip\", motion = \"stay\", modules = [{modules}], \
+             until = \"gripped\", timeout_s = 5.0 }}]"
+        );
+        let (_folder, source) = crate::config::source(&[&text], &[]);
+        source.load().expect("valid").tasks
+    };
+    assert_eq!(grip(long), grip("\"first touch\", \"force limit\""));
+}
+
+#[test]
+fn what_is_wrong_with_a_task_is_said_with_its_step() {
+    let check = |steps: &str, wanted: &str| {
+        let text = format!("\n[tasks.own]\nacting = [{steps}]");
+        check_refused(&[&text], &[], &format!("0.toml:2: tasks.own: {wanted}"));
+    };
+    let step = |rest: &str| format!("{{ step = \"go\", {rest} }}");
+    let with = |motion: &str, rest: &str| step(&format!("motion = \"{motion}\", {rest}"));
+    let ends = "until = \"arrived\", timeout_s = 5.0";
+    // Words.
+    check(
+        &with("reech", ends),
+        "step 1 (go): \"reech\" is no motion; did you mean \"reach\"?",
+    );
+    check(
+        &with("reach", &format!("site = \"befor-source\", {ends}")),
+        "step 1 (go): \"befor-source\" is no site; did you mean \"before-source\"?",
+    );
+    check(
+        &with("reach", ends),
+        "step 1 (go): motion \"reach\" has no site, needs one of tilted, before-source, around, source, lifted, \
+         over-target, turn-start, above, home",
+    );
+    check(
+        &with("stay", &format!("site = \"home\", {ends}")),
+        "step 1 (go): motion \"stay\" goes to no site; leave site out",
+    );
+    check(
+        &with("stay", "until = \"arived\""),
+        "step 1 (go): \"arived\" is no until; did you mean \"arrived\"?",
+    );
+    check(
+        &with("stay", &format!("modules = [\"module 2, slips\"], {ends}")),
+        "step 1 (go): \"module 2, slips\" is no module; did you mean \"module 2, slip\"?",
+    );
+    check(
+        &with("stay", &format!("modules = \"slip\", {ends}")),
+        "step 1 (go): modules is \"slip\", needs a list of names in quotes",
+    );
+    check(
+        &step(&format!("motoin = \"stay\", {ends}")),
+        "step 1 (go): \"motoin\" is no key; did you mean \"motion\"?",
+    );
+    check(&step(ends), "step 1 (go): has no motion");
+    check("{ motion = \"stay\" }", "step 1 (?): has no step");
+    check(
+        "5",
+        "step 1 (?): is 5, needs { step = …, motion = …, until = …, … }",
+    );
+    // Meeting points and times.
+    check(
+        &with("stay", "until = \"met\""),
+        "step 1 (go): until \"met\" has no point, needs 1 to 254",
+    );
+    check(
+        &with("stay", "until = \"met\", point = 255"),
+        "step 1 (go): point is 255, needs a whole number from 1 to 254",
+    );
+    check(
+        &with("stay", "until = \"met\", point = 1"),
+        "step 1 (go): waits for the other hand, which has no steps",
+    );
+    let carry = "site = \"home\", modules = [\"carry\"], until = \"arrived\"";
+    for (timeout, said) in [("0", "0"), ("-2.5", "-2.5"), ("4000", "4000")] {
+        check(
+            &with("reach", &format!("{carry}, timeout_s = {timeout}")),
+            &format!("step 1 (go): timeout_s is {said}, needs more than 0 and at most 3600"),
+        );
+    }
+    for timeout in ["inf", "nan"] {
+        check(
+            &with("reach", &format!("{carry}, timeout_s = {timeout}")),
+            &format!("step 1 (go): timeout_s is {timeout}, needs a number of seconds"),
+        );
+    }
+    check(
+        &with("reach", carry),
+        "step 1 (go): has no timeout_s; only steps until held or met may do without",
+    );
+    // Rules.
+    check("", "has no steps, needs at least one");
+    let good = with("reach", &format!("{carry}, timeout_s = 5.0"));
+    check(
+        &[&good[..]; 33].join(", "),
+        "has 33 steps, needs at most 32",
+    );
+    check(
+        &with(
+            "stay",
+            "modules = [\"first touch\"], until = \"gripped\", timeout_s = 5.0",
+        ),
+        "step 1 (go): presses an object, needs \"module 3, force limit\" among its modules",
+    );
+    check(
+        &format!(
+            "{good}, {}",
+            with("carry", &format!("{carry}, timeout_s = 5.0"))
+        ),
+        "step 2 (go): presses an object, needs \"module 3, force limit\" among its modules",
+    );
+    check(
+        &with(
+            "lower",
+            "modules = [\"transfer\", \"force limit\"], until = \"concluded\", timeout_s = 5.0",
+        ),
+        "step 1 (go): needs \"module 4, release\" and until = \"concluded\": it has no other end",
+    );
+    check(
+        &with("reach", &format!("{carry}, timeout_s = 5.0"))
+            .replace("\"go\"", "\"a name too long!!\""),
+        "step 1 (a name too long!!): needs a step name of 1 to 16 lowercase letters, digits, spaces and hyphens",
+    );
+    let text = format!("[tasks.grasp]\nacting = [{good}]");
+    check_refused(
+        &[&text],
+        &[],
+        "0.toml:1: tasks.grasp: is the name of a built-in task; choose another one",
+    );
+    let wait = with("stay", "until = \"met\", point = 2");
+    let text = format!("[tasks.two]\nacting = [{wait}]\nhelping = [{good}]");
+    check_refused(
+        &[&text],
+        &[],
+        "0.toml:1: tasks.two: step 1 (go): waits for the other hand at point 2, which waits in turn, or never comes there",
+    );
+    let text = format!(
+        "[tasks.two]\nacting = [{good}]\nhelping = [{good}, {}]",
+        with("jump", ends)
+    );
+    check_refused(
+        &[&text],
+        &[],
+        "0.toml:1: tasks.two: helping step 2 (go): \"jump\" is no motion, needs one of stay, reach, carry, convey, lower, \
+         square, open, withdraw",
+    );
+    check_refused(
+        &["tasks.own = 5"],
+        &[],
+        "0.toml:1: tasks.own: is 5, needs to be a section with acting = [ steps ]",
+    );
+    check_refused(
+        &["tasks = 5"],
+        &[],
+        "0.toml:1: tasks is 5, needs to be a section with keys",
+    );
+}
+
+/// Steps that a goal went through, and how it ended.
+fn pursue(
+    world: &mut LockStep,
+    goal: &GoalRequest,
+    mut meanwhile: impl FnMut(&mut LockStep),
+) -> (Vec<String>, GoalState, Cause) {
+    let goals = world.world.bus.goal_client().expect("there is room");
+    let mut pending = world.send(&goals, goal);
+    let mut steps = Vec::<String>::new();
+    loop {
+        let update = world.until_update(&mut pending, |_| true);
+        let step = update.step.as_str().to_owned();
+        if steps.last() != Some(&step) {
+            meanwhile(world);
+            steps.push(step);
+        }
+        if update.state.is_final() {
+            return (steps, update.state, update.reason.cause);
+        }
+    }
+}
+
+#[test]
+fn a_reload_exchanges_tasks_but_never_a_running_one() {
+    let bus = FreshBus::new("tasks");
+    let mut world = LockStep::on(&bus);
+    let daemon = Daemon::start_with(&bus, &nod("there"), &["--lockstep"], |_| ());
+    let named = |steps: &[&str]| steps.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>();
+
+    let rejected = pursue(&mut world, &goal(1, "nodd"), |_| ());
+    let expected = (named(&["nodd"]), GoalState::REJECTED, Cause::UNKNOWN_TASK);
+    assert_eq!(rejected, expected, "named in the answer");
+
+    let mut reloaded = false;
+    let done = pursue(&mut world, &goal(2, "nod"), |world| {
+        if !std::mem::replace(&mut reloaded, true) {
+            let before = world.world.newest.config_hash;
+            fs::write(daemon.config_file(), nod("elsewhere")).expect("writable");
+            daemon.signal(Signal::HUP);
+            world.until("the reload", |status| status.config_hash != before);
+        }
+    });
+    assert_eq!(
+        done.0,
+        named(&["there", "up", ""]),
+        "as it was when it was taken"
+    );
+    assert_eq!(done.1, GoalState::SUCCEEDED);
+
+    let done = pursue(&mut world, &goal(3, "nod"), |_| ());
+    assert_eq!(done.0, named(&["elsewhere", "up", ""]), "as it is now");
+
+    fs::write(daemon.config_file(), nod("Nowhere")).expect("writable");
+    daemon.signal(Signal::HUP);
+    world.wait_for("the refusal", || {
+        daemon
+            .log()
+            .contains("tasks.nod: step 1 (Nowhere): needs a step name of")
+    });
+    let done = pursue(&mut world, &goal(4, "nod"), |_| ());
+    assert_eq!(done.0, named(&["elsewhere", "up", ""]), "kept");
+}
