@@ -31,7 +31,9 @@ impl Demands {
             visits_source: visits(&[Site::BeforeSource, Site::Around, Site::Source, Site::Lifted]),
             visits_target: visits(&[Site::OverTarget]) || does(track, Motion::Lower),
             grasps_to_turn: does(track, Motion::Square) && !visits(&[Site::TurnStart]),
-            lets_go_first: track.first().is_some_and(|s| s.motion == Motion::Open),
+            lets_go_first: track
+                .first()
+                .is_some_and(|s| matches!(s.motion, Motion::Open | Motion::LetGo)),
             both_hands: task.helping.is_some(),
         }
     }

@@ -111,6 +111,8 @@ pub enum Motion {
     Square,
     /// Stays and opens.
     Open,
+    /// Stays and opens at once, just off what stands.
+    LetGo,
     /// Freely back to where the step before began.
     Withdraw,
 }

@@ -3,7 +3,7 @@
 //! Force that friction does not need is kept until the object stands: whoever conveys has no time to feel his way to the
 //! edge of slipping.
 
-use super::grasp::{APPROACH, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
+use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
 use super::{Motion, Site, Step, Task, Track, Until};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
@@ -28,12 +28,14 @@ pub(super) const CONVEY_IT: Step = Step::new(
 );
 pub(super) const PLACE_IT: Step = Step::new("place", Motion::Lower, PLACE, Until::Concluded, 60.0);
 
+const LET_GO: Step = Step::new("let go", Motion::LetGo, CARRY, Until::Arrived, 5.0);
+
 /// Grasp at the source, convey, set down at the target, let go.
 pub static PICK_PLACE: Task = Task::of(
     "pick-place",
     &[
-        REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, CONVEY_IT, PLACE_IT, OPEN, LEAVE,
-        GO_HOME,
+        REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, CONVEY_IT, PLACE_IT, LET_GO, OPEN,
+        LEAVE, GO_HOME,
     ],
 );
 

@@ -199,7 +199,7 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
             .and_then(|()| check_grip(step, grips));
         check.map_err(|rule| fault(Some(index), rule))?;
         grips = match (step.motion, step.until) {
-            (Motion::Open, _) => false,
+            (Motion::Open | Motion::LetGo, _) => false,
             (_, Until::Gripped) => true,
             _ => grips,
         };
@@ -237,7 +237,7 @@ fn check_timeout(step: &Step) -> Result<(), Rule> {
 fn check_carrier(step: &Step) -> Result<(), Rule> {
     let needed = match step.motion {
         Motion::Stay => None,
-        Motion::Reach(_) | Motion::Carry(_) | Motion::Open => Some(ModuleId::CARRY),
+        Motion::Reach(_) | Motion::Carry(_) | Motion::Open | Motion::LetGo => Some(ModuleId::CARRY),
         Motion::Convey(_) | Motion::Lower => Some(ModuleId::TRANSFER),
         Motion::Square => Some(ModuleId::TRAJECTORY),
         Motion::Withdraw => return Err(Rule::OnlyInRetreat),

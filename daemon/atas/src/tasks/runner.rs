@@ -15,6 +15,10 @@ const LOST_AFTER_S: f64 = 0.05;
 const MEET_M: f64 = 0.001;
 /// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
+/// The same at the moment an object stands, m, and how long it takes, s (ours: off anything softer than a sponge within
+/// 25 ms, at a finger's pace that the joints can follow).
+const LET_GO_BY_M: f64 = 0.003;
+const LET_GO_S: f64 = 0.05;
 
 /// How the hand moves at the start of a tick.
 #[derive(Clone, Copy, Debug)]
@@ -297,7 +301,7 @@ impl Runner {
         modules.restart_path();
         match self.step().motion {
             Motion::Carry(_) if self.retreat.is_none() => self.lifted_from_m = Some(now.centre_m),
-            Motion::Open | Motion::Square => self.holds = false,
+            Motion::Open | Motion::LetGo | Motion::Square => self.holds = false,
             _ => {}
         }
     }
@@ -328,16 +332,13 @@ impl Runner {
             Motion::Withdraw => Path::free(*now, self.path.at(0.0), &free),
             Motion::Carry(site) => gripping(site, motion.lift_m_s),
             Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
-            Motion::Open => {
+            Motion::Open => Path::free(*now, opened(now, OPEN_BY_M), &free),
+            Motion::LetGo => {
                 let speeds = Speeds {
-                    open_m_s: motion.open_m_s,
+                    open_m_s: LET_GO_BY_M / LET_GO_S,
                     ..free
                 };
-                let to = GraspFrame {
-                    half_opening_m: now.half_opening_m.map(|h| h + OPEN_BY_M),
-                    ..*now
-                };
-                Path::free(*now, to, &speeds)
+                Path::free(*now, opened(now, LET_GO_BY_M), &speeds)
             }
         }
     }
@@ -399,6 +400,13 @@ impl Runner {
         }
         (self.step_s > step.timeout_s)
             .then(|| Reason::limit(Cause::TIMED_OUT, self.step_s, step.timeout_s))
+    }
+}
+
+fn opened(frame: &GraspFrame, by_m: f64) -> GraspFrame {
+    GraspFrame {
+        half_opening_m: frame.half_opening_m.map(|half_m| half_m + by_m),
+        ..*frame
     }
 }
 

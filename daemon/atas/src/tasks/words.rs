@@ -7,7 +7,7 @@ use crate::modules::{IDS, Selection};
 use shm_schemas::ModuleId;
 
 /// The motions. A motion that goes to a site stands here with any site.
-pub const MOTIONS: [Motion; 8] = [
+pub const MOTIONS: [Motion; 9] = [
     Motion::Stay,
     Motion::Reach(Site::Home),
     Motion::Carry(Site::Home),
@@ -15,6 +15,7 @@ pub const MOTIONS: [Motion; 8] = [
     Motion::Lower,
     Motion::Square,
     Motion::Open,
+    Motion::LetGo,
     Motion::Withdraw,
 ];
 
@@ -54,6 +55,7 @@ impl Motion {
             Self::Lower => "lower",
             Self::Square => "square",
             Self::Open => "open",
+            Self::LetGo => "let-go",
             Self::Withdraw => "withdraw",
         }
     }
@@ -63,7 +65,9 @@ impl Motion {
     pub const fn site(self) -> Option<Site> {
         match self {
             Self::Reach(site) | Self::Carry(site) | Self::Convey(site) => Some(site),
-            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::Withdraw => None,
+            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::LetGo | Self::Withdraw => {
+                None
+            }
         }
     }
 
@@ -74,7 +78,9 @@ impl Motion {
             Self::Reach(_) => Self::Reach(site),
             Self::Carry(_) => Self::Carry(site),
             Self::Convey(_) => Self::Convey(site),
-            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::Withdraw => self,
+            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::LetGo | Self::Withdraw => {
+                self
+            }
         }
     }
 
