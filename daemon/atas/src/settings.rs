@@ -165,6 +165,8 @@ settings! {
         f1_min_n = 0.35 in 0.01..10.0;
         /// Upper bound of F_1, N.
         f1_max_n = 1.0 in 0.05..50.0;
+        /// Least force that a carried object is gripped with, N: what the fingertips need to feel it.
+        keep_n = 0.12 in 0.01..10.0;
         /// Threshold dr of the tangential force increment, N (the paper names it and gives no value).
         dr_n = 0.06 in 0.005..10.0;
         /// Friction utilisation S at which Module 2 becomes active.
@@ -182,7 +184,7 @@ settings! {
         /// Factor on the hand's speed while Module 2 is active and Module 3 is not.
         slip_carry_scale = 0.1 in 0.0..1.0;
         /// Friction utilisation below which a steady grip is relaxed.
-        relax_below = 0.84 in 0.1..1.0;
+        relax_below = 0.89 in 0.1..1.0;
         /// Opening speed of each finger while relaxing an unloaded grip, m/s.
         relax_m_s = 0.001 in 0.0..0.02;
         /// Opening speed of Module 3 above its release force, m/s.

@@ -2,8 +2,9 @@
 //! it first touches the object, the grasping force enhancement behavior is stopped (F_n > F_1)".
 //!
 //! Until every finger has touched, each finger closes at the approach speed (paper: 2 mm/s), stops at its own first
-//! touch and waits for the other. Then all fingers close until the weakest presses more than F_1. The module is active
-//! while it enhances.
+//! touch and waits for the other. Then all fingers close until the weakest presses more than F_1. An object that the
+//! hand carries already is not touched for the first time: what is left to do is to keep in touch with it. The module is
+//! active while it enhances.
 
 use super::{Context, Module, Proposal, force_range_n};
 use crate::perception::Percept;
@@ -17,7 +18,7 @@ impl Module for FirstTouch {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let (weakest_n, _) = force_range_n(percept);
         let enhance: [bool; FINGERS] = if context.all_touched {
-            [weakest_n <= context.thresholds.f1_n; FINGERS]
+            [weakest_n <= context.least_n; FINGERS]
         } else {
             core::array::from_fn(|finger| !percept.fingers[finger].in_contact)
         };

@@ -62,6 +62,8 @@ pub struct Context<'a> {
     pub step_s: f64,
     /// F_1 and F_2 for the present object.
     pub thresholds: Thresholds,
+    /// Least force that each finger shall press with, N: F_1 at first touch, less once the object is carried.
+    pub least_n: f64,
     /// Whether every finger has touched since the approach began.
     pub all_touched: bool,
     /// Total measured closing of the fingers since every finger touched, m.

@@ -29,6 +29,8 @@ pub struct FingerPercept {
     pub utilisation_now: f64,
     /// μ̂: remembered friction coefficient since the first touch; 0 while unknown.
     pub friction: f64,
+    /// How far the sensor's noise scatters a friction coefficient that is read from a few elements now, standard deviation.
+    pub friction_error: f64,
     /// How long gross slip has lasted, s.
     pub gross_slip_s: f64,
     /// Whether the fingertip touches something, with hysteresis.
@@ -48,6 +50,7 @@ impl Default for FingerPercept {
             utilisation: 0.0,
             utilisation_now: 0.0,
             friction: 0.0,
+            friction_error: 0.0,
             gross_slip_s: 0.0,
             in_contact: false,
             touches: 0,
@@ -115,6 +118,7 @@ impl Finger {
             utilisation: slipping.utilisation,
             utilisation_now: slipping.utilisation_now,
             friction: slipping.friction,
+            friction_error: slipping.error,
             gross_slip_s: slipping.gross_s,
             in_contact: self.percept.in_contact,
             touches: self.percept.touches,

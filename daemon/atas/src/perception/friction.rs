@@ -25,6 +25,7 @@ pub(super) struct Slipping {
     pub(super) utilisation_now: f64,
     pub(super) friction: f64,
     pub(super) gross_s: f64,
+    pub(super) error: f64,
 }
 
 /// Memory of one contact, from first touch to letting go.
@@ -51,7 +52,7 @@ impl Friction {
             };
         };
         let share = step_s / (settings.friction_filter_s + step_s);
-        self.reading += (loaded.min(FRICTION_CLIP) - self.reading) * share;
+        self.reading += (loaded.ratio.min(FRICTION_CLIP) - self.reading) * share;
         self.remembered = if self.reading > self.remembered {
             self.reading
         } else {
@@ -65,6 +66,7 @@ impl Friction {
             utilisation_now: self.utilisation_now,
             friction: self.remembered,
             gross_s: self.gross_s,
+            error: loaded.error,
         }
     }
 
@@ -85,8 +87,16 @@ impl Friction {
 /// Smallest normal force that F_t is divided by, N.
 const NORMAL_MIN_N: f64 = 0.01;
 
-/// Mean ratio, weighted by normal force, of the third of the pressed elements (at least two) that use most friction.
-fn most_loaded(patch: &Patch) -> Option<f64> {
+/// The elements that use most friction.
+struct Loaded {
+    /// Mean ratio of tangential to normal force, weighted by normal force.
+    ratio: f64,
+    /// What the sensor's noise adds to the ratio of one of them, standard deviation.
+    error: f64,
+}
+
+/// The third of the pressed elements (at least two) that use most friction.
+fn most_loaded(patch: &Patch) -> Option<Loaded> {
     let mut ratios = patch.ratios;
     let pressed = &mut ratios[..patch.pressed];
     if pressed.len() < 2 {
@@ -98,5 +108,8 @@ fn most_loaded(patch: &Patch) -> Option<f64> {
     let (weighted, weight) = pressed[..top]
         .iter()
         .fold((0.0, 0.0), |(q, w), &(ratio, n)| (q + ratio * n, w + n));
-    Some(weighted / weight)
+    Some(Loaded {
+        ratio: weighted / weight,
+        error: patch.noise_n * top as f64 / weight,
+    })
 }

@@ -48,6 +48,8 @@ pub(super) struct Patch {
     pub(super) ratios: [(f64, f64); ELEMENTS],
     /// How many of them.
     pub(super) pressed: usize,
+    /// Standard deviation of one tangential axis of an element, N.
+    pub(super) noise_n: f64,
 }
 
 impl Patch {
@@ -79,8 +81,9 @@ impl Patch {
             tangential_n: force_n + normal * normal_n,
             ratios: [(0.0, 0.0); ELEMENTS],
             pressed: 0,
+            noise_n: libm::sqrt(noise_n2),
         };
-        patch.collect_ratios(axes, elements_n, noise_n2, floor_n);
+        patch.collect_ratios(axes, elements_n, floor_n);
         patch
     }
 
@@ -88,10 +91,10 @@ impl Patch {
         &mut self,
         axes: &ElementAxes,
         elements_n: &[[f64; 3]; ELEMENTS],
-        noise_n2: f64,
         floor_n: f64,
     ) {
-        let clear_n = NOISE_CLEARANCE * libm::sqrt(noise_n2);
+        let clear_n = NOISE_CLEARANCE * self.noise_n;
+        let noise_n2 = self.noise_n * self.noise_n;
         let floor_n = if clear_n > floor_n { clear_n } else { floor_n };
         for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
             if reading[0] <= NORMAL_FLOOR_N {

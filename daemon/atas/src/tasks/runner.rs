@@ -179,6 +179,7 @@ impl Runner {
             settings,
             step_s,
             thresholds: self.thresholds,
+            least_n: self.least_n(settings),
             all_touched: self.all_touched,
             closing_m: self.closing_m,
             carried_m: self.carried_m,
@@ -189,6 +190,17 @@ impl Runner {
             base_from_tip: motion.base_from_tip,
             turning: self.sites.turning(),
             lowering_m: (self.step().motion == Motion::Lower).then(|| self.sites.lowering_m()),
+        }
+    }
+
+    /// F_1 is for the first touch; what is carried may be gripped as gently as the fingertips can feel it.
+    fn least_n(&self, settings: &Settings) -> f64 {
+        let carries = self.holds && self.lifted_from_m.is_some();
+        let keep_n = settings.grasp.keep_n;
+        if carries && keep_n < self.thresholds.f1_n {
+            keep_n
+        } else {
+            self.thresholds.f1_n
         }
     }
 
@@ -310,7 +322,10 @@ impl Runner {
     fn arrive(&mut self) {
         match self.step().until {
             Until::Met(point) => self.reached = point,
-            Until::AllTouched => self.all_touched = false,
+            Until::AllTouched => {
+                self.all_touched = false;
+                self.lifted_from_m = None;
+            }
             _ => {}
         }
     }
