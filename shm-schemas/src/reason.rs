@@ -200,6 +200,11 @@ impl Reason {
                 goal_place(index),
                 value * 1e3
             ),
+            Cause::UNREACHABLE if goal_value(index) == "lift" => write!(
+                f,
+                "the hand cannot lift it so high: the place and the lift together are {value:.4} m high, the limit is {limit:.4} m; \
+                 lift less"
+            ),
             Cause::UNREACHABLE => write!(
                 f,
                 "the hand cannot reach it: {} is {value:.4}, the limit is {limit:.4}; {}",

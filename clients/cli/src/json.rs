@@ -65,6 +65,18 @@ pub(crate) fn event(event: &ModuleEvent) -> Value {
     })
 }
 
+/// Under which conditions the daemon ticks, among events.
+pub(crate) fn conditions(status: &Status) -> Value {
+    let has = |flag| status.flags & flag != 0;
+    json!({
+        "captured_ns": status.stamp.captured_ns,
+        "kind": "conditions",
+        "phase_locked": has(StatusFlags::PHASE_LOCKED),
+        "realtime": has(StatusFlags::REALTIME),
+        "degraded": has(StatusFlags::DEGRADED),
+    })
+}
+
 /// The daemon's status.
 pub(crate) fn status(status: &Status) -> Value {
     let hands = Hand::BOTH.iter().zip(&status.hands).map(hand);

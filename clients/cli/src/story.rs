@@ -1,12 +1,17 @@
 //! A goal's story: its updates, condensed to what a user wants to hear at the end.
 
-use atas::tasks::{BACK_OUT, RAISE, RELEASE};
+use atas::tasks::{BACK_OUT, RAISE, RELEASE, Track, WITHDRAW};
 use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
+
+/// Normal force of a finger that presses, N (ours: above the sensors' noise, below the least grip).
+const PRESSED_N: f32 = 0.1;
 
 /// What happened to a goal so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Story {
     last: GoalUpdate,
+    /// When the goal began, ns; 0 before the first update.
+    begun_ns: u64,
     /// The last step of the task: what ends it early names what the hand does afterwards, or nothing.
     step: Text<16>,
     /// The last update of the attempt itself, before the hand let go of the object.
@@ -17,6 +22,9 @@ impl Story {
     /// Takes in the next update.
     pub fn add(&mut self, update: &GoalUpdate) {
         self.last = *update;
+        if self.begun_ns == 0 {
+            self.begun_ns = update.stamp.captured_ns;
+        }
         let is_cut_short = update.state.is_final() && update.state != GoalState::SUCCEEDED;
         let is_known = !self.step.as_str().is_empty();
         if update.step.as_str().is_empty() || (is_cut_short && is_known) {
@@ -28,19 +36,33 @@ impl Story {
         }
     }
 
+    /// From the first update to the last, s.
+    #[must_use]
+    pub fn took_s(&self) -> f64 {
+        self.last.stamp.captured_ns.saturating_sub(self.begun_ns) as f64 * 1e-9
+    }
+
     /// The last update.
     #[must_use]
     pub fn last(&self) -> &GoalUpdate {
         &self.last
     }
 
-    /// Whether the hand is putting the object back, raising it again, opening, or on its way home.
+    /// Whether the hand is done with the object: puts it back, raises it again, opens or goes home.
     #[must_use]
     pub fn lets_go(&self) -> bool {
-        let mut steps = [BACK_OUT, RAISE, RELEASE.acting]
-            .into_iter()
-            .flat_map(|track| track.to_vec());
-        steps.any(|step| step.name == self.step.as_str())
+        self.is_in(&RELEASE.acting) || self.retreats()
+    }
+
+    /// Whether the hand does what it does because it could not go on.
+    fn retreats(&self) -> bool {
+        [&BACK_OUT, &RAISE, &WITHDRAW]
+            .iter()
+            .any(|track| self.is_in(track))
+    }
+
+    fn is_in(&self, track: &Track) -> bool {
+        track.iter().any(|step| step.name == self.step.as_str())
     }
 
     /// What the hand knew and pressed when it last tried.
@@ -53,12 +75,12 @@ impl Story {
         }
     }
 
-    /// The step that decided: the last one, but the one before if the hand then put the object back or raised it again.
+    /// The step that decided: the last one, but the one before if the hand then retreated.
     #[must_use]
     pub fn step(&self) -> &str {
-        let raised = RAISE.iter().any(|step| step.name == self.step.as_str());
-        let retreated = self.last.state == GoalState::REFUSED || raised;
-        if retreated && self.was_attempted() {
+        let refused = self.last.state == GoalState::REFUSED;
+        let failed = self.last.state == GoalState::FAILED && self.is_in(&RAISE);
+        if (refused || failed) && self.retreats() && self.was_attempted() {
             self.attempt.step.as_str()
         } else {
             self.step.as_str()
@@ -74,15 +96,12 @@ impl Story {
         }
     }
 
-    /// What the hand does after an end: a goal that ends lets nothing fall.
+    /// What the hand does after it was cancelled: a goal that ends lets nothing fall.
     #[must_use]
     pub fn hand_now(&self) -> &'static str {
-        let figures = &self.last.figures;
-        let presses = figures.normal_n.iter().any(|force_n| *force_n > 0.0);
-        if self.last.state == GoalState::REFUSED {
-            "the hand has put the object back and is open above it"
-        } else if figures.hardness_n_m > 0.0 && presses {
-            "the hand keeps holding what it holds; `atas release` lets go"
+        let pressed_n = &self.last.figures.normal_n;
+        if pressed_n.iter().any(|force_n| *force_n > PRESSED_N) {
+            "the hand keeps what it has between its fingers; `atas release` lets go"
         } else {
             "the hand stays where it is"
         }
@@ -90,5 +109,113 @@ impl Story {
 
     fn was_attempted(&self) -> bool {
         self.attempt.goal_id != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{Cause, Reason};
+
+    fn told(updates: &[(GoalState, &str, f32)]) -> Story {
+        let mut story = Story::default();
+        for (state, step, normal_n) in updates {
+            story.add(&GoalUpdate {
+                goal_id: 7,
+                state: *state,
+                step: Text::new(step),
+                reason: Reason::of(Cause::CANCELLED),
+                figures: GraspFigures {
+                    normal_n: [*normal_n; 4],
+                    ..GraspFigures::default()
+                },
+                ..GoalUpdate::default()
+            });
+        }
+        story
+    }
+
+    #[test]
+    fn the_step_that_decided_and_the_force_that_held() {
+        use GoalState as S;
+        let check = |updates: &[(GoalState, &str, f32)], step: &str, normal_n: f32| {
+            let story = told(updates);
+            let held_n = story.figures().normal_n[0];
+            assert_eq!((story.step(), held_n), (step, normal_n), "{updates:?}");
+        };
+        check(&[(S::REJECTED, "", 0.0)], "", 0.0);
+        check(
+            &[
+                (S::RUNNING, "lift", 2.0),
+                (S::RUNNING, "hold", 3.0),
+                (S::SUCCEEDED, "hold", 4.0),
+            ],
+            "hold",
+            4.0,
+        );
+        check(
+            &[(S::RUNNING, "screw", 2.0), (S::CANCELLED, "", 2.5)],
+            "screw",
+            2.0,
+        );
+        check(
+            &[(S::RUNNING, "lift", 2.0), (S::CANCELLED, "hold", 2.5)],
+            "lift",
+            2.0,
+        );
+        check(
+            &[
+                (S::RUNNING, "lift", 8.0),
+                (S::RUNNING, "lower", 8.0),
+                (S::REFUSED, "leave", 0.0),
+            ],
+            "lift",
+            8.0,
+        );
+        check(
+            &[
+                (S::RUNNING, "descend", 0.0),
+                (S::RUNNING, "withdraw", 0.3),
+                (S::REFUSED, "withdraw", 0.0),
+            ],
+            "descend",
+            0.0,
+        );
+        check(
+            &[
+                (S::RUNNING, "place", 4.0),
+                (S::RUNNING, "raise", 4.1),
+                (S::FAILED, "raise", 4.1),
+            ],
+            "place",
+            4.0,
+        );
+        check(
+            &[
+                (S::RUNNING, "place", 4.0),
+                (S::RUNNING, "open", 3.9),
+                (S::SUCCEEDED, "home", 0.0),
+            ],
+            "home",
+            4.0,
+        );
+        check(
+            &[(S::RUNNING, "open", 0.5), (S::FAILED, "open", 0.5)],
+            "open",
+            0.5,
+        );
+    }
+
+    #[test]
+    fn what_the_hand_does_after_a_goal_was_cancelled() {
+        let check = |normal_n, part: &str| {
+            let story = told(&[
+                (GoalState::RUNNING, "screw", 2.0),
+                (GoalState::CANCELLED, "", normal_n),
+            ]);
+            assert!(story.hand_now().contains(part), "{}", story.hand_now());
+        };
+        check(2.5, "`atas release` lets go");
+        check(0.02, "stays where it is");
     }
 }

@@ -51,6 +51,10 @@ fn without_a_daemon_every_command_says_so_with_its_own_code() {
     check("events");
     check("events --follow");
     check("grasp --at 0.3,-0.1,0.05 --width 50");
+    check("pick-place");
+    check("screw");
+    check("assemble");
+    check("task polish");
     check("release");
     check("estop");
     check("recover");
@@ -72,6 +76,15 @@ fn wrong_usage_has_its_own_code() {
         "did you mean \"bottle\"?",
     );
     check(&["demo", "grasp", "--object", "no/such.toml"], "no/such");
+    check(
+        &["demo", "pick-place", "--object", "no/such.toml"],
+        "no/such",
+    );
+    check(&["demo", "screw", "--cap", "wood"], "has no thread");
+    check(
+        &["demo", "assembly", "--cap", "cup"],
+        "did you mean \"cap\"?",
+    );
     check(&["status", "--bus", "UPPER"], "use 1 to 24 characters");
 }
 
@@ -89,11 +102,24 @@ fn help_tells_the_exit_codes() {
 fn completions_and_manual_pages() {
     let (code, stdout, _) = run(&["completions", "bash"]);
     assert!(code == 0 && stdout.contains("_atas"), "{stdout}");
+    assert!(
+        stdout.contains("pick-place") && stdout.contains("assemble"),
+        "{stdout}"
+    );
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().to_str().expect("UTF-8");
     let (code, _, stderr) = run(&["man", path]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(folder.path().join("atas.1").is_file());
+    for page in [
+        "atas",
+        "atas-pick-place",
+        "atas-screw",
+        "atas-assemble",
+        "atas-task",
+        "atas-demo-assembly",
+    ] {
+        assert!(folder.path().join(format!("{page}.1")).is_file(), "{page}");
+    }
 }
 
 #[test]

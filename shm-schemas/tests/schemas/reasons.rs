@@ -24,6 +24,10 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the hand cannot reach it: width is 0.1500, the limit is 0.1100; choose a value within it",
         ),
         (
+            limit(Cause::UNREACHABLE, 0.24, 0.21, 9),
+            "the hand cannot lift it so high: the place and the lift together are 0.2400 m high, the limit is 0.2100 m; lift less",
+        ),
+        (
             limit(Cause::UNREACHABLE, 0.0123, 0.0, 4),
             "the arm has no posture for the place \"to\" with this yaw, width and lift: the fingertips stay 12.3 mm off; \
              move the place or turn the closing axis",

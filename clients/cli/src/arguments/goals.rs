@@ -135,6 +135,9 @@ pub struct UserTask {
     /// Expected width of the object along the closing axis, millimetres
     #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
     pub width: Option<f64>,
+    /// Expected width of what the other hand holds in a task for both hands, millimetres
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = finite, allow_hyphen_values = true)]
+    pub helper_width: f64,
     /// How far a task that lifts lifts, millimetres
     #[arg(long, value_name = "MM", default_value_t = LIFT_MM, value_parser = finite, allow_hyphen_values = true)]
     pub lift: f64,

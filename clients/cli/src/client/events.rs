@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use shm_schemas::{EventKind, ModuleEvent, ModuleId, Status, service};
+use shm_schemas::{EventKind, ModuleEvent, ModuleId, Status, StatusFlags, service};
 
 use super::{POLL, Session};
 use crate::arguments::Events;
@@ -26,12 +26,16 @@ pub(crate) fn events(
     let mut stream = session
         .bus()
         .subscriber::<ModuleEvent>(service::MODULE_EVENT)?;
-    let (_statuses, status) = session.watch_status()?;
+    let (mut statuses, mut status) = session.watch_status()?;
     let mut teller = Teller::new(&status);
     let waits = arguments.follow || arguments.count.is_some();
     let begin = Instant::now();
     let mut left = arguments.count.unwrap_or(u64::MAX);
     while left > 0 && !interrupt.is_set() && (waits || begin.elapsed() < PAST) {
+        statuses.newest(&mut status)?;
+        if arguments.follow {
+            teller.tell_conditions(&status, output)?;
+        }
         let mut batch = Vec::new();
         let most = usize::try_from(left).unwrap_or(BATCH).min(BATCH);
         stream.drain(most, |event| batch.push(*event))?;
@@ -50,13 +54,30 @@ pub(crate) fn events(
 struct Teller {
     started_ns: u64,
     expected: Option<(u64, u64)>,
+    conditions: Option<u32>,
 }
+
+/// Of the status, what changes how far ticks can be trusted.
+const CONDITIONS: [(u32, &str, &str); 3] = [
+    (
+        StatusFlags::PHASE_LOCKED,
+        "phase-locked",
+        "not phase-locked",
+    ),
+    (
+        StatusFlags::REALTIME,
+        "real-time scheduling",
+        "ordinary scheduling",
+    ),
+    (StatusFlags::DEGRADED, "DEGRADED", "not degraded"),
+];
 
 impl Teller {
     fn new(status: &Status) -> Self {
         Self {
             started_ns: status.started_ns,
             expected: None,
+            conditions: None,
         }
     }
 
@@ -70,8 +91,29 @@ impl Teller {
         if lost > 0 {
             output.line(format!("           ({lost} events lost)"))?;
         }
-        let since_start_s = event.stamp.captured_ns.saturating_sub(self.started_ns) as f64 * 1e-9;
+        let since_start_s = self.since_start_s(event.stamp.captured_ns);
         output.line(format!("{since_start_s:10.3} s  {}", sentence(event)))
+    }
+
+    /// Tells under which conditions the daemon ticks, at first and whenever they change. These are states, not events: they
+    /// have no sequence and do not count.
+    fn tell_conditions(&mut self, status: &Status, output: &mut Output) -> anyhow::Result<()> {
+        let flags = CONDITIONS
+            .iter()
+            .fold(0, |flags, (flag, ..)| flags | status.flags & flag);
+        if self.conditions.replace(flags) == Some(flags) {
+            return Ok(());
+        }
+        if output.is_json() {
+            return output.json(&json::conditions(status));
+        }
+        let words = CONDITIONS.map(|(flag, on, off)| if flags & flag != 0 { on } else { off });
+        let at_s = self.since_start_s(status.stamp.captured_ns);
+        output.line(format!("{at_s:10.3} s         ticks: {}", words.join(", ")))
+    }
+
+    fn since_start_s(&self, captured_ns: u64) -> f64 {
+        captured_ns.saturating_sub(self.started_ns) as f64 * 1e-9
     }
 
     /// How many events of the same writer are missing before this one.

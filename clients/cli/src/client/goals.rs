@@ -122,6 +122,7 @@ pub(crate) fn task(
         task: Text::new(&arguments.name),
         to_yaw_rad: arguments.to_yaw.map_or(from.yaw_rad, f64::to_radians),
         hold_s: arguments.hold,
+        helper_width_m: arguments.helper_width * 1e-3,
         turn: arguments.turn.into(),
         ..pick_place_goal(&from, side, to_m, arguments.lift * 1e-3)
     };

@@ -115,9 +115,7 @@ pub(super) fn send(
     };
     let (story, cancelled) = pursuit.run(&goal, |story| {
         statuses.newest(&mut status)?;
-        let lifted_mm = f64::from(story.last().figures.lifted_m) * 1e3;
-        let live = format!("lifted {} mm", number(lifted_mm, 1));
-        progress.show(story, Some(&status), &live);
+        progress.show(story, Some(&status), &carried(&goal, story));
         Ok(())
     })?;
     drop(progress);
@@ -127,7 +125,16 @@ pub(super) fn send(
     match story.last().state {
         GoalState::SUCCEEDED if output.is_json() => Ok(()),
         GoalState::SUCCEEDED => output.line(success(&goal, &story)),
-        _ => Err(failure(&story, cancelled)),
+        _ => Err(failure(&goal, &story, cancelled)),
+    }
+}
+
+/// How far the hand has taken the object, for people who watch.
+fn carried(goal: &GoalRequest, story: &Story) -> String {
+    let by_mm = number(f64::from(story.last().figures.lifted_m) * 1e3, 1);
+    match goal.kind {
+        GoalKind::GRASP | GoalKind::RELEASE => format!("lifted {by_mm} mm"),
+        _ => format!("carried {by_mm} mm"),
     }
 }
 
@@ -163,17 +170,24 @@ fn success(goal: &GoalRequest, story: &Story) -> String {
 }
 
 /// The one sentence about an end without success.
-fn failure(story: &Story, cancelled: Option<Cancelled>) -> anyhow::Error {
+fn failure(goal: &GoalRequest, story: &Story, cancelled: Option<Cancelled>) -> anyhow::Error {
     let is_cancelled = story.last().state == GoalState::CANCELLED;
     let (step, hand_now) = (story.step(), story.hand_now());
+    let other_hand = if goal.kind == GoalKind::ASSEMBLE {
+        ", and the other hand what it holds: `atas release --hand left` and `--hand right`"
+    } else {
+        ""
+    };
     match cancelled.filter(|_| is_cancelled) {
         Some(Cancelled::Interrupted) => Ended::with(
             Exit::Interrupted,
-            format!("interrupted, goal cancelled in step {step:?}; {hand_now}"),
+            format!("interrupted, goal cancelled in step {step:?}; {hand_now}{other_hand}"),
         ),
         Some(Cancelled::TimedOut(timeout)) => Ended::with(
             Exit::Refused,
-            format!("took longer than {timeout:?}, goal cancelled in step {step:?}; {hand_now}"),
+            format!(
+                "took longer than {timeout:?}, goal cancelled in step {step:?}; {hand_now}{other_hand}"
+            ),
         ),
         None => Ended::with(Exit::Refused, story.sentence()),
     }
@@ -199,7 +213,7 @@ mod tests {
         for (state, step, reason) in updates {
             story.add(&update(*state, step, *reason));
         }
-        let error = failure(&story, cancelled);
+        let error = failure(&GoalRequest::default(), &story, cancelled);
         (error.to_string(), Exit::of(&error))
     }
 

@@ -33,8 +33,6 @@ pub(super) struct Seen {
     pub(super) attempt: WorldTruth,
     /// How often the hand gripped a cap on its thread.
     pub(super) turns: u32,
-    /// From the first truth to the last, simulated time, s.
-    pub(super) took_s: f64,
     pub(super) punctuality: Punctuality,
 }
 
@@ -151,13 +149,11 @@ impl Audience {
 
     fn recount(self, story: Story) -> Seen {
         let (first, status) = self.first.unwrap_or((self.now, self.status));
-        let took_ns = self.now.stamp.captured_ns - first.stamp.captured_ns;
         Seen {
             story,
             truth: self.now,
             attempt: self.attempt,
             turns: self.turns,
-            took_s: took_ns as f64 * 1e-9,
             punctuality: Punctuality::between((&first, &status), (&self.now, &self.status)),
         }
     }

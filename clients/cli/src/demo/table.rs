@@ -29,7 +29,7 @@ impl Row {
             name: name.to_owned(),
             judged,
             reason,
-            took_s: seen.took_s,
+            took_s: seen.story.took_s(),
             punctuality: seen.punctuality,
         }
     }
