@@ -251,7 +251,7 @@ settings! {
         /// Gap between fingertip and expected surface when the approach begins, m, per finger.
         clearance_m = 0.005 in 0.001..0.03;
         /// Opening speed when letting go, m/s, per finger.
-        open_m_s = 0.03 in 0.001..0.1;
+        open_m_s = 0.03 in 0.001..0.07;
         /// Height above the grasp from which the hand comes down, m.
         descend_m = 0.06 in 0.0..0.2;
         /// Deepest closing beyond the expected surface before the approach gives up, m, per finger.

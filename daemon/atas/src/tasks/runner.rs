@@ -15,10 +15,10 @@ const LOST_AFTER_S: f64 = 0.05;
 const MEET_M: f64 = 0.001;
 /// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
-/// The same at the moment an object stands, m, and how long it takes, s (ours: off anything softer than a sponge within
-/// 25 ms, at a finger's pace that the joints can follow).
+/// The same at the moment an object stands, m, and how long it takes, s (ours: as fast as the gate lets the joints
+/// accelerate, 50 rad/s² of its 60; what asks for more swings back and grips the object again).
 const LET_GO_BY_M: f64 = 0.003;
-const LET_GO_S: f64 = 0.05;
+const LET_GO_S: f64 = 0.085;
 
 /// How the hand moves at the start of a tick.
 #[derive(Clone, Copy, Debug)]
