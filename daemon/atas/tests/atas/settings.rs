@@ -100,7 +100,7 @@ fn a_wrong_field_is_found_wherever_it_is() {
     let error = settings.check().unwrap_err();
     assert_eq!(
         error.to_string(),
-        "motion.open_m_s is NaN, needs a number from 0.001 to 0.1"
+        "motion.open_m_s is NaN, needs a number from 0.001 to 0.07"
     );
 }
 
