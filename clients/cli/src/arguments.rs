@@ -12,12 +12,14 @@ use crate::exit::Exit;
 use crate::output::Format;
 use values::finite;
 
+mod benches;
 mod demos;
 mod evals;
 mod goals;
 mod records;
 mod values;
 
+pub use benches::{Bench, BenchLatency, EchoBy};
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
 pub use evals::{Eval, EvalGrasp};
 pub use goals::{
@@ -89,6 +91,12 @@ pub enum Command {
     },
     /// Show how punctual the daemon is: wake-up, frame age, tick by stage, sensor to command
     Latency(Latency),
+    /// Measure this machine
+    Bench {
+        /// What
+        #[command(subcommand)]
+        what: Bench,
+    },
     /// Record what the daemon takes in and gives out, until Ctrl-C; start it before `atasd --record-stream`
     #[command(args_conflicts_with_subcommands = true)]
     Record {

@@ -16,12 +16,15 @@
 //!   built-in set can be held: [`judge`] computes it.
 
 pub mod arguments;
+mod bench;
 mod client;
 mod commands;
 mod demo;
 mod doctor;
 pub mod eval;
 pub mod exit;
+mod fifo;
+mod figures;
 mod interrupt;
 mod json;
 pub mod judge;

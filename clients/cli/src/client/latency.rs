@@ -9,6 +9,7 @@ use shm_schemas::{Percentiles, Status, StatusFlags, TickReport, service};
 
 use super::{POLL, Session};
 use crate::arguments;
+use crate::figures::percentiles;
 use crate::interrupt::Interrupt;
 use crate::json;
 use crate::output::{Output, table};
@@ -91,21 +92,6 @@ impl Window {
     }
 }
 
-/// Percentiles of sorted durations: the smallest one that so large a share does not exceed.
-fn percentiles(sorted_ns: &[u64]) -> Percentiles {
-    let at = |share: f64| {
-        let rank = (share * sorted_ns.len() as f64).ceil() as usize;
-        sorted_ns.get(rank.max(1) - 1).copied().unwrap_or(0)
-    };
-    Percentiles {
-        p50_ns: at(0.5),
-        p99_ns: at(0.99),
-        p999_ns: at(0.999),
-        max_ns: at(1.0),
-        count: sorted_ns.len() as u64,
-    }
-}
-
 /// The distributions of a status, with their names.
 fn since_start(status: &Status) -> [(&'static str, Percentiles); 4] {
     [
@@ -185,28 +171,4 @@ fn as_json(status: &Status, window: &Window) -> Value {
         "sensor_to_command": json::percentiles(&status.sensor_to_command),
         "stages": stages,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentiles_are_ranks() {
-        let check = |sorted: &[u64], expected: [u64; 5]| {
-            let Percentiles {
-                p50_ns,
-                p99_ns,
-                p999_ns,
-                max_ns,
-                count,
-            } = percentiles(sorted);
-            assert_eq!([p50_ns, p99_ns, p999_ns, max_ns, count], expected);
-        };
-        check(&[], [0; 5]);
-        check(&[7], [7, 7, 7, 7, 1]);
-        check(&[1, 2, 3, 4], [2, 4, 4, 4, 4]);
-        let thousand: Vec<u64> = (1..=1000).collect();
-        check(&thousand, [500, 990, 999, 1000, 1000]);
-    }
 }

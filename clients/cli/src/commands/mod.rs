@@ -13,7 +13,7 @@ use crate::arguments::{Arguments, Command, Eval, EvalGrasp, Param, RecordAction}
 use crate::exit::{Ended, Exit};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::{client, demo, doctor, eval, recording};
+use crate::{bench, client, demo, doctor, eval, recording};
 
 /// The whole program: reads the command line, does what it says, tells errors in one line, returns the exit code.
 #[must_use]
@@ -50,6 +50,7 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
         Command::Status(arguments) => client::status(arguments, &interrupt, output),
         Command::Events(arguments) => client::events(arguments, &interrupt, output),
         Command::Param { action } => parameter(action, output),
+        Command::Bench { what } => bench::bench(what, &interrupt, output),
         Command::Latency(arguments) => client::latency(arguments, &interrupt, output),
         Command::Record { action, options } => match action {
             None => recording::record(options, &interrupt, output),

@@ -1,9 +1,9 @@
-//! One process of a demo: started, watched, ended.
+//! One process of a demo or a measurement: started, watched, ended.
 
 use std::fs::File;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child as Process, Command, Stdio};
+use std::process::{Child as Process, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -17,7 +17,7 @@ const END_WITHIN: Duration = Duration::from_secs(3);
 const TAIL_LINES: usize = 12;
 
 /// A running program with its log. Ends with this value, and with this process, however that ends.
-pub(super) struct Child {
+pub(crate) struct Child {
     name: &'static str,
     process: Process,
     log: PathBuf,
@@ -28,12 +28,21 @@ impl Child {
     /// Starts the program of this name that lies next to this one.
     ///
     /// It gets a process group of its own, so that Ctrl-C reaches this process only, which then ends it in good order.
-    pub(super) fn start(
+    pub(crate) fn start(
         name: &'static str,
         arguments: &[&str],
         folder: &Path,
     ) -> anyhow::Result<Self> {
-        let program = beside_this_program(name)?;
+        Self::start_program(&beside_this_program(name)?, name, arguments, folder)
+    }
+
+    /// Starts a program by its path, or one that is found by its name as a shell finds it.
+    pub(crate) fn start_program(
+        program: &Path,
+        name: &'static str,
+        arguments: &[&str],
+        folder: &Path,
+    ) -> anyhow::Result<Self> {
         let (log, results) = (
             folder.join(format!("{name}.log")),
             folder.join(format!("{name}.out")),
@@ -42,7 +51,7 @@ impl Child {
             File::create(path)
                 .with_context(|| format!("could not make the log file {}", path.display()))
         };
-        let mut command = Command::new(&program);
+        let mut command = Command::new(program);
         command
             .args(arguments)
             .env("NO_COLOR", "1")
@@ -62,8 +71,18 @@ impl Child {
         })
     }
 
+    /// Its process id.
+    pub(crate) fn pid(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Whether and how it has ended.
+    pub(crate) fn ended(&mut self) -> std::io::Result<Option<ExitStatus>> {
+        self.process.try_wait()
+    }
+
     /// An error with the end of its log if it has ended, which it must not by itself.
-    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+    pub(crate) fn check(&mut self) -> anyhow::Result<()> {
         let Some(status) = self.process.try_wait()? else {
             return Ok(());
         };
@@ -76,14 +95,14 @@ impl Child {
     }
 
     /// The whole lines that it has written to standard output so far.
-    pub(super) fn results(&self) -> Vec<String> {
+    pub(crate) fn results(&self) -> Vec<String> {
         let text = std::fs::read_to_string(&self.results).unwrap_or_default();
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         whole.lines().map(str::to_owned).collect()
     }
 
     /// The last lines of its log.
-    fn tail(&self) -> String {
+    pub(crate) fn tail(&self) -> String {
         let text = std::fs::read_to_string(&self.log).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
         let first = lines.len().saturating_sub(TAIL_LINES);
@@ -143,7 +162,7 @@ fn end_with_this_process(command: &mut Command) {
 }
 
 /// The path of a program that is built together with this one.
-fn beside_this_program(name: &str) -> anyhow::Result<PathBuf> {
+pub(crate) fn beside_this_program(name: &str) -> anyhow::Result<PathBuf> {
     let this = std::env::current_exe().context("could not find out where this program lies")?;
     let folder = this.parent().unwrap_or(Path::new("."));
     let program = folder.join(name);

@@ -14,14 +14,14 @@ const PREFIX: &str = "atas-demo-";
 const MARK: &str = "demo.pid";
 
 /// A folder for logs: removed at the end unless they are worth reading.
-pub(super) struct Logs {
-    pub(super) folder: PathBuf,
-    pub(super) keep: bool,
+pub(crate) struct Logs {
+    pub(crate) folder: PathBuf,
+    pub(crate) keep: bool,
 }
 
 impl Logs {
     /// A fresh folder, named after a fresh bus.
-    pub(super) fn new(bus: &BusName) -> anyhow::Result<Self> {
+    pub(crate) fn new(bus: &BusName) -> anyhow::Result<Self> {
         let folder = std::env::temp_dir().join(format!("{PREFIX}{bus}"));
         let made = DirBuilder::new().mode(0o700).create(&folder);
         made.and_then(|()| fs::write(folder.join(MARK), std::process::id().to_string()))
@@ -45,7 +45,7 @@ impl Drop for Logs {
 }
 
 /// Removes bus and logs of this user's demos that were killed. What cannot be removed stays for the next time.
-pub(super) fn sweep() {
+pub(crate) fn sweep() {
     let entries = fs::read_dir(std::env::temp_dir())
         .into_iter()
         .flatten()

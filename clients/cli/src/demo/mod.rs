@@ -13,9 +13,9 @@
 //! A demo is a client like any other: it uses nothing of the daemon but the bus.
 
 mod assembly;
-mod child;
+pub(crate) mod child;
 mod grasp;
-mod logs;
+pub(crate) mod logs;
 mod performance;
 mod pick_place;
 mod piece;

@@ -13,9 +13,8 @@ use shm_schemas::Status;
 
 use super::{Finding, judge};
 use crate::client::Session;
+use crate::fifo;
 
-/// Priority that is tried: the daemon's default.
-const PRIORITY: i32 = 80;
 /// Folder of the installed service.
 const SERVICE: &str = "/run/atas";
 const SHM: &str = "/dev/shm";
@@ -117,27 +116,7 @@ fn free_shared_memory() -> u64 {
 
 /// Whether the kernel makes a thread of this process `SCHED_FIFO`. The thread ends at once.
 fn try_fifo() -> io::Result<()> {
-    let tried = std::thread::spawn(|| {
-        let parameters = libc::sched_param {
-            sched_priority: PRIORITY,
-        };
-        // SAFETY: the call reads `parameters`, which lives, and changes the scheduling of the calling thread, nothing
-        // else. It is made raw because rustix has no wrapper.
-        let result = unsafe {
-            libc::syscall(
-                libc::SYS_sched_setscheduler,
-                0,
-                libc::SCHED_FIFO,
-                &raw const parameters,
-            )
-        };
-        if result == 0 {
-            Ok(())
-        } else {
-            Err(io::Error::last_os_error())
-        }
-    });
-    tried
+    std::thread::spawn(fifo::enter)
         .join()
         .unwrap_or_else(|_| Err(io::Error::other("the thread that tried it panicked")))
 }

@@ -1,0 +1,58 @@
+//! Work for the machine while the daemon is measured (Debian package stress-ng).
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::Plan;
+use super::site::Site;
+use super::tool::{self, Notes};
+use crate::demo::child::Child;
+
+/// How long the slowest measurement takes beyond its windows.
+const GRACE: Duration = Duration::from_secs(40);
+/// How long the work takes to begin.
+const RISE: Duration = Duration::from_millis(300);
+
+/// One worker that computes and one that moves memory about, both on the core of the ticks. Ends with this value.
+pub(super) struct Load {
+    _child: Child,
+    _site: Site,
+}
+
+impl Load {
+    /// `None`, with a note, where it cannot run.
+    pub(super) fn start(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<Self>> {
+        let site = Site::new()?;
+        let core = plan.core.to_string();
+        let limit = format!("{}s", (3 * plan.window + GRACE).as_secs());
+        let arguments = [
+            "--cpu",
+            "1",
+            "--vm",
+            "1",
+            "--vm-bytes",
+            "64M",
+            "--taskset",
+            &core,
+            "--timeout",
+            &limit,
+            "--quiet",
+        ];
+        let cure = "apt-get install stress-ng; without it nothing is measured under load";
+        let program = Path::new("stress-ng");
+        let child = tool::start(program, "stress-ng", cure, &arguments, site.folder(), notes)?;
+        let Some(mut child) = child else {
+            return Ok(None);
+        };
+        std::thread::sleep(RISE);
+        if child.ended()?.is_some() {
+            let said = child.tail();
+            notes.add(format!("stress-ng does not run here ({})", said.trim()));
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            _child: child,
+            _site: site,
+        }))
+    }
+}

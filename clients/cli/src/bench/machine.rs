@@ -1,0 +1,42 @@
+//! What this machine is, and where on it to measure.
+
+use anyhow::Context;
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+
+/// The last core that this process may use: least likely to serve interrupts.
+pub(super) fn last_core() -> anyhow::Result<usize> {
+    let allowed = sched_getaffinity(None).context("could not ask for the allowed cores")?;
+    let last = (0..CpuSet::MAX_CPU)
+        .rev()
+        .find(|core| allowed.is_set(*core));
+    last.context("could not find a core that this process may use")
+}
+
+/// Keeps the calling thread on one core.
+pub(super) fn pin(core: usize) -> anyhow::Result<()> {
+    let mut cores = CpuSet::new();
+    cores.set(core);
+    sched_setaffinity(None, &cores)
+        .with_context(|| format!("could not pin a thread to core {core}"))
+}
+
+/// Processor and number of cores.
+pub(super) fn name() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text
+        .lines()
+        .find_map(|line| line.strip_prefix("model name"));
+    let model = model.map_or("unknown", |rest| rest.trim_start_matches([' ', '\t', ':']));
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    format!("{model}, {cores} cores")
+}
+
+/// Release and version of the kernel.
+pub(super) fn kernel() -> String {
+    let uname = rustix::system::uname();
+    format!(
+        "{} {}",
+        uname.release().to_string_lossy(),
+        uname.version().to_string_lossy()
+    )
+}

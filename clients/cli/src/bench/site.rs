@@ -1,0 +1,30 @@
+//! Where one measurement takes place: a bus and a folder of its own, which go with this value.
+
+use std::path::Path;
+
+use shm_bus::{BusName, FreshBus};
+
+use crate::demo::logs::{self, Logs};
+
+/// A fresh bus and a fresh folder. Declare it before the processes and ports that use it.
+pub(super) struct Site {
+    bus: FreshBus,
+    logs: Logs,
+}
+
+impl Site {
+    pub(super) fn new() -> anyhow::Result<Self> {
+        logs::sweep();
+        let bus = FreshBus::new("bench");
+        let logs = Logs::new(&bus)?;
+        Ok(Self { bus, logs })
+    }
+
+    pub(super) fn bus(&self) -> &BusName {
+        &self.bus
+    }
+
+    pub(super) fn folder(&self) -> &Path {
+        &self.logs.folder
+    }
+}
