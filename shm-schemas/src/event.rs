@@ -34,6 +34,8 @@ code! {
         GUARD = 11, "touch guard";
         /// Tugs back once in a lift, to tell what hangs from what still stands.
         LIFT_PROOF = 12, "lift proof";
+        /// Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
+        SLIP_REACTION = 13, "slip reaction";
     }
 }
 

@@ -21,7 +21,7 @@ mod values;
 
 pub use benches::{Bench, BenchLatency, EchoBy};
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
-pub use evals::{Eval, EvalGrasp};
+pub use evals::{Eval, Evaluation};
 pub use goals::{
     Assemble, Grasp, HOLD_S, HandName, LIFT_MM, PickPlace, Release, Screw, Sending, TurnName,
     UserTask,

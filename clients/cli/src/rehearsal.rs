@@ -4,6 +4,7 @@
 //! the same bits as the two processes in lock-step.
 
 use atas::goal::{self, Circumstances};
+use atas::tasks::Task;
 use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::{
@@ -23,6 +24,7 @@ pub struct Rehearsal {
     sensed: Sensed,
     command: JointCommand,
     index: u64,
+    task: Option<Task>,
 }
 
 /// What became of one goal.
@@ -93,7 +95,13 @@ impl Rehearsal {
             sensed: Sensed::default(),
             command: JointCommand::default(),
             index: 0,
+            task: None,
         })
+    }
+
+    /// Makes a task known besides the built-in ones, for goals that name it.
+    pub fn teach(&mut self, task: Option<Task>) {
+        self.task = task;
     }
 
     /// One tick: sense, decide, move.
@@ -129,7 +137,7 @@ impl Rehearsal {
         let now = Circumstances {
             robot: &self.robot,
             wiring: self.controller.wiring(),
-            tasks: &[],
+            tasks: self.task.as_slice(),
         };
         let checked = match goal::check(goal, &now) {
             Ok(checked) => checked,

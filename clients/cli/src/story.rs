@@ -1,6 +1,6 @@
 //! A goal's story: its updates, condensed to what a user wants to hear at the end.
 
-use atas::tasks::{BACK_OUT, RAISE, RELEASE, Track, WITHDRAW};
+use atas::tasks::{BACK_OUT, Motion, PICK_PLACE, RAISE, RELEASE, Track, WITHDRAW};
 use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
 
 /// Normal force of a finger that presses, N (ours: above the sensors' noise, below the least grip).
@@ -16,6 +16,8 @@ pub struct Story {
     step: Text<16>,
     /// The last update of the attempt itself, before the hand let go of the object.
     attempt: GoalUpdate,
+    /// When the hand began to let go of what it had placed, ns.
+    let_go_ns: Option<u64>,
 }
 
 impl Story {
@@ -34,6 +36,15 @@ impl Story {
         if !self.lets_go() {
             self.attempt = *update;
         }
+        if is_letting_go(update) {
+            self.let_go_ns.get_or_insert(update.stamp.captured_ns);
+        }
+    }
+
+    /// When the hand began to let go of what it had placed, ns of the controller's clock; `None` if it never did.
+    #[must_use]
+    pub fn let_go_ns(&self) -> Option<u64> {
+        self.let_go_ns
     }
 
     /// From the first update to the last, s.
@@ -110,6 +121,12 @@ impl Story {
     fn was_attempted(&self) -> bool {
         self.attempt.goal_id != 0
     }
+}
+
+/// Whether the hand lets go of what it has placed.
+fn is_letting_go(update: &GoalUpdate) -> bool {
+    let mut steps = PICK_PLACE.acting.iter();
+    steps.any(|step| step.motion == Motion::LetGo && step.name == update.step.as_str())
 }
 
 #[cfg(test)]

@@ -36,6 +36,9 @@ fn accepted() {
     check("atas demo swarm --lockstep --format json");
     check("atas eval grasp --seeds 100 --noise 2 --rate-hz 100 --threads 2");
     check("atas eval grasp --objects wood,sponge,./mine.toml");
+    check("atas eval pick-place --trials 20 --no-baselines --format json");
+    check("atas eval screw --first-seed 10001 --fixed-force 3");
+    check("atas eval assembly --noise 1.5");
     check("atas grasp --at 0.32,-0.15,0.04 --width 50");
     check("atas grasp --at -0.1,0.2,0.1 --yaw -30 --width 50 --hand left --lift 20 --hold 2");
     check("atas grasp --at 0.3,0,0.1 --width 50 --attached --timeout 30 --bus left-arm");
@@ -79,6 +82,10 @@ fn refused() {
     check("atas", "Usage");
     check("atas fly", "unrecognized subcommand");
     check("atas demo grasp --all --object wood", "cannot be used with");
+    check(
+        "atas eval screw --seeds 2 --trials 3",
+        "cannot be used with",
+    );
     check(
         "atas demo grasp --lockstep --realtime",
         "cannot be used with",
@@ -150,8 +157,12 @@ fn values_and_defaults() {
         Ok(Command::Eval {
             task: Eval::Grasp(eval),
         }) => {
-            assert_eq!((eval.seeds, eval.noise, eval.rate_hz), (20, 1.0, 1000));
-            assert!(eval.objects.is_empty() && eval.threads == 0);
+            assert_eq!((eval.trials, eval.seeds, eval.first_seed), (200, None, 1));
+            assert_eq!(
+                (eval.noise, eval.rate_hz, eval.fixed_force),
+                (None, None, None)
+            );
+            assert!(eval.objects.is_empty() && eval.threads == 0 && !eval.no_baselines);
         }
         other => panic!("{other:?}"),
     }

@@ -8,24 +8,42 @@ use super::values::finite;
 #[derive(Debug, Subcommand)]
 pub enum Eval {
     /// The grasp, over families of objects: mass, friction and stiffness ±20 %, pose ±2 mm and ±5°
-    Grasp(EvalGrasp),
+    Grasp(Evaluation),
+    /// Pick and place, over the families that can be held, onto a plate whose height is wrong by up to 10 mm
+    PickPlace(Evaluation),
+    /// Cap screwing, over caps of 12 to 20 mm radius, and threads of any friction, angle and pitch
+    Screw(Evaluation),
+    /// Two-hand assembly, over the same caps on free bottles of any size
+    Assembly(Evaluation),
 }
 
-/// `atas eval grasp`.
+/// How a task is evaluated.
 #[derive(Args, Clone, Debug)]
-pub struct EvalGrasp {
-    /// Trials of each object: seeds 1 to N
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub seeds: u64,
-    /// Scales the noise of the fingertip sensors
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = finite)]
-    pub noise: f64,
-    /// Frames per second of the fingertip sensors
-    #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub rate_hz: u32,
-    /// Built-in objects or files, separated by commas [default: every built-in object]
+pub struct Evaluation {
+    /// Trials, dealt to the objects in turn
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: u64,
+    /// Trials of each object, instead
+    #[arg(long, value_name = "N", conflicts_with = "trials", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub seeds: Option<u64>,
+    /// Number of the first seed: other seeds are other members of the families
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: u64,
+    /// Scales the noise of the fingertip sensors [default: 1 and 2 for the grasp, drawn from 1 to 2 for the others]
+    #[arg(long, value_name = "FACTOR", value_parser = finite)]
+    pub noise: Option<f64>,
+    /// Frames per second of the fingertip sensors [default: 1000, 100 and 30]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rate_hz: Option<u32>,
+    /// Built-in objects or files, separated by commas; for screwing and assembly, caps [default: every built-in one that fits]
     #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
     pub objects: Vec<String>,
+    /// Leave out the baselines: a gripper of fixed force, and one that grips harder whenever it slips
+    #[arg(long)]
+    pub no_baselines: bool,
+    /// Force of the first baseline, newtons [default: the best for the task on other seeds]
+    #[arg(long, value_name = "N", conflicts_with = "no_baselines", value_parser = finite)]
+    pub fixed_force: Option<f64>,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

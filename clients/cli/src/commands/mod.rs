@@ -2,15 +2,13 @@
 
 mod manual;
 
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
-use indicatif::{ProgressBar, ProgressStyle};
-use sim_backend::{Object, ObjectError};
 
-use crate::arguments::{Arguments, Command, Eval, EvalGrasp, Param, RecordAction};
-use crate::exit::{Ended, Exit};
+use crate::arguments::{Arguments, Command, Param, RecordAction};
+use crate::exit::Exit;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::{bench, client, demo, doctor, eval, recording};
@@ -36,9 +34,7 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
     let interrupt = Interrupt::listen()?;
     match command {
         Command::Demo { task } => demo::demo(task, &interrupt, output),
-        Command::Eval {
-            task: Eval::Grasp(arguments),
-        } => evaluate(arguments, &interrupt, output),
+        Command::Eval { task } => eval::evaluate(task, &interrupt, output),
         Command::Grasp(arguments) => client::grasp(arguments, &interrupt, output),
         Command::PickPlace(arguments) => client::pick_place(arguments, &interrupt, output),
         Command::Screw(arguments) => client::screw(arguments, &interrupt, output),
@@ -77,51 +73,6 @@ fn parameter(action: &Param, output: &mut Output) -> anyhow::Result<()> {
         Param::Get { name, bus } => client::get(&bus.bus, name, output),
         Param::Set { name, value, bus } => client::set(&bus.bus, name, *value, output),
     }
-}
-
-fn evaluate(
-    arguments: &EvalGrasp,
-    interrupt: &Interrupt,
-    output: &mut Output,
-) -> anyhow::Result<()> {
-    let objects: Result<Vec<Object>, ObjectError> = if arguments.objects.is_empty() {
-        Object::names().map(Object::built_in).collect()
-    } else {
-        let named = arguments.objects.iter();
-        named.map(|name| Object::named_or_file(name)).collect()
-    };
-    let plan = eval::Plan {
-        objects: objects.map_err(|error| Ended::with(Exit::Usage, error.to_string()))?,
-        seeds: arguments.seeds,
-        noise: arguments.noise,
-        rate_hz: arguments.rate_hz,
-        threads: arguments.threads,
-        settings: atas::Settings::default(),
-    };
-    let bar = trial_bar(plan.trials());
-    let report = plan.run(interrupt.flag(), || bar.inc(1))?;
-    let done = bar.position();
-    bar.finish_and_clear();
-    match report {
-        Some(report) => eval::print(&report, output),
-        None => Err(Ended::with(
-            Exit::Interrupted,
-            format!(
-                "interrupted after {done} of {} trials; nothing was reported",
-                plan.trials()
-            ),
-        )),
-    }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn trial_bar(trials: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let template = "{bar:40} {pos}/{len} trials, {elapsed} passed, {eta} left";
-    let style = ProgressStyle::with_template(template);
-    ProgressBar::new(trials).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// Whoever reads the output may stop reading: `atas events | head` is no error.

@@ -64,9 +64,7 @@ impl Piece for PickPlace {
     fn judge(&self, seen: &Seen) -> Judged {
         let [x_m, y_m, _] = self.nominal.place.from_m;
         let end = seen.story.last();
-        let truth = &seen.truth.objects[0];
-        let carried_ns = (truth.carried_ns > 0).then_some(truth.carried_ns);
-        let placing = Placing::of(end, &seen.truth, [x_m, y_m], carried_ns);
+        let placing = Placing::of(end, &seen.truth, [x_m, y_m], seen.story.let_go_ns());
         let feasible = Load::of(self.object(), &Settings::default().grasp).is_feasible();
         let outcome = Outcome::of(end, &seen.truth, SIDE.index(), LIFT_M);
         let refused = !feasible && outcome.is_expected(feasible);

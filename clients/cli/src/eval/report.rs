@@ -1,48 +1,77 @@
 //! The report of an evaluation: counts, ratios and their uncertainty, as people and programs read them.
 //!
-//! The first seven fields are a contract with scripts; further fields only ever come after them.
+//! The names of the fields are a contract with scripts; there may be more of them, never fewer.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Plan, Record};
+use super::plan::Noise;
+use super::statistics::{deviation, median, wilson};
+use super::{Condition, Grasped, Plan, Record};
 use crate::judge::Outcome;
-
-/// Two-sided 95 % quantile of the normal distribution.
-const Z_95: f64 = 1.959_963_984_540_054;
 
 /// What an evaluation found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// The task.
     pub task: &'static str,
-    /// Trials in all.
-    pub trials: u64,
-    /// Trials whose object can be held, by physics: see [`crate::judge::Load::is_feasible`].
-    pub feasible: Feasible,
-    /// All other trials.
-    pub infeasible: Infeasible,
-    /// Simulated seconds per second of one core's processor time.
+    /// Our modules under the first condition.
+    #[serde(flatten)]
+    pub tally: Tally,
+    /// What physics allows, of a grasp.
+    #[serde(flatten)]
+    pub physics: Option<Physics>,
+    /// Success of each baseline on the same trials, by its name.
+    pub baselines: BTreeMap<&'static str, f64>,
+    /// Simulated seconds per second of one core's processor time, of our modules.
     pub realtime_factor: f64,
     /// How long the evaluation took, s.
     pub wall_s: f64,
-    /// Share of trials that ended as physics says they should.
-    pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
-    pub ci95: [f64; 2],
-    /// How many trials ended otherwise, by what became of them.
-    pub failures: BTreeMap<String, u64>,
-    /// How many trials, among those counted above, lie so near to F_2 that either end would be right.
-    pub borderline: u64,
-    /// Trials of each object.
+    /// Trials of each object, rounded up.
     pub seeds: u64,
-    /// Scale of the sensors' noise.
-    pub noise: f64,
-    /// Frames per second of the sensors.
+    /// Scale of the sensors' noise under the first condition.
+    pub noise: Noise,
+    /// Frames per second of the sensors under the first condition.
     pub rate_hz: u32,
     /// The same per family of objects.
     pub families: Vec<Family>,
+    /// Our modules under every condition.
+    pub rows: Vec<Row>,
+    /// More about the baselines.
+    pub baseline_rows: Vec<Baseline>,
+}
+
+/// How many trials went how.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tally {
+    /// Trials in all.
+    pub trials: u64,
+    /// Share of them that are a success.
+    pub success: f64,
+    /// Wilson score interval of `success`, 95 %.
+    pub ci95: [f64; 2],
+    /// How many are not, by what became of them.
+    pub failures: BTreeMap<String, u64>,
+    /// Medians of what was measured, over successes.
+    pub medians: BTreeMap<&'static str, f64>,
+    /// The largest of the same.
+    pub largest: BTreeMap<&'static str, f64>,
+}
+
+/// Trials by what physics allows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Physics {
+    /// Trials whose object can be held: see [`crate::judge::Load::is_feasible`].
+    pub feasible: Feasible,
+    /// All others.
+    pub infeasible: Infeasible,
+    /// How many of both lie so near to F_2 that either end would be right.
+    pub borderline: u64,
+    /// Median of the measured F_2 over the F_2 at the true stiffness.
+    pub f2_ratio_median: Option<f64>,
+    /// Standard deviation of the same.
+    pub f2_ratio_deviation: Option<f64>,
 }
 
 /// Trials whose object can be held.
@@ -76,178 +105,188 @@ pub struct Infeasible {
 pub struct Family {
     /// Name of the object in its middle.
     pub object: String,
-    /// Its trials that can be held.
-    pub feasible: Feasible,
-    /// Its other trials.
-    pub infeasible: Infeasible,
-    /// Median of the measured F_2 over the F_2 at the true stiffness.
-    pub f2_ratio_median: Option<f64>,
-    /// Standard deviation of the same.
-    pub f2_ratio_deviation: Option<f64>,
-    /// Median slip of held objects, mm.
-    pub slip_median_mm: Option<f64>,
-    /// How many trials ended otherwise than physics says they should.
-    pub failures: BTreeMap<String, u64>,
+    /// Its trials.
+    #[serde(flatten)]
+    pub tally: Tally,
+    /// What physics allows, of a grasp.
+    #[serde(flatten)]
+    pub physics: Option<Physics>,
+}
+
+/// One condition.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Scale of the sensors' noise.
+    pub noise: Noise,
+    /// Frames per second of the sensors.
+    pub rate_hz: u32,
+    /// Its trials.
+    #[serde(flatten)]
+    pub tally: Tally,
+    /// What physics allows, of a grasp.
+    #[serde(flatten)]
+    pub physics: Option<Physics>,
+}
+
+/// One baseline.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Baseline {
+    /// Its name.
+    pub baseline: &'static str,
+    /// Its trials.
+    #[serde(flatten)]
+    pub tally: Tally,
+    /// What physics allows, of a grasp.
+    #[serde(flatten)]
+    pub physics: Option<Physics>,
 }
 
 impl Report {
-    /// Counts the records of a plan. Their order does not matter.
-    #[must_use]
-    pub fn of(plan: &Plan, records: &[Record], wall_s: f64) -> Self {
-        let trials = records.len() as u64;
-        let failures = failures(records);
-        let successes = trials - failures.values().sum::<u64>();
-        let sum = |value: fn(&Record) -> f64| records.iter().map(value).sum::<f64>();
+    /// Counts the records of a plan, series by series. The order within a series does not matter.
+    pub(super) fn of(plan: &Plan, series: &[Vec<Record>], wall_s: f64) -> Self {
+        let (ours, theirs) = series.split_at(plan.conditions.len());
+        let first: Vec<&Record> = ours[0].iter().collect();
+        let Condition { noise, rate_hz } = plan.conditions[0];
+        let sum = |value: fn(&Record) -> f64| ours.iter().flatten().map(value).sum::<f64>();
+        let rows = plan.conditions.iter().zip(ours);
+        let baseline_rows: Vec<Baseline> = plan
+            .baselines
+            .iter()
+            .zip(theirs)
+            .map(|(law, records)| Baseline::of(law.name(), &records.iter().collect::<Vec<_>>()))
+            .collect();
+        let success = |row: &Baseline| (row.baseline, row.tally.success);
         Self {
-            task: "grasp",
-            trials,
-            feasible: feasible(records),
-            infeasible: infeasible(records),
+            task: plan.task.name(),
+            tally: Tally::of(&first),
+            physics: Physics::of(&first),
+            baselines: baseline_rows.iter().map(success).collect(),
             realtime_factor: sum(|r| r.simulated_s) / sum(|r| r.cpu_s),
             wall_s,
-            success: successes as f64 / trials as f64,
-            ci95: wilson(successes, trials),
-            failures,
-            borderline: count(records, |r| r.load.is_borderline()),
-            seeds: plan.seeds,
-            noise: plan.noise,
-            rate_hz: plan.rate_hz,
+            seeds: plan.trials.div_ceil(plan.objects.len() as u64),
+            noise,
+            rate_hz,
             families: (0..plan.objects.len())
-                .map(|index| family(plan, records, index))
+                .map(|object| Family::of(plan, &first, object))
                 .collect(),
+            rows: rows.map(|(c, records)| Row::of(c, records)).collect(),
+            baseline_rows,
         }
     }
 }
 
-fn family(plan: &Plan, records: &[Record], index: usize) -> Family {
-    let records: Vec<Record> = records
-        .iter()
-        .filter(|record| record.object == index)
-        .copied()
-        .collect();
-    let f2_ratios: Vec<f64> = records.iter().filter_map(|r| r.f2_ratio).collect();
-    Family {
-        object: plan.objects[index].name.clone(),
-        feasible: feasible(&records),
-        infeasible: infeasible(&records),
-        f2_ratio_deviation: deviation(&f2_ratios),
-        f2_ratio_median: median(f2_ratios),
-        slip_median_mm: median(
-            records
-                .iter()
-                .filter_map(|r| r.slip_m)
-                .map(|slip_m| slip_m * 1e3)
-                .collect(),
-        ),
-        failures: failures(&records),
+impl Tally {
+    fn of(records: &[&Record]) -> Self {
+        let trials = records.len() as u64;
+        let mut failures = BTreeMap::<String, u64>::new();
+        let mut measures = BTreeMap::<&'static str, Vec<f64>>::new();
+        for record in records {
+            if let Some(key) = record.finding.failure() {
+                *failures.entry(key.to_owned()).or_default() += 1;
+                continue;
+            }
+            for (name, value) in record.finding.measures() {
+                measures.entry(name).or_default().push(value);
+            }
+        }
+        let successes = trials - failures.values().sum::<u64>();
+        let largest = |values: &Vec<f64>| values.iter().copied().reduce(f64::max);
+        Self {
+            trials,
+            success: successes as f64 / trials.max(1) as f64,
+            ci95: wilson(successes, trials),
+            failures,
+            largest: of_each(&measures, largest),
+            medians: of_each(&measures, |values| median(values.clone())),
+        }
     }
 }
 
-fn feasible(records: &[Record]) -> Feasible {
-    let count_of = |outcome| count(records, |r| r.load.is_feasible() && r.outcome == outcome);
-    let over_grips = records.iter().filter(|r| r.load.is_feasible());
+fn of_each(
+    measures: &BTreeMap<&'static str, Vec<f64>>,
+    figure: impl Fn(&Vec<f64>) -> Option<f64>,
+) -> BTreeMap<&'static str, f64> {
+    let figures = measures
+        .iter()
+        .map(|(name, values)| (*name, figure(values)));
+    figures.filter_map(|(name, f)| Some((name, f?))).collect()
+}
+
+impl Family {
+    fn of(plan: &Plan, records: &[&Record], object: usize) -> Self {
+        let own = records.iter().filter(|r| r.object == object);
+        let own: Vec<&Record> = own.copied().collect();
+        Self {
+            object: plan.objects[object].name.clone(),
+            tally: Tally::of(&own),
+            physics: Physics::of(&own),
+        }
+    }
+}
+
+impl Row {
+    fn of(condition: &Condition, records: &[Record]) -> Self {
+        let records: Vec<&Record> = records.iter().collect();
+        Self {
+            noise: condition.noise,
+            rate_hz: condition.rate_hz,
+            tally: Tally::of(&records),
+            physics: Physics::of(&records),
+        }
+    }
+}
+
+impl Baseline {
+    fn of(baseline: &'static str, records: &[&Record]) -> Self {
+        Self {
+            baseline,
+            tally: Tally::of(records),
+            physics: Physics::of(records),
+        }
+    }
+}
+
+impl Physics {
+    /// `None` unless there are grasps.
+    fn of(records: &[&Record]) -> Option<Self> {
+        let grasps: Vec<&Grasped> = records.iter().filter_map(|r| r.finding.grasped()).collect();
+        if grasps.is_empty() {
+            return None;
+        }
+        let f2_ratios: Vec<f64> = grasps.iter().filter_map(|g| g.f2_ratio).collect();
+        Some(Self {
+            feasible: feasible(&grasps),
+            infeasible: infeasible(&grasps),
+            borderline: count(&grasps, |g| g.load.is_borderline()),
+            f2_ratio_deviation: deviation(&f2_ratios),
+            f2_ratio_median: median(f2_ratios),
+        })
+    }
+}
+
+fn feasible(grasps: &[&Grasped]) -> Feasible {
+    let count_of = |outcome| count(grasps, |g| g.load.is_feasible() && g.outcome == outcome);
+    let over_grips = grasps.iter().filter(|g| g.load.is_feasible());
     Feasible {
-        trials: count(records, |r| r.load.is_feasible()),
+        trials: count(grasps, |g| g.load.is_feasible()),
         held: count_of(Outcome::Held),
         crushed: count_of(Outcome::Crushed),
         dropped: count_of(Outcome::Dropped),
-        over_grip_median: median(over_grips.filter_map(|r| r.over_grip).collect()),
+        over_grip_median: median(over_grips.filter_map(|g| g.over_grip).collect()),
     }
 }
 
-fn infeasible(records: &[Record]) -> Infeasible {
-    let is = |r: &Record| !r.load.is_feasible();
+fn infeasible(grasps: &[&Grasped]) -> Infeasible {
+    let is = |g: &Grasped| !g.load.is_feasible();
     Infeasible {
-        trials: count(records, is),
-        refused: count(records, |r| {
-            is(r) && matches!(r.outcome, Outcome::Refused(_))
+        trials: count(grasps, is),
+        refused: count(grasps, |g| {
+            is(g) && matches!(g.outcome, Outcome::Refused(_))
         }),
-        crushed: count(records, |r| is(r) && r.outcome == Outcome::Crushed),
+        crushed: count(grasps, |g| is(g) && g.outcome == Outcome::Crushed),
     }
 }
 
-fn failures(records: &[Record]) -> BTreeMap<String, u64> {
-    let mut failures = BTreeMap::new();
-    let unexpected = |r: &&Record| !r.outcome.is_expected(r.load.is_feasible());
-    for record in records.iter().filter(unexpected) {
-        *failures
-            .entry(record.outcome.key(record.step.as_str()))
-            .or_default() += 1;
-    }
-    failures
-}
-
-fn count(records: &[Record], is: impl Fn(&Record) -> bool) -> u64 {
-    records.iter().filter(|record| is(record)).count() as u64
-}
-
-/// The middle value, or the mean of the two in the middle.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let upper = values.len() / 2;
-    match values.len() {
-        0 => None,
-        odd if odd % 2 == 1 => Some(values[upper]),
-        _ => Some((values[upper - 1] + values[upper]) / 2.0),
-    }
-}
-
-/// Standard deviation of a sample; `None` below two values.
-fn deviation(values: &[f64]) -> Option<f64> {
-    if values.len() < 2 {
-        return None;
-    }
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    Some((squares / (count - 1.0)).sqrt())
-}
-
-/// Wilson score interval of a share, 95 % (Wilson 1927). Of nothing, everything is possible.
-#[must_use]
-pub fn wilson(successes: u64, trials: u64) -> [f64; 2] {
-    if trials == 0 {
-        return [0.0, 1.0];
-    }
-    let (n, p) = (trials as f64, successes as f64 / trials as f64);
-    let z2 = Z_95 * Z_95;
-    let centre = p + z2 / (2.0 * n);
-    let half = Z_95 * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
-    let scale = 1.0 / (1.0 + z2 / n);
-    [
-        ((centre - half) * scale).max(0.0),
-        ((centre + half) * scale).min(1.0),
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wilson_intervals() {
-        let check = |successes, trials, expected: [f64; 2]| {
-            let interval = wilson(successes, trials);
-            let near = |side: usize| (interval[side] - expected[side]).abs() < 1e-4;
-            assert!(near(0) && near(1), "{successes}/{trials}: {interval:?}");
-        };
-        // Values from R's binom::binom.confint(method = "wilson").
-        check(0, 0, [0.0, 1.0]);
-        check(0, 10, [0.0, 0.2775]);
-        check(10, 10, [0.7225, 1.0]);
-        check(5, 10, [0.2366, 0.7634]);
-        check(599, 600, [0.9906, 0.9997]);
-    }
-
-    #[test]
-    fn medians_and_deviations() {
-        let check = |values: &[f64], expected_median, expected_deviation: Option<f64>| {
-            assert_eq!(median(values.to_vec()), expected_median, "{values:?}");
-            assert_eq!(deviation(values), expected_deviation, "{values:?}");
-        };
-        check(&[], None, None);
-        check(&[3.0], Some(3.0), None);
-        check(&[3.0, 1.0], Some(2.0), Some(2.0_f64.sqrt()));
-        check(&[3.0, 1.0, 2.0], Some(2.0), Some(1.0));
-    }
+fn count(grasps: &[&Grasped], is: impl Fn(&Grasped) -> bool) -> u64 {
+    grasps.iter().filter(|grasp| is(grasp)).count() as u64
 }

@@ -1,88 +1,125 @@
-//! The report for people: a table per family, and the summary.
+//! The report for people: a table of families, conditions and baselines, and the summary.
 
-use super::{Family, Report};
+use std::collections::BTreeMap;
+
+use comfy_table::Cell;
+
+use super::plan::Noise;
+use super::{Physics, Report, Tally};
 use crate::output::{Output, table};
 
 /// Prints the report in the format asked for.
-pub(crate) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
+pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(report);
     }
-    let mut rows = table(&[
-        "family",
-        "trials",
-        "feasible",
-        "held",
-        "infeasible",
-        "refused",
-        "crushed",
-        "dropped",
-        "over-grip",
-        "F_2 found/true",
-        "slip mm",
-        "otherwise",
-    ]);
+    let measures: Vec<&'static str> = report.tally.medians.keys().copied().collect();
+    let of_grasps = report.physics.is_some();
+    let mut header = vec!["", "trials", "success"];
+    if of_grasps {
+        header.extend(["held", "refused", "crushed", "dropped"]);
+    }
+    header.extend(measures.iter().map(|name| heading(name)));
+    header.push("otherwise");
+    let mut rows = table(&header);
+    let mut add = |name: String, tally: &Tally, physics: Option<&Physics>| {
+        let mut cells: Vec<Cell> = vec![name.into(), tally.trials.into()];
+        cells.push(percent(tally.success).into());
+        cells.extend(physics.map(counts).into_iter().flatten());
+        cells.extend(measures.iter().map(|name| figure(tally, name)));
+        cells.push(otherwise(&tally.failures, output));
+        rows.add_row(cells);
+    };
     for family in &report.families {
-        rows.add_row(row(family, output));
+        add(
+            family.object.clone(),
+            &family.tally,
+            family.physics.as_ref(),
+        );
+    }
+    for row in &report.rows {
+        let name = format!("all, noise × {}, {} Hz", noise(row.noise), row.rate_hz);
+        add(name, &row.tally, row.physics.as_ref());
+    }
+    for row in &report.baseline_rows {
+        add(row.baseline.to_owned(), &row.tally, row.physics.as_ref());
     }
     output.line(rows)?;
     output.line(summary(report))
 }
 
-fn row(family: &Family, output: &Output) -> Vec<comfy_table::Cell> {
-    let (feasible, infeasible) = (&family.feasible, &family.infeasible);
-    let failures: Vec<String> = family
-        .failures
+/// A measure's name as a column's heading.
+fn heading(name: &str) -> &str {
+    match name {
+        "over_grip" => "over-grip",
+        "slip_mm" => "slip mm",
+        "off_mm" => "off mm",
+        "latency_ms" => "latency ms",
+        "parting_ms" => "parting ms",
+        "released_above_mm" => "above mm",
+        "tilt_deg" => "tilt °",
+        other => other,
+    }
+}
+
+fn counts(physics: &Physics) -> [Cell; 4] {
+    let (feasible, infeasible) = (&physics.feasible, &physics.infeasible);
+    let of = |count: u64, trials: u64| match trials {
+        0 => "-".to_owned(),
+        trials => format!("{count} of {trials}"),
+    };
+    [
+        of(feasible.held, feasible.trials).into(),
+        of(infeasible.refused, infeasible.trials).into(),
+        (feasible.crushed + infeasible.crushed).into(),
+        feasible.dropped.into(),
+    ]
+}
+
+/// Median and largest of a measure.
+fn figure(tally: &Tally, name: &str) -> Cell {
+    match (tally.medians.get(name), tally.largest.get(name)) {
+        (Some(median), Some(largest)) => format!("{median:.2} to {largest:.2}").into(),
+        _ => "-".into(),
+    }
+}
+
+fn otherwise(failures: &BTreeMap<String, u64>, output: &Output) -> Cell {
+    let failures: Vec<String> = failures
         .iter()
         .map(|(key, count)| format!("{count} {key}"))
         .collect();
-    let f2 = match (family.f2_ratio_median, family.f2_ratio_deviation) {
-        (Some(median), Some(deviation)) => format!("{median:.2} ± {deviation:.2}"),
-        (median, _) => number(median, 2),
-    };
-    let mut cells: Vec<comfy_table::Cell> = vec![
-        family.object.as_str().into(),
-        (feasible.trials + infeasible.trials).into(),
-        feasible.trials.into(),
-        feasible.held.into(),
-        infeasible.trials.into(),
-        infeasible.refused.into(),
-        (feasible.crushed + infeasible.crushed).into(),
-        feasible.dropped.into(),
-        number(feasible.over_grip_median, 2).into(),
-        f2.into(),
-        number(family.slip_median_mm, 2).into(),
-    ];
-    cells.push(match failures.as_slice() {
+    match failures.as_slice() {
         [] => output.verdict("none", true),
         failures => output.verdict(&failures.join(", "), false),
-    });
-    cells
+    }
 }
 
 fn summary(report: &Report) -> String {
-    let (feasible, infeasible) = (&report.feasible, &report.infeasible);
+    let tally = &report.tally;
+    let borderline = report.physics.as_ref().map_or_else(String::new, |physics| {
+        format!(", {} borderline", physics.borderline)
+    });
     format!(
-        "{} trials: {} of {} feasible held, {} of {} infeasible refused, {} crushed, {} dropped, {} borderline\n\
-         success {:.2} % (95 % confidence {:.2} to {:.2} %), over-grip median {}\n\
+        "{}: {} of {} trials (95 % confidence {} to {}){borderline}; figures are median to largest\n\
          {:.1} × real time per core, {:.1} s",
-        report.trials,
-        feasible.held,
-        feasible.trials,
-        infeasible.refused,
-        infeasible.trials,
-        feasible.crushed + infeasible.crushed,
-        report.failures.get("dropped").unwrap_or(&0),
-        report.borderline,
-        report.success * 100.0,
-        report.ci95[0] * 100.0,
-        report.ci95[1] * 100.0,
-        number(feasible.over_grip_median, 2),
+        report.task,
+        percent(tally.success),
+        tally.trials,
+        percent(tally.ci95[0]),
+        percent(tally.ci95[1]),
         report.realtime_factor,
         report.wall_s,
     )
 }
 
-fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "-".into(), |value| format!("{value:.digits$}"))
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+fn noise(noise: Noise) -> String {
+    match noise {
+        Noise::Scale(scale) => format!("{scale}"),
+        Noise::Between([low, high]) => format!("{low} to {high}"),
+    }
 }

@@ -1,40 +1,27 @@
 //! One trial: a member of an object's family, a world around it, a goal from nominal knowledge, and the judgement.
 
 use anyhow::Context;
-use robot_model::{RobotModel, Side};
+use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
-use shm_schemas::Text;
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
-use sim_backend::Scene;
 use sim_backend::random::split_mix;
 
-use super::Plan;
-use crate::arguments::{HOLD_S, LIFT_MM};
-use crate::judge::{Load, Outcome};
-use crate::rehearsal::{Rehearsal, grasp_goal};
+use super::finding::{Finding, judge};
+use super::plan::{Job, Plan};
+use crate::judge::Load;
+use crate::rehearsal::Rehearsal;
+use crate::story::Story;
 
-/// The hand that grasps.
-const SIDE: Side = Side::Right;
-/// Longest simulated time of a trial, s (ours: ten times what a clean grasp takes).
-const LIMIT_S: f64 = 120.0;
+/// What turns a trial's seed into that of its noise scale (ours: any number does).
+const NOISE_STREAM: u64 = 0x6e_6f69_7365;
 
 /// The judgement of one trial.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// Index of the object in the plan.
     pub object: usize,
-    /// What physics says of this member of the family.
-    pub load: Load,
-    /// What truly became of it.
-    pub outcome: Outcome,
-    /// The controller's step at the end.
-    pub step: Text<16>,
-    /// Mean true normal force of the fingers at the end over the force needed; of held objects only.
-    pub over_grip: Option<f64>,
-    /// F_2 that the controller measured over F_2 at the true stiffness; `None` if it never got so far.
-    pub f2_ratio: Option<f64>,
-    /// How far the object slid on a fingertip, the farther of the two, m; of held objects only.
-    pub slip_m: Option<f64>,
+    /// What became of it.
+    pub finding: Finding,
     /// Simulated time, s.
     pub simulated_s: f64,
     /// Processor time of this thread, s. The only field that is not a function of the plan.
@@ -48,49 +35,39 @@ pub fn trial_seed(object: &str, seed: u64) -> u64 {
     split_mix(fnv1a(FNV_OFFSET, object.as_bytes()) ^ split_mix(seed))
 }
 
-pub(super) fn run(
-    robot: &RobotModel,
-    plan: &Plan,
-    object: usize,
-    number: u64,
-) -> anyhow::Result<Record> {
+pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
     let begin_s = cpu_s();
-    let nominal = &plan.objects[object];
-    let seed = trial_seed(&nominal.name, number);
-    let mut scene = Scene::grasp(nominal.clone(), SIDE).varied(seed);
-    scene.noise_factor = plan.noise;
-    scene.sensor_rate_hz = [plan.rate_hz; 2];
-    let hint = scene
-        .grasp_hint(0)
-        .context("the scene of a grasp has an object")?;
+    let nominal = &plan.objects[job.object];
+    let seed = trial_seed(&nominal.name, job.number);
+    let mut scene = plan.task.scene(nominal, seed)?;
+    scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
+    scene.sensor_rate_hz = [job.condition.rate_hz; 2];
+    let goal = plan.task.goal(&scene)?;
     let load = Load::of(&scene.objects[0].object, &plan.settings.grasp);
-    let lift_m = LIFT_MM * 1e-3;
-    let mut rehearsal = Rehearsal::new(robot, &scene, seed, plan.settings)?;
-    let trial = rehearsal.run(&grasp_goal(&hint, SIDE, lift_m, HOLD_S), LIMIT_S, |_, _| {});
+    let mut story = Story::default();
+    let settings = job.law.settings(&plan.settings);
+    let mut rehearsal = Rehearsal::new(robot, &scene, seed, settings)?;
+    let (goal, task) = job.law.goal(&goal);
+    rehearsal.teach(task);
+    let trial = rehearsal.run(&goal, plan.task.limit_s(), |outputs, _| {
+        outputs.goal_update.iter().for_each(|u| story.add(u));
+    });
     if let Some(fault) = rehearsal.world().fault() {
-        return Err(fault).with_context(|| format!("object {:?}, seed {number}", nominal.name));
+        let name = &nominal.name;
+        return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
     }
-    let hand = SIDE.index();
-    let fingers = ..robot_model::FINGERS;
-    let outcome = Outcome::of(&trial.end, &trial.truth, hand, lift_m);
-    let pressed_n = &trial.truth.normal_n[hand][fingers];
-    let mean_n = pressed_n.iter().sum::<f64>() / pressed_n.len() as f64;
-    let slip_m = trial.truth.slip_m[hand][fingers]
-        .iter()
-        .fold(0.0, |farthest: f64, slip_m| farthest.max(*slip_m));
-    let is_held = outcome == Outcome::Held;
-    let measured_f2 = trial.end.figures.hardness_n_m > 0.0;
+    let [x_m, y_m, _] = goal.to_m;
     Ok(Record {
-        object,
-        load,
-        outcome,
-        step: trial.end.step,
-        over_grip: is_held.then_some(mean_n / load.needed_n),
-        f2_ratio: measured_f2.then(|| f64::from(trial.end.figures.f2_n) / load.f2_n),
-        slip_m: is_held.then_some(slip_m),
+        object: job.object,
+        finding: judge(plan.task, &trial, &story, load, [x_m, y_m]),
         simulated_s: trial.simulated_s,
         cpu_s: cpu_s() - begin_s,
     })
+}
+
+/// A number from 0 to 1 from a seed.
+fn share(seed: u64) -> f64 {
+    (split_mix(seed) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Processor time of this thread, s.

@@ -7,7 +7,7 @@
 //! | task | success |
 //! |---|---|
 //! | grasp | [`Outcome`]: held if physics allows it, else put back unharmed |
-//! | pick and place | [`Placing`]: within 5 mm, let go within 20 ms of support and not above it, unharmed |
+//! | pick and place | [`Placing`]: within 5 mm, opened within 20 ms of support and not above it, unharmed |
 //! | screw | [`Screwing`]: closed, to 1.3 to 2.5 × the thread's friction |
 //! | assembly | [`Assembly`]: bottle standing, cap closed |
 
@@ -20,7 +20,7 @@ mod tests;
 
 pub use assembly::Assembly;
 pub use grasp::{Load, Outcome};
-pub use pick_place::{Placing, Support};
+pub use pick_place::Placing;
 pub use screw::Screwing;
 
 use shm_schemas::{GoalState, GoalUpdate, ObjectTruth};

@@ -25,12 +25,13 @@ fn world(first: ObjectTruth, second: ObjectTruth) -> WorldTruth {
     truth
 }
 
-/// An object that landed after 100 ms and was let go after 108 ms where it belongs.
+/// An object that landed after 100 ms, was carried after 101 ms, and parted from the hand after 190 ms where it belongs.
 fn placed() -> ObjectTruth {
     ObjectTruth {
         position_m: [0.32, -0.27, 0.03],
         landed_ns: 100 * MS_NS,
-        released_ns: 108 * MS_NS,
+        carried_ns: 101 * MS_NS,
+        released_ns: 190 * MS_NS,
         released_above_m: 0.0001,
         ..ObjectTruth::default()
     }
@@ -38,63 +39,50 @@ fn placed() -> ObjectTruth {
 
 #[test]
 fn placings() {
-    let check = |end: GoalUpdate, object: ObjectTruth, carried_ms, expected: Option<&str>| {
+    let check = |end: GoalUpdate, object: ObjectTruth, opened_ms, expected: Option<&str>| {
         let truth = world(object, ObjectTruth::default());
-        let carried_ns = Option::map(carried_ms, |ms: u64| ms * MS_NS);
-        let placing = Placing::of(&end, &truth, [0.32, -0.27], carried_ns);
+        let let_go_ns = Option::map(opened_ms, |ms: u64| ms * MS_NS);
+        let placing = Placing::of(&end, &truth, [0.32, -0.27], let_go_ns);
         assert_eq!(placing.failure.as_deref(), expected, "{placing:?}");
     };
     let object = placed();
-    check(done(), object, Some(101), None);
-    check(done(), object, None, None);
+    check(done(), object, Some(108), None);
     let off = |dx_m: f64| ObjectTruth {
         position_m: [0.32 + dx_m, -0.27, 0.03],
         ..object
     };
-    check(done(), off(0.0049), None, None);
-    check(done(), off(-0.0051), None, Some("off its place"));
-    check(done(), off(f64::NAN), None, Some("off its place"));
-    let released = |ms: u64, above_m: f64| ObjectTruth {
-        released_ns: ms * MS_NS,
-        released_above_m: above_m,
+    check(done(), off(0.0049), Some(108), None);
+    check(done(), off(-0.0051), Some(108), Some("off its place"));
+    check(done(), off(f64::NAN), Some(108), Some("off its place"));
+    check(done(), object, Some(121), None);
+    check(done(), object, Some(122), Some("released late"));
+    check(done(), object, None, Some("released late"));
+    let above = |released_above_m: f64| ObjectTruth {
+        released_above_m,
         ..object
     };
-    check(done(), released(121, 0.0), None, Some("released late"));
-    check(done(), released(121, 0.0), Some(101), None);
-    check(done(), released(99, 0.0019), None, None);
-    check(done(), released(99, 0.0021), None, Some("released early"));
-    check(done(), released(0, 0.0), None, Some("never released"));
+    check(done(), above(0.0019), Some(99), None);
+    check(done(), above(0.0021), Some(99), Some("released early"));
+    check(done(), above(f64::NAN), Some(99), Some("released early"));
+    let never = ObjectTruth {
+        released_ns: 0,
+        ..object
+    };
+    check(done(), never, Some(108), Some("never released"));
+    let in_the_air = ObjectTruth {
+        carried_ns: 0,
+        ..object
+    };
+    check(done(), in_the_air, Some(108), Some("never released"));
     let harmed = ObjectTruth {
         dropped: 1,
         ..object
     };
-    check(done(), harmed, None, Some("dropped"));
+    check(done(), harmed, Some(108), Some("dropped"));
     let heavy = end(GoalState::REFUSED, Cause::TOO_HEAVY, "leave");
-    check(heavy, object, None, Some("refused: too-heavy"));
+    check(heavy, object, Some(108), Some("refused: too-heavy"));
     let lost = end(GoalState::FAILED, Cause::LOST_OBJECT, "convey");
     check(lost, object, None, Some("failed in convey: lost-object"));
-}
-
-#[test]
-fn a_place_carries_from_a_fifth_of_a_newton_or_a_tenth_of_the_weight() {
-    let check = |weight_n: f64, table_n: f64, landed_ns: u64, expected: Option<u64>| {
-        let mut support = Support::of(weight_n);
-        let object = ObjectTruth {
-            table_n,
-            landed_ns,
-            ..ObjectTruth::default()
-        };
-        support.look(&object, 7);
-        support.look(&object, 8);
-        assert_eq!(support.since_ns(), expected, "{weight_n} {table_n}");
-    };
-    check(1.0, 0.2, 5, Some(7));
-    check(1.0, 0.19, 5, None);
-    check(4.0, 0.39, 5, None);
-    check(4.0, 0.41, 5, Some(7));
-    // It still stands where it stood at first.
-    check(1.0, 1.0, 0, None);
-    check(1.0, f64::NAN, 5, None);
 }
 
 fn cap(tightness: f64) -> ObjectTruth {

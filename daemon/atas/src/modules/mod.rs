@@ -19,6 +19,7 @@
 //! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
 //! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
+//! | `react` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
 
 mod carry;
 mod first_touch;
@@ -26,6 +27,7 @@ mod force_limit;
 mod guard;
 mod lift_proof;
 mod probe;
+mod react;
 mod relax;
 mod release_placed;
 mod slip;
@@ -44,6 +46,7 @@ use guard::Guard;
 use lift_proof::LiftProof;
 use nalgebra::Matrix3;
 use probe::Probe;
+use react::React;
 use relax::Relax;
 use release_placed::ReleasePlaced;
 use robot_model::{FINGERS, GraspFrame};
@@ -148,7 +151,7 @@ pub trait Module {
 }
 
 /// Number of modules.
-pub const COUNT: usize = 12;
+pub const COUNT: usize = 13;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -198,6 +201,7 @@ pub struct Modules {
     terminate_screw: TerminateScrew,
     guard: Guard,
     lift_proof: LiftProof,
+    react: React,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -214,6 +218,7 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::TERMINATE_SCREW,
     ModuleId::GUARD,
     ModuleId::LIFT_PROOF,
+    ModuleId::SLIP_REACTION,
 ];
 
 impl Modules {
@@ -237,6 +242,7 @@ impl Modules {
             &mut self.terminate_screw,
             &mut self.guard,
             &mut self.lift_proof,
+            &mut self.react,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {

@@ -1,0 +1,52 @@
+//! Slip reaction, a baseline to compare the paper's modules with: the force target rises by a fixed share whenever the
+//! object slips, after J. M. Romano, K. Hsiao, G. Niemeyer, S. Chitta and K. J. Kuchenbecker, "Human-inspired robotic grasp
+//! control with tactile sensing", IEEE Transactions on Robotics 27(6), 2011.
+//!
+//! It knows no hardness, no F_2 and no way back: it starts at F_1 and never gives force back. No built-in task has it.
+//! It is told of slip by the same friction utilisation as Module 2, not by the high-pass filtered forces and the
+//! accelerometer of the published one: what is compared is the law, not the sense.
+
+use super::{Context, Module, Proposal, force_range_n};
+use crate::perception::{FingerPercept, Percept};
+use crate::settings::Grasp;
+use robot_model::FINGERS;
+
+/// Share by which the target rises per sample that shows slip: 8 %, as 0.2 % per millisecond for the 41 ms of a sample of
+/// its pressure sensors in the authors' controller for the PR2.
+const RAISE_SHARE: f64 = 0.08;
+/// Time of one sample, s.
+const SAMPLE_S: f64 = 0.041;
+
+/// What the module remembers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct React {
+    /// The force target over F_1, minus one.
+    raised: f64,
+    /// Time since the target rose last, s.
+    since_s: f64,
+}
+
+impl Module for React {
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let settings = &context.settings.grasp;
+        self.since_s += context.step_s;
+        let mut fingers = percept.fingers[..FINGERS].iter();
+        let slips = context.all_touched && fingers.any(|finger| slips(finger, settings));
+        if slips && self.since_s >= SAMPLE_S {
+            self.raised = (1.0 + self.raised) * (1.0 + RAISE_SHARE) - 1.0;
+            self.since_s = 0.0;
+        }
+        let (weakest_n, _) = force_range_n(percept);
+        let target_n = context.thresholds.f1_n * (1.0 + self.raised);
+        let active = context.all_touched && weakest_n <= target_n;
+        Proposal {
+            active,
+            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; FINGERS],
+            ..Proposal::default()
+        }
+    }
+}
+
+fn slips(finger: &FingerPercept, settings: &Grasp) -> bool {
+    finger.utilisation > settings.slip_on || finger.gross_slip_s > settings.slip_gross_s
+}
