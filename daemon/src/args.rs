@@ -76,7 +76,8 @@ impl Args {
         ];
         let implied = implied
             .into_iter()
-            .filter_map(|(is_set, flag)| is_set.then(|| flag.to_owned()));
+            .filter(|(is_set, _)| *is_set)
+            .map(|(_, flag)| flag.to_owned());
         self.set.iter().cloned().chain(implied).collect()
     }
 }

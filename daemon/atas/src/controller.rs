@@ -18,8 +18,8 @@ use shm_schemas::{
     ModuleEvent, Reason, Stamp, Text, TickReport,
 };
 
-/// Ticks between two progress updates of a goal that has no other news (0.1 s at 1 kHz).
-const PROGRESS_TICKS: u64 = 100;
+/// Time between two progress updates of a goal that has no other news, s (ours).
+const PROGRESS_S: f64 = 0.1;
 
 /// The pure heart: state that only [`Controller::step`] changes, and only as a function of its inputs.
 #[derive(Clone, Debug)]
@@ -281,7 +281,8 @@ impl Controller {
             Reason::of(Cause::JOINTS_STOPPED)
         };
         let has_task = self.hands.iter().any(HandControl::is_busy);
-        self.mode_change(|mode| mode.update(sensing_only, has_task));
+        let step_s = self.step_s;
+        self.mode_change(|mode| mode.update(sensing_only, has_task, step_s));
         if let Some(measured_rad) = self.joints.position_rad().copied() {
             if self.mode.mode() == Mode::READY && !self.gate.is_anchored() {
                 self.anchor(&measured_rad);
@@ -352,8 +353,8 @@ impl Controller {
                 Outcome::Failed(reason) => self.conclude(side, is_goals, GoalState::FAILED, reason),
             }
         }
-        let quiet =
-            self.outputs.goal_update.is_none() && self.tick.index.is_multiple_of(PROGRESS_TICKS);
+        let between = (libm::round(PROGRESS_S / self.step_s) as u64).max(1);
+        let quiet = self.outputs.goal_update.is_none() && self.tick.index.is_multiple_of(between);
         if quiet && self.goal.is_some() {
             self.news(GoalState::RUNNING, Reason::default());
         }

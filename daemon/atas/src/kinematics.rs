@@ -5,7 +5,10 @@
 //! the known compliance C = J·K⁻¹·Jᵀ is corrected ahead: z −= (C·F)_z.
 
 use crate::arbitration::Intent;
-use crate::limits::{COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M, SECONDARY_BUILD_UP_S};
+use crate::limits::{
+    COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M, SECONDARY_BUILD_UP_S, SECONDARY_STEP_S,
+    SECONDARY_STEPS_MAX,
+};
 use crate::perception::Percept;
 use nalgebra::{SVector, Vector2, Vector3};
 use robot_model::{
@@ -146,7 +149,8 @@ impl Carrier {
     /// one builds up slowly, else the first tick would jump.
     fn weights(&mut self, step_s: f64) -> IkWeights {
         self.secondary = (self.secondary + step_s / SECONDARY_BUILD_UP_S).min(1.0);
-        let gain = IkWeights::TICK.secondary_gain * self.secondary;
+        let step_share = (step_s / SECONDARY_STEP_S).min(SECONDARY_STEPS_MAX);
+        let gain = IkWeights::TICK.secondary_gain * step_share * self.secondary;
         IkWeights {
             secondary_gain: gain,
             ..IkWeights::TICK

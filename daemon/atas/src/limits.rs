@@ -32,8 +32,8 @@ pub const COMPLIANCE_FILTER_S: f64 = 0.005;
 /// Largest compliance correction, m (ours: four times what 8 N bends, a broken force reading must not move the hand).
 pub const COMPLIANCE_MAX_M: f64 = 0.001;
 
-/// Ticks without doubt after which HOLD ends by itself (fault catalogue F20: at most 50).
-pub const REARM_TICKS: u32 = 20;
+/// Time without doubt after which HOLD ends by itself, s (fault catalogue F20: at most 50 ticks of 1 ms).
+pub const REARM_S: f64 = 0.02;
 /// Tick periods without a tick that never count as a stall, so that slow ticks may miss one (ours).
 pub const STALL_PERIODS: f64 = 2.5;
 /// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
@@ -56,3 +56,7 @@ pub const INCREMENT_SAMPLES: usize = 100;
 /// Time in which the pull towards the preferred posture builds up after anchoring, s (ours: 2° off then start at about
 /// 3 rad/s², well below what the gate allows).
 pub const SECONDARY_BUILD_UP_S: f64 = 0.5;
+/// Step for which that pull is tuned, s: at another tick rate it takes the same time, not the same number of ticks.
+pub const SECONDARY_STEP_S: f64 = 1e-3;
+/// Most of these steps that one tick makes up for (ours: half of the way in one tick of 100 Hz; more would overshoot).
+pub const SECONDARY_STEPS_MAX: f64 = 10.0;

@@ -4,7 +4,7 @@
 //!            sensors and joints believed                goal started
 //!   INIT ───────────────────────────────▶ READY ◀───────────────────────▶ RUN
 //!                                           │ ▲        goal ended           │ ▲
-//!                                    doubt  │ │ no doubt for REARM_TICKS    │ │ no doubt for REARM_TICKS
+//!                                    doubt  │ │ no doubt for REARM_S        │ │ no doubt for REARM_S
 //!                                           ▼ │                     doubt   ▼ │ (goal paused, not ended)
 //!                                           HOLD ◀────────────────────────────┘
 //!        estop, shutdown, joint fault         │
@@ -13,7 +13,7 @@
 //!
 //! HOLD keeps position and grip. Opening the hand is never a reaction to doubt.
 
-use crate::limits::REARM_TICKS;
+use crate::limits::REARM_S;
 use shm_schemas::{Mode, Reason};
 
 /// The mode and why it is so.
@@ -47,8 +47,8 @@ impl ModeMachine {
         self.reason
     }
 
-    /// One tick: `doubt` is what must be held for, `has_goal` whether a goal is active or paused.
-    pub fn update(&mut self, doubt: Reason, has_goal: bool) {
+    /// One tick of `step_s`: `doubt` is what must be held for, `has_goal` whether a goal is active or paused.
+    pub fn update(&mut self, doubt: Reason, has_goal: bool, step_s: f64) {
         self.calm_ticks = if doubt.is_some() {
             0
         } else {
@@ -59,7 +59,7 @@ impl ModeMachine {
             Mode::READY | Mode::RUN if doubt.is_some() => self.enter(Mode::HOLD, doubt),
             Mode::READY if has_goal => self.enter(Mode::RUN, Reason::default()),
             Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::default()),
-            Mode::INIT | Mode::HOLD if self.calm_ticks >= REARM_TICKS => {
+            Mode::INIT | Mode::HOLD if f64::from(self.calm_ticks) * step_s >= REARM_S => {
                 self.enter(
                     if has_goal { Mode::RUN } else { Mode::READY },
                     Reason::default(),

@@ -220,9 +220,8 @@ impl Gate {
                 .then(|| Reason::limit(Cause::FOLLOWING_ERROR, error_rad, allowed_rad).about(joint))
         });
         self.off_course_ticks = off_course.map_or(0, |_| self.off_course_ticks.saturating_add(1));
-        if let Some(reason) =
-            off_course.filter(|_| f64::from(self.off_course_ticks) >= settings.following_ticks)
-        {
+        let off_course_s = f64::from(self.off_course_ticks) * ctx.step_s;
+        if let Some(reason) = off_course.filter(|_| off_course_s >= settings.following_s) {
             self.finding = reason;
         }
     }
@@ -323,7 +322,13 @@ impl Motion {
             let build_up_s2 = step_s * step_s + 2.0 * room_rad_s / JOINT_JERK_RAD_S3;
             JOINT_JERK_RAD_S3 * (libm::sqrt(build_up_s2) - step_s)
         };
-        ((wanted_rad_s - now_rad_s) / step_s)
+        let news_rad_s = wanted_rad_s - now_rad_s;
+        let within_s = if news_rad_s.abs() <= SPEED_STEP_RAD_S {
+            step_s
+        } else {
+            step_s.max(SPEED_UP_MIN_S)
+        };
+        (news_rad_s / within_s)
             .clamp(now_rad_s2 - change_rad_s2, now_rad_s2 + change_rad_s2)
             .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2)
             .clamp(
@@ -335,6 +340,13 @@ impl Motion {
 
 /// Steps of the exponential with which a joint comes to rest: fewer, and the jerk limit makes it swing.
 const SETTLE_STEPS: f64 = 4.0;
+/// Shortest time constant of it, s (ours: twice the time in which the jerk limit builds up the largest acceleration).
+/// Shorter, and a joint at a high tick rate swings, because its acceleration cannot follow.
+const SETTLE_MIN_S: f64 = 0.004;
+/// Shortest time in which a joint takes up another speed, s (ours: a quarter of the above, as at 1 kHz).
+const SPEED_UP_MIN_S: f64 = 0.001;
+/// Change of speed that is taken up at once, rad/s (ours: so small that it comes to rest instead of fading away).
+const SPEED_STEP_RAD_S: f64 = 1e-6;
 
 /// Highest speed from which the joint still stops within a distance, rad/s: the v of d = v²/A + v·T. Far away it slows
 /// down at half the acceleration; the other half is kept in reserve for the time that the jerk limit needs to build it
@@ -343,7 +355,7 @@ fn brake_rad_s(distance_rad: f64, step_s: f64) -> f64 {
     if distance_rad <= 0.0 {
         return 0.0;
     }
-    let settle_s = SETTLE_STEPS * step_s;
+    let settle_s = (SETTLE_STEPS * step_s).max(SETTLE_MIN_S);
     let whole_s = libm::sqrt(settle_s * settle_s + 4.0 * distance_rad / JOINT_ACCELERATION_RAD_S2);
     0.5 * JOINT_ACCELERATION_RAD_S2 * (whole_s - settle_s)
 }

@@ -267,8 +267,8 @@ settings! {
         following_floor_rad = 0.08 in 0.001..1.0;
         /// Following error allowed per joint speed, s.
         following_per_speed_s = 0.03 in 0.0..1.0;
-        /// Ticks in a row with too large a following error until SAFE_STOP.
-        following_ticks = 10.0 in 1.0..1000.0;
+        /// How long the following error must be too large until SAFE_STOP, s.
+        following_s = 0.01 in 0.001..1.0;
         /// How long a command stays valid, s.
         valid_s = 0.005 in 0.001..0.1;
         /// How long a goal may pause in HOLD before it fails, s.

@@ -202,13 +202,12 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     );
     let text = format!(
         "[tasks.two]\nacting = [{good}]\nhelping = [{good}, {}]",
-        with("jump", ends)
+        with("squar", ends)
     );
     check_refused(
         &[&text],
         &[],
-        "0.toml:1: tasks.two: helping step 2 (go): \"jump\" is no motion, needs one of stay, reach, carry, convey, lower, \
-         square, open, withdraw",
+        "0.toml:1: tasks.two: helping step 2 (go): \"squar\" is no motion; did you mean \"square\"?",
     );
     check_refused(
         &["tasks.own = 5"],

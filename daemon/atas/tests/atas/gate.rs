@@ -37,6 +37,10 @@ fn any_leg() -> impl Strategy<Value = (Vec<f64>, usize, Mode)> {
     )
 }
 
+fn any_rate_hz() -> impl Strategy<Value = f64> {
+    prop::sample::select(vec![100.0, 1000.0, 2000.0, 4000.0, 10_000.0])
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
@@ -57,14 +61,14 @@ proptest! {
     /// Random walks that the step check lets through: full speed, sudden reversals, into the position limits, stops.
     #[test]
     fn random_walks_leave_within_every_limit(
-        legs in prop::collection::vec(any_leg(), 1..12), rate_hz in prop::sample::select(vec![100.0, 1000.0, 10_000.0]),
+        legs in prop::collection::vec(any_leg(), 1..12), rate_hz in any_rate_hz(),
     ) {
         let mut rig = Rig::new();
         rig.step_s = 1.0 / rate_hz;
         let mut judge = Judge::new(&rig);
         let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
         for (factors, ticks, mode) in legs {
-            for _ in 0..ticks {
+            for _ in 0..ticks * rig.ticks_per_ms() {
                 let at = *rig.gate.position_rad();
                 let wanted = std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * rig.step_s);
                 judge.check(&rig.pass(mode, &wanted))?;
@@ -104,19 +108,22 @@ proptest! {
     #[test]
     fn hold_comes_to_rest_and_never_moves_on(
         factors in prop::collection::vec(-1.0..1.0, ROBOT_JOINTS), ticks in 1_usize..150, garbage in any_position(),
+        rate_hz in any_rate_hz(),
     ) {
         let mut rig = Rig::new();
+        rig.step_s = 1.0 / rate_hz;
         let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
         let mut moving = [0.0; ROBOT_JOINTS];
-        for _ in 0..ticks {
+        for _ in 0..ticks * rig.ticks_per_ms() {
             let at = *rig.gate.position_rad();
-            moving = velocities(&rig.pass(Mode::RUN, &std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * 1e-3)));
+            let step_s = rig.step_s;
+            moving = velocities(&rig.pass(Mode::RUN, &std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * step_s)));
         }
         let from = *rig.gate.position_rad();
         rig.grips = [Grip { normal_n: [30.0; 2], f2_n: Some(1.0) }; 2];
         rig.closing_m_s = [[0.002, -0.002]; 2];
         let mut rest = [0.0; ROBOT_JOINTS];
-        for _ in 0..200 {
+        for _ in 0..200 * rig.ticks_per_ms() {
             rest = positions(&rig.pass(Mode::HOLD, &[garbage; ROBOT_JOINTS]));
         }
         for i in 0..ROBOT_JOINTS {
@@ -226,6 +233,28 @@ fn above_the_grip_ceiling_a_finger_may_only_open() {
                 "{case}"
             );
         }
+    }
+}
+
+/// What a joint fell behind by it makes good without swinging, whatever the tick rate: the jerk limit is in seconds, so
+/// the time constant must be too.
+#[test]
+fn a_lag_is_made_good_without_swinging_at_every_rate() {
+    for rate_hz in [100.0, 1000.0, 2000.0, 4000.0, 10_000.0] {
+        let mut rig = Rig::new();
+        rig.step_s = 1.0 / rate_hz;
+        let (mut wanted, mut overshoot_rad) = (home_rad(), 0.0_f64);
+        wanted[6] += 1e-3;
+        for _ in 0..(0.2 * rate_hz) as usize {
+            let safe = rig.pass(Mode::RUN, &wanted);
+            overshoot_rad = overshoot_rad.max(positions(&safe)[6] - wanted[6]);
+        }
+        let left_rad = (rig.gate.position_rad()[6] - wanted[6]).abs();
+        assert!(left_rad < 1e-6, "{rate_hz} Hz: {left_rad} rad are left");
+        assert!(
+            overshoot_rad < 2e-4,
+            "{rate_hz} Hz: overshoots by {overshoot_rad} rad"
+        );
     }
 }
 

@@ -1,8 +1,11 @@
 //! The mode machine, transition by transition.
 
 use atas::ModeMachine;
-use atas::limits::REARM_TICKS;
+use atas::limits::REARM_S;
 use shm_schemas::{Cause, Mode, Reason};
+
+const STEP_S: f64 = 1e-3;
+const REARM_TICKS: u32 = 20;
 
 fn doubt() -> Reason {
     Reason::of(Cause::FRAMES_STOPPED)
@@ -10,7 +13,7 @@ fn doubt() -> Reason {
 
 fn calm(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
     for _ in 0..ticks {
-        machine.update(Reason::default(), has_goal);
+        machine.update(Reason::default(), has_goal, STEP_S);
     }
 }
 
@@ -22,8 +25,8 @@ fn machine_in(mode: Mode) -> ModeMachine {
     }
     calm(&mut machine, REARM_TICKS, false);
     match mode {
-        Mode::RUN => machine.update(Reason::default(), true),
-        Mode::HOLD => machine.update(doubt(), false),
+        Mode::RUN => machine.update(Reason::default(), true, STEP_S),
+        Mode::HOLD => machine.update(doubt(), false, STEP_S),
         Mode::SAFE_STOP => machine.stop(Reason::of(Cause::ESTOP)),
         Mode::FAULT => machine.fail(Reason::of(Cause::MODULE_PANICKED)),
         _ => {}
@@ -36,10 +39,10 @@ fn machine_in(mode: Mode) -> ModeMachine {
 fn every_transition_is_as_drawn() {
     type Act = fn(&mut ModeMachine);
     let acts: [(&str, Act); 7] = [
-        ("doubt", |m| m.update(doubt(), false)),
-        ("calm tick", |m| m.update(Reason::default(), false)),
+        ("doubt", |m| m.update(doubt(), false, STEP_S)),
+        ("calm tick", |m| m.update(Reason::default(), false, STEP_S)),
         ("calm tick with a goal", |m| {
-            m.update(Reason::default(), true)
+            m.update(Reason::default(), true, STEP_S)
         }),
         ("calm spell", |m| calm(m, REARM_TICKS + 1, false)),
         ("stop", |m| m.stop(Reason::of(Cause::ESTOP))),
@@ -73,7 +76,7 @@ fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
     for has_goal in [false, true] {
         let mut machine = machine_in(Mode::HOLD);
         calm(&mut machine, REARM_TICKS - 1, has_goal);
-        machine.update(doubt(), has_goal);
+        machine.update(doubt(), has_goal, STEP_S);
         calm(&mut machine, REARM_TICKS - 1, has_goal);
         assert_eq!(
             machine.mode(),
@@ -92,8 +95,8 @@ fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
 #[test]
 fn the_first_reason_of_an_episode_stays() {
     let mut machine = machine_in(Mode::RUN);
-    machine.update(doubt(), true);
-    machine.update(Reason::of(Cause::JOINTS_STOPPED), true);
+    machine.update(doubt(), true, STEP_S);
+    machine.update(Reason::of(Cause::JOINTS_STOPPED), true, STEP_S);
     assert_eq!(machine.reason().cause, Cause::FRAMES_STOPPED);
     machine.stop(Reason::of(Cause::FOLLOWING_ERROR));
     machine.stop(Reason::of(Cause::ESTOP));
@@ -113,7 +116,7 @@ fn the_first_reason_of_an_episode_stays() {
 fn init_says_what_it_waits_for() {
     let mut machine = ModeMachine::default();
     for cause in [Cause::FRAMES_STOPPED, Cause::JOINTS_STOPPED] {
-        machine.update(Reason::of(cause), false);
+        machine.update(Reason::of(cause), false, STEP_S);
         assert_eq!(
             (machine.mode(), machine.reason().cause),
             (Mode::INIT, cause)
@@ -130,4 +133,18 @@ fn a_stop_that_is_recovered_waits_in_hold_for_calm() {
     assert_eq!(machine.mode(), Mode::HOLD);
     calm(&mut machine, 1, false);
     assert_eq!(machine.mode(), Mode::READY);
+}
+
+/// What is calm for 20 ms is calm, at every rate.
+#[test]
+fn the_calm_spell_is_a_time() {
+    for rate_hz in [100, 1000, 4000, 10_000] {
+        let mut machine = machine_in(Mode::HOLD);
+        let mut ticks = 0;
+        while machine.mode() == Mode::HOLD {
+            machine.update(Reason::default(), false, 1.0 / f64::from(rate_hz));
+            ticks += 1;
+        }
+        assert_eq!(ticks, (REARM_S * f64::from(rate_hz)) as u32, "{rate_hz} Hz");
+    }
 }

@@ -45,6 +45,11 @@ impl Rig {
         }
     }
 
+    /// Ticks that make a millisecond, at least one.
+    pub(crate) fn ticks_per_ms(&self) -> usize {
+        ((1e-3 / self.step_s) as usize).max(1)
+    }
+
     /// One tick.
     pub(crate) fn pass(&mut self, mode: Mode, wanted_rad: &Joints) -> SafeCommand {
         let raw = Side::BOTH.map(|side| {
