@@ -214,8 +214,8 @@ settings! {
         rise_n = 0.12 in 0.02..10.0;
         /// The same as a share of the held weight, if that is more.
         rise_share = 0.06 in 0.0..1.0;
-        /// How many frames in a row must show the rise.
-        rise_frames = 3.0 in 1.0..100.0;
+        /// Sensor time for which the rise must last, s; one frame of a sensor slower than that.
+        rise_s = 0.0025 in 0.0..0.1;
     }
     /// Modules 0 and 4: screwing (paper II.b (2); values ours, from prototypes, unless stated).
     screw: Screw {

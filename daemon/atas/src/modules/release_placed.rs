@@ -3,8 +3,9 @@
 //! floor. In this module, the upward tangential force induces opening the hand."
 //!
 //! The vertical force of the object on all fingertips, in the base frame, is held against a reference that follows it
-//! slowly. After the descent has settled, a rise of `place.rise_n`, or `place.rise_share` of the held weight if that is
-//! more, in `place.rise_frames` frames in a row concludes the step.
+//! slowly. After the descent has settled, a rise of `place.rise_n`, of `place.rise_share` of the held weight, or of what
+//! noise and tremble have been seen to do, whichever is most, concludes the step when it lasts for `place.rise_s`: three
+//! frames of a fast sensor, one of a slow one.
 
 use super::{Context, Module, Proposal, Verdict, force_up_n};
 use crate::perception::Percept;
@@ -13,13 +14,20 @@ use crate::perception::Percept;
 const SETTLING_FILTER_S: f64 = 0.05;
 /// Time constant of the reference afterwards, s (prototype: 500 ms; faster would follow a slow landing).
 const REFERENCE_FILTER_S: f64 = 0.5;
+/// Time constant over which the scatter is measured, s (ours: several periods of a hand's tremble).
+const SCATTER_FILTER_S: f64 = 0.5;
+/// How many standard deviations of that scatter are no rise yet (ours: once in some ten thousand frames).
+const SCATTER_MARGIN: f64 = 4.0;
 
 /// What the module remembers of one descent.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ReleasePlaced {
     descent_s: f64,
     reference_n: Option<f64>,
-    rising_frames: f64,
+    /// Variance of the force around its reference, N².
+    scatter_n2: f64,
+    /// Sensor time for which the force has been above its limit, s.
+    rising_s: f64,
 }
 
 impl Module for ReleasePlaced {
@@ -32,15 +40,16 @@ impl Module for ReleasePlaced {
         let up_n = force_up_n(percept, context);
         let reference_n = *self.reference_n.get_or_insert(up_n);
         let settled = self.descent_s > settings.settle_s;
-        let limit_n = settings.rise_n.max(settings.rise_share * reference_n.abs());
+        let limit_n = settings
+            .rise_n
+            .max(settings.rise_share * reference_n.abs())
+            .max(SCATTER_MARGIN * libm::sqrt(self.scatter_n2));
         let rises = settled && up_n - reference_n > limit_n;
-        let new_frames = if percept.step_s > 0.0 { 1.0 } else { 0.0 };
-        self.rising_frames = if rises {
-            self.rising_frames + new_frames
+        if rises {
+            self.rising_s += percept.step_s;
         } else {
-            0.0
-        };
-        if !rises {
+            self.rising_s = 0.0;
+            self.listen(up_n - reference_n, percept.step_s);
             let filter_s = if settled {
                 REFERENCE_FILTER_S
             } else {
@@ -49,11 +58,19 @@ impl Module for ReleasePlaced {
             let share = context.step_s / (filter_s + context.step_s);
             self.reference_n = Some(reference_n + (up_n - reference_n) * share);
         }
-        let placed = self.rising_frames >= settings.rise_frames;
+        let placed = self.rising_s >= settings.rise_s;
         Proposal {
             active: rises,
             verdict: if placed { Verdict::Done } else { Verdict::None },
             ..Proposal::default()
         }
+    }
+}
+
+impl ReleasePlaced {
+    /// Measures how far the force scatters around its reference, frame by frame.
+    fn listen(&mut self, off_n: f64, step_s: f64) {
+        let share = step_s / (SCATTER_FILTER_S + step_s);
+        self.scatter_n2 += (off_n * off_n - self.scatter_n2) * share;
     }
 }

@@ -10,6 +10,9 @@ use nalgebra::Vector3;
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
 
+/// How many standard deviations of a silent fingertip's force are no touch (ours: once in some million frames).
+const NOISE_MARGIN: f64 = 5.0;
+
 /// What one fingertip feels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FingerPercept {
@@ -157,13 +160,16 @@ impl Finger {
         }
     }
 
-    /// Touch with hysteresis: bare crossings of one threshold flicker on real data.
+    /// Touch with hysteresis: bare crossings of one threshold flicker on real data. A sensor whose own noise would cross
+    /// the thresholds needs higher ones.
     fn touch(&mut self, patch: &Patch, settings: &Settings) {
+        let noise_n = NOISE_MARGIN * patch.noise_n * libm::sqrt(self.axes.count as f64);
+        let raise = (noise_n / settings.touch_on_n).max(1.0);
         let percept = &mut self.percept;
-        if !percept.in_contact && patch.normal_n > settings.touch_on_n {
+        if !percept.in_contact && patch.normal_n > settings.touch_on_n * raise {
             percept.in_contact = true;
             percept.touches += 1;
-        } else if percept.in_contact && patch.normal_n < settings.touch_off_n {
+        } else if percept.in_contact && patch.normal_n < settings.touch_off_n * raise {
             percept.in_contact = false;
             self.friction = Friction::default();
         }
