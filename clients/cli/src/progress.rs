@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use shm_schemas::{GraspFigures, Status};
+use shm_schemas::{GoalState, GraspFigures, Status};
 
 use crate::output::{modules, number};
 use crate::story::Story;
@@ -57,7 +57,8 @@ impl Progress {
     pub(crate) fn show(&mut self, story: &Story, status: Option<&Status>, live: &str) {
         let last = story.last();
         let step = last.step.as_str();
-        if step.is_empty() {
+        // A goal that was rejected has no step: nothing has begun.
+        if step.is_empty() || last.state == GoalState::REJECTED {
             return;
         }
         let mut line = format!("{step:8} {}", forces(&last.figures));

@@ -1,6 +1,6 @@
 //! A goal's story: its updates, condensed to what a user wants to hear at the end.
 
-use atas::tasks::{BACK_OUT, Motion, PICK_PLACE, RAISE, RELEASE, Track, WITHDRAW};
+use atas::tasks::{BACK_OUT, BUILT_IN, Motion, PICK_PLACE, RAISE, RELEASE, Track, WITHDRAW};
 use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
 
 /// Normal force of a finger that presses, N (ours: above the sensors' noise, below the least grip).
@@ -59,10 +59,14 @@ impl Story {
         &self.last
     }
 
-    /// Whether the hand is done with the object: puts it back, raises it again, opens or goes home.
+    /// Whether the hand is done with the object: opens, goes home, or retreats.
     #[must_use]
     pub fn lets_go(&self) -> bool {
-        self.is_in(&RELEASE.acting) || self.retreats()
+        let mut steps = BUILT_IN.iter().flat_map(|task| task.acting.iter());
+        let opens = steps.any(|step| {
+            matches!(step.motion, Motion::Open | Motion::LetGo) && step.name == self.step.as_str()
+        });
+        opens || self.is_in(&RELEASE.acting) || self.retreats()
     }
 
     /// Whether the hand does what it does because it could not go on.
@@ -210,7 +214,7 @@ mod tests {
         check(
             &[
                 (S::RUNNING, "place", 4.0),
-                (S::RUNNING, "open", 3.9),
+                (S::RUNNING, "let go", 3.9),
                 (S::SUCCEEDED, "home", 0.0),
             ],
             "home",

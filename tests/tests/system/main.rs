@@ -6,3 +6,4 @@ mod faults;
 mod optoforce;
 mod readme;
 mod swarm;
+mod tasks;

@@ -78,6 +78,12 @@ impl Piece for PickPlace {
                 1,
             ),
             Figure::new(
+                "fingers off ms",
+                "parted_after_ms",
+                placing.parting_s * 1e3,
+                1,
+            ),
+            Figure::new(
                 "above mm",
                 "released_above_mm",
                 placing.released_above_m * 1e3,

@@ -47,11 +47,15 @@ pub(super) struct Figure {
 }
 
 impl Figure {
-    /// A number with so many digits in the table and all of them in the JSON.
+    /// A number with so many digits in the table and all of them in the JSON; what never was is not finite.
     pub(super) fn new(head: &'static str, key: &'static str, value: f64, digits: usize) -> Self {
         Self {
             head: Some(head),
-            text: number(value, digits),
+            text: if value.is_finite() {
+                number(value, digits)
+            } else {
+                "-".into()
+            },
             key,
             value: finite(value),
         }

@@ -1,0 +1,267 @@
+//! The paper's tasks through the command line: each as a command in front of the simulator's scene, each as a demo, and
+//! what users do to them.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use shm_bus::{Bus, FreshBus, Realtime};
+use shm_schemas::{ObjectTruth, WorldTruth, service};
+use system_tests::{Process, alone, binary, wait_for};
+
+fn atas(arguments: &str) -> Command {
+    let mut command = Command::new(binary("atas"));
+    command
+        .args(arguments.split_whitespace())
+        .env_remove("ATAS_BUS")
+        .env_remove("RUST_LOG")
+        .stdin(Stdio::null());
+    command
+}
+
+/// Exit code, last line of standard output as JSON, and standard error.
+fn told(output: &Output) -> (i32, Value, String) {
+    let text = String::from_utf8_lossy(&output.stdout);
+    let value = text.lines().last().unwrap_or_default();
+    (
+        output.status.code().expect("a code"),
+        serde_json::from_str(value).unwrap_or(Value::Null),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+fn run(arguments: &str) -> (i32, Value, String) {
+    told(&atas(arguments).output().expect("it starts"))
+}
+
+/// Simulator and daemon in lock-step on a bus of their own.
+struct Rig {
+    _simulator: Process,
+    _daemon: Process,
+    bus: FreshBus,
+}
+
+impl Rig {
+    fn new(scene: &str, config: &Path) -> Self {
+        let bus = FreshBus::new("tasks");
+        let name = bus.as_str();
+        let mut simulate = vec!["run", "--bus", name, "--lockstep", "--scene"];
+        simulate.extend(scene.split_whitespace());
+        let config = config.to_str().expect("UTF-8");
+        let control = ["--bus", name, "--config", config, "--lockstep"];
+        let rig = Self {
+            _simulator: Process::start("atas-sim", &simulate),
+            _daemon: Process::start("atasd", &control),
+            bus,
+        };
+        wait_for("the daemon", || (rig.ask("status").0 == 0).then_some(()));
+        rig
+    }
+
+    fn plain(scene: &str) -> Self {
+        Self::new(scene, Path::new("/dev/null"))
+    }
+
+    fn ask(&self, arguments: &str) -> (i32, Value, String) {
+        run(&format!(
+            "{arguments} --format json --bus {}",
+            self.bus.as_str()
+        ))
+    }
+
+    /// What truly became of the scene's objects.
+    fn objects(&self) -> [ObjectTruth; 4] {
+        let bus = Bus::open(&self.bus, "judge", Realtime::No).expect("a bus");
+        let mut truths = bus
+            .subscriber::<WorldTruth>(service::WORLD_TRUTH)
+            .expect("a subscriber");
+        let mut truth = WorldTruth::default();
+        wait_for("the truth", || {
+            truths.newest(&mut truth).expect("readable").then_some(())
+        });
+        truth.objects
+    }
+}
+
+#[test]
+fn commands_without_arguments_fit_scenes_without_arguments() {
+    let _alone = alone();
+    let check = |scene, command, is_done: fn(&[ObjectTruth; 4]) -> bool| {
+        let rig = Rig::plain(scene);
+        let (code, story, stderr) = rig.ask(command);
+        assert_eq!(
+            (code, &story["state"]),
+            (0, &"succeeded".into()),
+            "{command}: {stderr}"
+        );
+        let objects = rig.objects();
+        assert!(is_done(&objects), "{command}: {objects:?}");
+    };
+    check("pick-place", "pick-place", |[wood, ..]| {
+        wood.landed_ns > 0 && (wood.position_m[1] + 0.27).abs() < 0.005
+    });
+    check(
+        "pick-place --hand left",
+        "pick-place --hand left",
+        |[wood, ..]| wood.landed_ns > 0 && (wood.position_m[1] - 0.27).abs() < 0.005,
+    );
+    check("screw", "screw", |[cap, ..]| cap.cap_closed != 0);
+    check("assembly", "assemble", |[cap, bottle, ..]| {
+        cap.cap_closed != 0 && bottle.table_n > 0.0 && bottle.tipped + bottle.spilt == 0
+    });
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_before_anything_moves() {
+    let _alone = alone();
+    let rig = Rig::plain("pick-place");
+    let check = |command: &str, part: &str| {
+        let (code, story, stderr) = rig.ask(command);
+        assert_eq!(
+            (code, &story["state"]),
+            (4, &"rejected".into()),
+            "{command}: {stderr}"
+        );
+        assert!(stderr.contains(part), "{command}: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{command}: {stderr}");
+    };
+    check("pick-place --to 0.9,0", "to x is 0.9000");
+    check("pick-place --from 0.32,0.2", "from y is 0.2000");
+    check("pick-place --width 300", "width is 0.3000");
+    check("pick-place --to 0.32,-0.27,0.2", "lift less");
+    check("screw --at 0.34,-0.12,0.5", "from z is 0.5000");
+    check("assemble --bottle-width 500", "helper width");
+    check(
+        "task polish",
+        "polish: the daemon's configuration has no task of this name",
+    );
+    assert_eq!(rig.objects()[0].lifted_m, 0.0);
+}
+
+#[test]
+fn a_task_of_the_users_own_runs_by_its_name() {
+    let _alone = alone();
+    let printed = Command::new(binary("atasd")).arg("--print-tasks").output();
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = folder.path().join("atas.toml");
+    std::fs::write(&config, printed.expect("it starts").stdout).expect("writable");
+    let rig = Rig::new("screw", &config);
+    let cap = "--from 0.34,-0.12,0.12 --width 30";
+    let (code, story, stderr) = rig.ask(&format!("task my-screw {cap}"));
+    assert_eq!(
+        (code, &story["state"]),
+        (0, &"succeeded".into()),
+        "{stderr}"
+    );
+    assert!(stderr.starts_with("my-screw: "), "{stderr}");
+    assert_eq!(rig.objects()[0].cap_closed, 1);
+}
+
+#[test]
+fn demos_in_lock_step_are_judged_by_the_truth() {
+    let _alone = alone();
+    let check = |demo: &str, outcome: &str, figures: &[(&str, [f64; 2])]| {
+        let (code, result, stderr) = run(&format!("demo {demo} --lockstep --format json"));
+        assert_eq!(code, 0, "{demo}: {stderr}");
+        let object = &result["objects"][0];
+        assert_eq!(result["as_expected"], true, "{result}");
+        assert_eq!(
+            (&object["outcome"], &object["missed_ticks"]),
+            (&outcome.into(), &0.into()),
+            "{result}"
+        );
+        for (key, [least, most]) in figures {
+            let value = object[key].as_f64().unwrap_or(f64::NAN);
+            assert!(
+                value >= *least && value <= *most,
+                "{demo}: {key} in {result}"
+            );
+        }
+    };
+    check(
+        "grasp",
+        "held",
+        &[("lifted_mm", [35.0, 45.0]), ("slip_mm", [0.0, 1.0])],
+    );
+    check(
+        "pick-place",
+        "placed",
+        &[
+            ("off_mm", [0.0, 5.0]),
+            ("released_after_ms", [0.0, 20.0]),
+            ("released_above_mm", [0.0, 2.0]),
+        ],
+    );
+    check("pick-place --object heavy-block", "refused", &[]);
+    check(
+        "screw --vary --seed 3",
+        "tight",
+        &[("tight_over_thread", [1.3, 2.5]), ("turns", [1.0, 20.0])],
+    );
+    check(
+        "assembly",
+        "closed, standing",
+        &[
+            ("bottle_tilt_deg", [-2.0, 2.0]),
+            ("turned_deg", [240.0, 260.0]),
+        ],
+    );
+}
+
+#[test]
+fn the_same_demo_has_the_same_outcome_to_the_last_digit() {
+    let _alone = alone();
+    let once = || {
+        let (code, result, stderr) = run("demo screw --lockstep --format json");
+        assert_eq!(code, 0, "{stderr}");
+        ["turned_deg", "tight_over_thread", "took_s"].map(|key| result["objects"][0][key].clone())
+    };
+    assert_eq!(once(), once());
+}
+
+/// Process ids of a process's children.
+fn children_of(id: u32) -> Vec<(u32, String)> {
+    let text =
+        std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap_or_default();
+    let name =
+        |child: &str| std::fs::read_to_string(format!("/proc/{child}/comm")).unwrap_or_default();
+    text.split_whitespace()
+        .filter_map(|child| Some((child.parse().ok()?, name(child).trim().to_owned())))
+        .collect()
+}
+
+#[test]
+fn a_demo_whose_process_is_killed_says_which_and_leaves_nothing_behind() {
+    let _alone = alone();
+    for (victim, demo) in [("atasd", "screw"), ("atas-sim", "assembly")] {
+        let scratch = tempfile::tempdir().expect("a folder");
+        let running = atas(&format!("demo {demo}"))
+            .env("TMPDIR", scratch.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        let id = running.id();
+        let pid = wait_for("both processes", || {
+            let children = children_of(id);
+            let found = children.iter().find(|(_, name)| name == victim)?;
+            (children.len() == 2)
+                .then(|| Pid::from_raw(found.0.cast_signed()))
+                .flatten()
+        });
+        kill_process(pid, Signal::KILL).expect("it runs");
+        let (code, _, stderr) = told(&running.wait_with_output().expect("it ends"));
+        assert_eq!(code, 1, "{stderr}");
+        assert!(
+            stderr.contains(&format!("{victim} ended unexpectedly")),
+            "{stderr}"
+        );
+        let shared = std::fs::read_dir("/dev/shm")
+            .expect("shared memory")
+            .flatten();
+        let bus = format!("fdemo-{id}-0");
+        let left = shared.filter(|entry| entry.file_name().to_string_lossy().starts_with(&bus));
+        assert_eq!(left.count(), 0, "shared memory of {bus}");
+    }
+}
