@@ -38,7 +38,8 @@ impl HandCommand {
 pub struct Carrier {
     frame: GraspFrame,
     q_rad: HandVector,
-    normal_n: [f64; FINGERS],
+    /// Low-passed force of the squeeze: the mean over the fingers, N.
+    squeeze_n: f64,
     /// Share of the secondary gain that has built up since the hand was anchored, 0 to 1.
     secondary: f64,
     stiffness_n_m_rad: HandVector,
@@ -51,7 +52,7 @@ impl Carrier {
         Self {
             frame: frame_of(hand, &hand.forward(&q_rad)),
             q_rad,
-            normal_n: [0.0; FINGERS],
+            squeeze_n: 0.0,
             secondary: 0.0,
             stiffness_n_m_rad,
         }
@@ -111,7 +112,8 @@ impl Carrier {
 
     /// How far the present grip bends the surface of each dome upwards where it touches, m: J·K⁻¹·Jᵀ·F over both fingers
     /// at once, because their forces cancel in the arm. Bending also turns the domes, and a turned dome drags its
-    /// surface along: most of the effect.
+    /// surface along: most of the effect. What one finger presses more than the other is not grip but sways the object, and
+    /// to answer that would feed the swaying.
     fn bend_m(
         &mut self,
         hand: &HandModel,
@@ -121,18 +123,18 @@ impl Carrier {
         step_s: f64,
     ) -> [f64; FINGERS] {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
-        for (filtered_n, finger) in self.normal_n.iter_mut().zip(&percept.fingers) {
-            *filtered_n += (finger.normal_n - *filtered_n) * share;
-        }
+        let fingers = &percept.fingers[..FINGERS];
+        let mean_n = fingers.iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64;
+        self.squeeze_n += (mean_n - self.squeeze_n) * share;
         // Finger 1 is pressed along +n, finger 2 along −n.
         let n = self.frame.closing_axis();
         let mut force_n = SVector::<f64, 6>::zeros();
         force_n
             .fixed_rows_mut::<3>(0)
-            .copy_from(&(n * self.normal_n[0]));
+            .copy_from(&(n * self.squeeze_n));
         force_n
             .fixed_rows_mut::<3>(3)
-            .copy_from(&(n * -self.normal_n[1]));
+            .copy_from(&(n * -self.squeeze_n));
         let bent_rad = jacobian
             .tip
             .tr_mul(&force_n)
