@@ -16,6 +16,7 @@ mod benches;
 mod demos;
 mod evals;
 mod goals;
+mod plots;
 mod records;
 mod values;
 
@@ -26,6 +27,7 @@ pub use goals::{
     Assemble, Grasp, HOLD_S, HandName, LIFT_MM, PickPlace, Release, Screw, Sending, TurnName,
     UserTask,
 };
+pub use plots::{Drawn, Plot};
 pub use records::{Record, RecordAction};
 pub use values::Place;
 
@@ -61,6 +63,12 @@ pub enum Command {
         /// Which task
         #[command(subcommand)]
         task: Eval,
+    },
+    /// Draw a task as SVG: forces, modules, trajectories, from a seeded rehearsal
+    Plot {
+        /// Which figure
+        #[command(subcommand)]
+        figure: Plot,
     },
     /// Grasp an object, lift it and hold it; Ctrl-C cancels
     Grasp(Grasp),

@@ -30,6 +30,7 @@ mod json;
 pub mod judge;
 mod nominal;
 mod output;
+pub mod plot;
 mod progress;
 mod recording;
 pub mod rehearsal;

@@ -39,6 +39,8 @@ fn accepted() {
     check("atas eval pick-place --trials 20 --no-baselines --format json");
     check("atas eval screw --first-seed 10001 --fixed-force 3");
     check("atas eval assembly --noise 1.5");
+    check("atas plot grasp --out grasp.svg");
+    check("atas plot screw --object ./cap.toml --seed 7 --out screw.svg");
     check("atas grasp --at 0.32,-0.15,0.04 --width 50");
     check("atas grasp --at -0.1,0.2,0.1 --yaw -30 --width 50 --hand left --lift 20 --hold 2");
     check("atas grasp --at 0.3,0,0.1 --width 50 --attached --timeout 30 --bus left-arm");

@@ -11,7 +11,7 @@ use crate::arguments::{Arguments, Command, Param, RecordAction};
 use crate::exit::Exit;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::{bench, client, demo, doctor, eval, recording};
+use crate::{bench, client, demo, doctor, eval, plot, recording};
 
 /// The whole program: reads the command line, does what it says, tells errors in one line, returns the exit code.
 #[must_use]
@@ -35,6 +35,7 @@ fn run(command: &Command, output: &mut Output) -> anyhow::Result<()> {
     match command {
         Command::Demo { task } => demo::demo(task, &interrupt, output),
         Command::Eval { task } => eval::evaluate(task, &interrupt, output),
+        Command::Plot { figure } => plot::plot(figure, output),
         Command::Grasp(arguments) => client::grasp(arguments, &interrupt, output),
         Command::PickPlace(arguments) => client::pick_place(arguments, &interrupt, output),
         Command::Screw(arguments) => client::screw(arguments, &interrupt, output),

@@ -21,5 +21,6 @@ pub use law::Law;
 pub use plan::{Condition, Noise, Plan};
 pub use report::{Baseline, Family, Feasible, Infeasible, Physics, Report, Row, Tally};
 pub use statistics::wilson;
+pub(crate) use task::SIDE;
 pub use task::Task;
 pub use trial::{Record, trial_seed};

@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use robot_model::Side;
-use shm_schemas::GoalRequest;
+use shm_schemas::{GoalKind, GoalRequest};
 use sim_backend::{GraspHint, Object, ObjectError, Scene};
 
 use super::plan::{Condition, Noise};
@@ -11,7 +11,7 @@ use crate::judge::Load;
 use crate::rehearsal::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
 
 /// The hand that acts.
-pub(super) const SIDE: Side = Side::Right;
+pub(crate) const SIDE: Side = Side::Right;
 /// Frames per second of a sensor that keeps up with the tick, and of two held ones (issue).
 const RATES_HZ: [u32; 3] = [1000, 100, 30];
 /// Noise of the sensors in the tasks after the grasp (issue: × 1 to 2).
@@ -89,8 +89,18 @@ impl Task {
         }
     }
 
+    /// The kind of its goals.
+    pub(crate) fn kind(self) -> GoalKind {
+        match self {
+            Self::Grasp => GoalKind::GRASP,
+            Self::PickPlace => GoalKind::PICK_PLACE,
+            Self::Screw => GoalKind::SCREW,
+            Self::Assembly => GoalKind::ASSEMBLE,
+        }
+    }
+
     /// Longest simulated time of a trial, s (ours: several times what a clean one takes).
-    pub(super) fn limit_s(self) -> f64 {
+    pub(crate) fn limit_s(self) -> f64 {
         match self {
             Self::Grasp | Self::PickPlace => 120.0,
             Self::Screw => 240.0,
@@ -99,7 +109,7 @@ impl Task {
     }
 
     /// A member of its family around an object.
-    pub(super) fn scene(self, object: &Object, seed: u64) -> Result<Scene, ObjectError> {
+    pub(crate) fn scene(self, object: &Object, seed: u64) -> Result<Scene, ObjectError> {
         let object = object.clone();
         let bottle = || Object::built_in("open-bottle");
         let scene = match self {
@@ -112,7 +122,7 @@ impl Task {
     }
 
     /// What a client asks for, who knows what he is told of the scene.
-    pub(super) fn goal(self, scene: &Scene) -> anyhow::Result<GoalRequest> {
+    pub(crate) fn goal(self, scene: &Scene) -> anyhow::Result<GoalRequest> {
         let hint = |index: usize| {
             scene
                 .grasp_hint(index)

@@ -1,0 +1,32 @@
+//! What `atas plot` may be told.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+/// The figures of `atas plot`.
+#[derive(Debug, Subcommand)]
+pub enum Plot {
+    /// Forces between F_1 and F_2, the lift, and which module worked when
+    Grasp(Drawn),
+    /// The release of placing: support, grip, opening and height around the contact
+    PickPlace(Drawn),
+    /// The square trajectory and what contact made of it (Fig. 6); the cap's angle and torque
+    Screw(Drawn),
+    /// What both hands do, their grips, the cap's angle and torque
+    Assembly(Drawn),
+}
+
+/// What is drawn, and where to.
+#[derive(Args, Clone, Debug)]
+pub struct Drawn {
+    /// A built-in object or a file; for screwing and assembly, a cap [default: wood, or the built-in cap]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub object: Option<String>,
+    /// Which member of its family, as in `atas eval`
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The SVG file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}

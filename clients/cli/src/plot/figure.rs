@@ -1,0 +1,349 @@
+//! What all figures share: colours, panels, lines, lanes, marks. Drawn at twice the size at which they are read, because
+//! the drawing library places points on whole pixels.
+
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::FontStyle;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Chart<'a, 'b> =
+    ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(super) type Drawing = Result<(), Box<dyn std::error::Error>>;
+
+// Distinguishable without red and green (Okabe and Ito 2008).
+pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(super) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(super) const PINK: RGBColor = RGBColor(204, 121, 167);
+pub(super) const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(super) const RED: RGBColor = RGBColor(213, 94, 0);
+pub(super) const INK: RGBColor = RGBColor(40, 40, 40);
+pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+const BAND: RGBColor = RGBColor(243, 245, 248);
+const GRID: RGBColor = RGBColor(224, 227, 232);
+
+/// Width of a figure, px.
+pub(super) const WIDTH: u32 = 1760;
+/// Room left of a panel for its labels, px: the same for all, so that panels share their time axis.
+const LEFT: u32 = 200;
+const RIGHT: u32 = 30;
+const BOTTOM: u32 = 76;
+const TEXT: f64 = 28.0;
+const SMALL: f64 = 24.0;
+/// Mean width of a character over the height of the text (sans-serif).
+const CHARACTER: f64 = 0.54;
+/// Points of a line: more than one per pixel would not be seen.
+pub(super) const POINTS: usize = 1400;
+
+/// Draws into memory.
+pub(super) fn figure(
+    height: u32,
+    title: &str,
+    draw: impl FnOnce(&Area<'_>) -> Drawing,
+) -> anyhow::Result<String> {
+    let mut svg = String::new();
+    sheet(&mut svg, height, title, draw).map_err(|error| {
+        anyhow::anyhow!("could not draw the figure because {error}; report this")
+    })?;
+    Ok(svg)
+}
+
+fn sheet(
+    svg: &mut String,
+    height: u32,
+    title: &str,
+    draw: impl FnOnce(&Area<'_>) -> Drawing,
+) -> Drawing {
+    let area = SVGBackend::with_string(svg, (WIDTH, height)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let (head, body) = area.split_vertically(64);
+    let style = text(TEXT + 4.0, INK).font_bold();
+    head.draw(&Text::new(title.to_owned(), (LEFT as i32, 18), style))?;
+    draw(&body)?;
+    area.present()?;
+    Ok(())
+}
+
+trait Bold {
+    fn font_bold(self) -> Self;
+}
+
+impl Bold for TextStyle<'_> {
+    fn font_bold(mut self) -> Self {
+        self.font = self.font.style(FontStyle::Bold);
+        self
+    }
+}
+
+fn text(size: f64, colour: RGBColor) -> TextStyle<'static> {
+    ("sans-serif", size).into_font().color(&colour)
+}
+
+/// What a panel is labelled with.
+pub(super) struct Axes<'a> {
+    /// Description of the x axis; empty for a panel above another that shares it.
+    pub(super) x: &'a str,
+    pub(super) y: &'a str,
+}
+
+/// A panel with axes, its steps as bands behind.
+pub(super) fn panel<'a, 'b>(
+    area: &'a Area<'b>,
+    x: Range<f64>,
+    y: Range<f64>,
+    axes: &Axes<'_>,
+    steps: &[(String, Range<f64>)],
+) -> Result<Chart<'a, 'b>, Box<dyn std::error::Error>> {
+    let mut builder = ChartBuilder::on(area);
+    builder
+        .margin_top(44)
+        .margin_right(RIGHT)
+        .y_label_area_size(LEFT)
+        .x_label_area_size(if axes.x.is_empty() { 14 } else { BOTTOM });
+    let mut chart = builder.build_cartesian_2d(x.clone(), y.clone())?;
+    bands(&mut chart, &x, &y, steps)?;
+    let mut mesh = chart.configure_mesh();
+    mesh.disable_x_mesh()
+        .bold_line_style(GRID.stroke_width(2))
+        .light_line_style(TRANSPARENT)
+        .axis_style(GREY.stroke_width(2))
+        .label_style(text(SMALL, GREY))
+        .axis_desc_style(text(SMALL, INK))
+        .x_labels(if axes.x.is_empty() { 0 } else { 10 })
+        .y_labels(5)
+        .x_label_formatter(&|x| number(*x))
+        .y_label_formatter(&|y| number(*y))
+        .x_desc(axes.x);
+    mesh.draw()?;
+    // Beside the axis, not along it: a word that stands upright is read at once.
+    let style = text(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Center));
+    area.draw(&Text::new(axes.y.to_owned(), (LEFT as i32 - 14, 22), style))?;
+    Ok(chart)
+}
+
+fn number(value: f64) -> String {
+    let rounded = (value * 100.0).round() / 100.0;
+    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// Every second step as a band, with the names of those that have room.
+fn bands(
+    chart: &mut Chart<'_, '_>,
+    x: &Range<f64>,
+    y: &Range<f64>,
+    steps: &[(String, Range<f64>)],
+) -> Drawing {
+    let per_px = (x.end - x.start) / f64::from(WIDTH - LEFT - RIGHT);
+    for (index, (name, time_s)) in steps.iter().enumerate() {
+        let (from, to) = (time_s.start.max(x.start), time_s.end.min(x.end));
+        if from >= to {
+            continue;
+        }
+        if index % 2 == 0 {
+            let band = Rectangle::new([(from, y.start), (to, y.end)], BAND.filled());
+            chart.draw_series([band])?;
+        }
+        let room_px = (to - from) / per_px;
+        if room_px > name.len() as f64 * SMALL * CHARACTER + 8.0 {
+            let style = text(SMALL, GREY).pos(Pos::new(HPos::Center, VPos::Bottom));
+            let at = ((from + to) / 2.0, y.end);
+            chart.draw_series([Text::new(name.clone(), at, style)])?;
+        }
+    }
+    Ok(())
+}
+
+/// A line.
+pub(super) fn line(
+    chart: &mut Chart<'_, '_>,
+    points: Vec<(f64, f64)>,
+    colour: impl Color,
+    width: u32,
+) -> Drawing {
+    chart.draw_series(LineSeries::new(points, colour.stroke_width(width)))?;
+    Ok(())
+}
+
+/// A dashed line.
+pub(super) fn dashed(
+    chart: &mut Chart<'_, '_>,
+    points: Vec<(f64, f64)>,
+    colour: RGBColor,
+) -> Drawing {
+    let style = colour.stroke_width(3);
+    chart.draw_series(DashedLineSeries::new(points, 12, 8, style))?;
+    Ok(())
+}
+
+/// A moment in time.
+#[derive(Clone, Copy)]
+pub(super) struct Moment {
+    pub(super) at: f64,
+    pub(super) word: &'static str,
+    pub(super) colour: RGBColor,
+    /// Height of the word, as a share of the panel's.
+    pub(super) share: f64,
+    /// Whether the word stands before it.
+    pub(super) before: bool,
+}
+
+/// A moment as a line across the panel, with its word beside it.
+pub(super) fn moment(chart: &mut Chart<'_, '_>, moment: &Moment) -> Drawing {
+    let (x, y) = (chart.x_range(), chart.y_range());
+    let ends = vec![(moment.at, y.start), (moment.at, y.end)];
+    chart.draw_series(LineSeries::new(ends, moment.colour.stroke_width(3)))?;
+    let (side, sign) = if moment.before {
+        (HPos::Right, -1.0)
+    } else {
+        (HPos::Left, 1.0)
+    };
+    let style = text(SMALL, moment.colour).pos(Pos::new(side, VPos::Center));
+    let at = (
+        moment.at + sign * 0.006 * (x.end - x.start),
+        y.start + moment.share * (y.end - y.start),
+    );
+    chart.draw_series([Text::new(moment.word, at, style)])?;
+    Ok(())
+}
+
+/// What the lines of a panel are, in a row on top of the figure's right, over its panels.
+pub(super) fn legend(area: &Area<'_>, top: i32, entries: &[(&str, RGBColor, bool)]) -> Drawing {
+    let widths = entries
+        .iter()
+        .map(|(name, _, _)| 64 + (name.chars().count() as f64 * SMALL * CHARACTER) as i32);
+    let mut x = WIDTH as i32 - RIGHT as i32 - widths.clone().sum::<i32>();
+    for ((name, colour, is_dashed), width) in entries.iter().zip(widths) {
+        let spans: &[(i32, i32)] = if *is_dashed {
+            &[(0, 10), (15, 25), (30, 40)]
+        } else {
+            &[(0, 40)]
+        };
+        for (from, to) in spans {
+            let ends = [(x + from, top), (x + to, top)];
+            area.draw(&PathElement::new(ends, colour.stroke_width(5)))?;
+        }
+        let style = text(SMALL, INK).pos(Pos::new(HPos::Left, VPos::Center));
+        area.draw(&Text::new((*name).to_owned(), (x + 48, top), style))?;
+        x += width;
+    }
+    Ok(())
+}
+
+/// A hand's steps in a row, with the names of those that have room.
+pub(super) fn strip(
+    area: &Area<'_>,
+    x: Range<f64>,
+    (name, colour): (&str, RGBColor),
+    steps: &[(String, Range<f64>)],
+) -> Drawing {
+    let mut builder = ChartBuilder::on(area);
+    builder.margin_top(6).margin_right(RIGHT).margin_left(LEFT);
+    let mut chart = builder.build_cartesian_2d(x.clone(), 0.0..1.0)?;
+    let per_px = (x.end - x.start) / f64::from(WIDTH - LEFT - RIGHT);
+    for (index, (step, time_s)) in steps.iter().enumerate() {
+        let tint = colour.mix(if index % 2 == 0 { 0.28 } else { 0.14 });
+        let corners = [(time_s.start, 0.0), (time_s.end, 1.0)];
+        chart.draw_series([Rectangle::new(corners, tint.filled())])?;
+        let room_px = (time_s.end - time_s.start) / per_px;
+        if room_px > step.len() as f64 * SMALL * CHARACTER + 6.0 {
+            let style = text(SMALL, INK).pos(Pos::new(HPos::Center, VPos::Center));
+            let at = ((time_s.start + time_s.end) / 2.0, 0.5);
+            chart.draw_series([Text::new(step.clone(), at, style)])?;
+        }
+    }
+    let middle = area.dim_in_pixel().1 as i32 / 2 + 3;
+    let style = text(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Center));
+    area.draw(&Text::new(
+        name.to_owned(),
+        (LEFT as i32 - 14, middle),
+        style,
+    ))?;
+    Ok(())
+}
+
+/// Height of a panel in which a unit is as long upwards as sideways, px.
+pub(super) fn equal_height(x: &Range<f64>, y: &Range<f64>) -> u32 {
+    let per_unit = f64::from(WIDTH - LEFT - RIGHT) / (x.end - x.start);
+    ((y.end - y.start) * per_unit) as u32 + BOTTOM + 44
+}
+
+/// One lane: a name, and when it is on.
+pub(super) struct Lane {
+    pub(super) name: String,
+    pub(super) colour: RGBColor,
+    pub(super) spans: Vec<Range<f64>>,
+}
+
+/// Height of a lane, px, and of what is below the lanes.
+const LANE: u32 = 38;
+
+/// Height of so many lanes with their axis, px.
+pub(super) fn lanes_height(count: usize) -> u32 {
+    LANE * count as u32 + BOTTOM + 44
+}
+
+/// Lanes over the same time as the panels above.
+pub(super) fn lanes(
+    area: &Area<'_>,
+    x: Range<f64>,
+    lanes: &[Lane],
+    steps: &[(String, Range<f64>)],
+    x_desc: &str,
+) -> Drawing {
+    let count = lanes.len() as f64;
+    let mut builder = ChartBuilder::on(area);
+    builder
+        .margin_top(44)
+        .margin_right(RIGHT)
+        .y_label_area_size(LEFT)
+        .x_label_area_size(BOTTOM);
+    let mut chart = builder.build_cartesian_2d(x.clone(), 0.0..count)?;
+    bands(&mut chart, &x, &(0.0..count), steps)?;
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .disable_y_axis()
+        .axis_style(GREY.stroke_width(2))
+        .label_style(text(SMALL, GREY))
+        .axis_desc_style(text(SMALL, INK))
+        .x_label_formatter(&|x| number(*x))
+        .x_labels(10)
+        .x_desc(x_desc)
+        .draw()?;
+    let per_px = (x.end - x.start) / f64::from(WIDTH - LEFT - RIGHT);
+    for (index, lane) in lanes.iter().enumerate() {
+        let y = count - 1.0 - index as f64;
+        let axis = vec![(x.start, y + 0.5), (x.end, y + 0.5)];
+        line(&mut chart, axis, GRID, 2)?;
+        // What is shorter than two pixels is drawn as two: it happened.
+        let bars = lane.spans.iter().map(|span| {
+            let to = span.end.max(span.start + 2.0 * per_px);
+            Rectangle::new(
+                [(span.start, y + 0.18), (to, y + 0.82)],
+                lane.colour.filled(),
+            )
+        });
+        chart.draw_series(bars)?;
+        let (left, middle) = chart.plotting_area().map_coordinate(&(x.start, y + 0.5));
+        let (base_x, base_y) = area.get_base_pixel();
+        let style = text(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Center));
+        let at = (left - base_x - 14, middle - base_y);
+        area.draw(&Text::new(lane.name.clone(), at, style))?;
+    }
+    Ok(())
+}
+
+/// A range from 0 to a little above the largest value.
+pub(super) fn up_to(largest: f64) -> Range<f64> {
+    0.0..(largest * 1.08).max(1e-6)
+}
+
+/// The largest y of some lines.
+pub(super) fn highest(lines: &[&[(f64, f64)]]) -> f64 {
+    let values = lines.iter().flat_map(|points| points.iter());
+    values.fold(0.0, |highest, (_, y)| y.max(highest))
+}
