@@ -1,8 +1,12 @@
 //! Real processes on a bus of their own, for whole-system tests and benches.
 //!
 //! In: names of our binaries and their arguments. Out: running processes that end with the test, their logs when it
-//! fails, and views of the bus. Nothing here asserts; nothing depends on this crate.
+//! fails, and views of the bus; and the daemon's tick with a simulated world in one thread. Nothing here asserts;
+//! nothing depends on this crate.
 #![forbid(unsafe_code)]
+
+pub mod figures;
+pub mod loopback;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

@@ -28,7 +28,18 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     ("ebts", &["field", "shm-bus", "shm-schemas"]),
     ("atas-sensors", &["shm-bus", "shm-schemas"]),
-    ("system-tests", &["shm-bus", "shm-schemas"]),
+    (
+        "system-tests",
+        &[
+            "atas",
+            "atas-cli",
+            "atasd",
+            "robot-model",
+            "shm-bus",
+            "shm-schemas",
+            "sim-backend",
+        ],
+    ),
 ];
 
 /// What may lie at the top level besides the folders of the packages.

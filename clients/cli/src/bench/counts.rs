@@ -58,7 +58,6 @@ pub(super) struct Ticks {
     pub(super) recording_us: f64,
     pub(super) allocations_per_tick: f64,
     pub(super) allocations_max: u64,
-    pub(super) page_faults: u64,
 }
 
 impl Counts {

@@ -71,7 +71,7 @@ pub(super) struct Measured {
     pub(super) body: Percentiles,
     pub(super) stages: [Percentiles; STAGES],
     pub(super) sensor_to_command: Percentiles,
-    /// Of every tick, ns: pooled over the repeats, because a free-running tick's phase is another one each time.
+    /// Of every tick, ns.
     pub(super) frame_age_ns: Vec<u64>,
     /// Of the tick thread: the spin and the tick, percent of one core.
     pub(super) tick_cpu_percent: f64,

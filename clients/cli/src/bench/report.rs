@@ -52,7 +52,6 @@ impl Report {
             "tick_stages_us": ticks.map(|ticks| &ticks.stages_us),
             "allocs_per_tick": ticks.map(|ticks| ticks.allocations_per_tick),
             "allocs_max": ticks.map(|ticks| ticks.allocations_max),
-            "page_faults": ticks.map(|ticks| ticks.page_faults),
             "syscalls_per_tick": self.counts.syscalls_per_tick,
             "instructions_per_tick": self.counts.instructions_per_tick,
             "recording": {
@@ -60,8 +59,8 @@ impl Report {
                 "after_body_us": ticks.map(|ticks| ticks.recording_us),
             },
             "frame_age_us": {
-                "locked": self.frame_age(|repeat| &repeat.locked),
-                "free": self.frame_age(|repeat| &repeat.free),
+                "locked": over(locked().map(|m| figures::of(m.frame_age_ns.clone()))),
+                "free": self.free_frame_age(),
             },
             "sensor_to_command_ratio": of_answer(|repeat| repeat.answer.ratio()),
             "sensor_to_command_us": {
@@ -107,8 +106,12 @@ impl Report {
         })
     }
 
-    fn frame_age(&self, of: fn(&Repeat) -> &Measured) -> Value {
-        let ages = self.idle.iter().flat_map(|repeat| &of(repeat).frame_age_ns);
+    /// The ages that the ticks of all free-running repeats saw: each repeat has another phase, none is the median one.
+    fn free_frame_age(&self) -> Value {
+        let ages = self
+            .idle
+            .iter()
+            .flat_map(|repeat| &repeat.free.frame_age_ns);
         microseconds(&figures::of(ages.copied().collect()))
     }
 }

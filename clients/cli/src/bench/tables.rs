@@ -100,11 +100,7 @@ fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
             &figures["instructions_per_tick"],
             0,
         ),
-        (
-            "page faults in all ticks".into(),
-            &figures["page_faults"],
-            0,
-        ),
+        ("page faults of all ticks".into(), &daemon["page_faults"], 0),
         (
             "tick body recording / not".into(),
             &figures["recording"]["body_ratio"],

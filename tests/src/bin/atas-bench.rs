@@ -1,0 +1,218 @@
+//! Counts and times of the production tick, for `atas bench latency` and the benches.
+//!
+//! ```text
+//! atas-bench figures TICKS REPEATS   times and allocations, recording and not, in turn; prints JSON
+//! atas-bench run TICKS               the ticks, for whoever looks from outside; prints JSON of what is seen inside
+//! ```
+//!
+//! `run` asks for its parent's process id once when the steady part begins and once when it ends: what a tracer sees
+//! in between belongs to the ticks.
+#![expect(clippy::print_stdout, reason = "figures are its product")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::process::ExitCode;
+
+use rustix::mm::MlockAllFlags;
+use serde_json::{Value, json};
+use shm_schemas::capacity::STAGES;
+use system_tests::figures::{median, microseconds};
+use system_tests::loopback::Loopback;
+
+/// Ticks before anything is counted: connections are made, the goal begins.
+const WARM_UP: u64 = 500;
+/// Ticks after which recording and not recording take turns: long enough for the caches to be their own.
+const BLOCK: u64 = 250;
+const USAGE: &str =
+    "could not understand the arguments; needs `figures TICKS REPEATS` or `run TICKS`";
+/// Names of the stages of the body, in their order.
+const NAMES: [&str; STAGES] = [
+    "intake",
+    "perception",
+    "modules",
+    "kinematics",
+    "safety",
+    "publish",
+    "report",
+    "recording",
+];
+/// Place of the recording, which comes after the body.
+const RECORDING: usize = STAGES - 1;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches a thread-local number only.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let number = |word: &str| word.parse::<u64>().ok().filter(|count| *count > 0);
+    let figures = match words[..] {
+        ["figures", ticks, repeats] => number(ticks)
+            .zip(number(repeats))
+            .map(|(ticks, repeats)| figures(ticks, repeats)),
+        ["run", ticks] => number(ticks).map(run),
+        _ => None,
+    };
+    println!(
+        "{}",
+        figures.clone().unwrap_or_else(|| json!({"error": USAGE}))
+    );
+    if figures.is_some() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(2)
+    }
+}
+
+/// What the ticks of one loopback cost.
+#[derive(Default)]
+struct Costs {
+    body_ns: Vec<u64>,
+    stages_ns: [Vec<u64>; STAGES],
+    allocations: u64,
+    allocations_max: u64,
+    ticks: u64,
+}
+
+impl Costs {
+    /// Runs ticks and notes what they cost.
+    fn add(&mut self, loopback: &mut Loopback, ticks: u64) {
+        for _ in 0..ticks {
+            loopback.sense();
+            let before = ALLOCATIONS.get();
+            loopback.tick();
+            let allocations = ALLOCATIONS.get() - before;
+            let record = loopback.act();
+            self.allocations += allocations;
+            self.allocations_max = self.allocations_max.max(allocations);
+            self.body_ns.push(record.body_ns.into());
+            for (stage, ns) in self.stages_ns.iter_mut().zip(record.report.stage_ns) {
+                stage.push(ns.into());
+            }
+            self.ticks += 1;
+        }
+    }
+
+    fn body_us(&self) -> [f64; 4] {
+        microseconds(self.body_ns.clone())
+    }
+}
+
+fn figures(ticks: u64, repeats: u64) -> Value {
+    let (mut plain, mut recording) = (Vec::new(), Vec::new());
+    for _ in 0..repeats {
+        let (mut one, mut other) = (Loopback::new(false), Loopback::new(true));
+        let (mut costs, mut costs_recording) = (Costs::default(), Costs::default());
+        Costs::default().add(&mut one, WARM_UP);
+        Costs::default().add(&mut other, WARM_UP);
+        for _ in 0..ticks.div_ceil(BLOCK) {
+            costs.add(&mut one, BLOCK);
+            costs_recording.add(&mut other, BLOCK);
+        }
+        plain.push(costs);
+        recording.push(costs_recording);
+    }
+    let ratios = plain.iter().zip(&recording);
+    let ratios = ratios.map(|(plain, recording)| recording.body_us()[0] / plain.body_us()[0]);
+    let all = || plain.iter().chain(&recording);
+    let ticks = all().map(|costs| costs.ticks).sum::<u64>() as f64;
+    let after_body = recording
+        .iter()
+        .map(|costs| microseconds(costs.stages_ns[RECORDING].clone())[0]);
+    json!({
+        "body_us": medians(plain.iter().map(Costs::body_us)),
+        "stages_us": stages(&plain),
+        "recording_ratio": median(ratios.collect()),
+        "recording_us": median(after_body.collect()),
+        "allocations_per_tick": all().map(|costs| costs.allocations).sum::<u64>() as f64 / ticks,
+        "allocations_max": all().map(|costs| costs.allocations_max).max(),
+    })
+}
+
+fn stages(costs: &[Costs]) -> Value {
+    let of = |stage: usize| {
+        let each = costs.iter().map(|costs| costs.stages_ns[stage].clone());
+        medians(each.map(microseconds))
+    };
+    let named = NAMES[..RECORDING].iter().enumerate();
+    Value::Object(
+        named
+            .map(|(stage, name)| ((*name).to_owned(), of(stage)))
+            .collect(),
+    )
+}
+
+/// Medians over the repeats.
+fn medians(repeats: impl Iterator<Item = [f64; 4]>) -> Value {
+    let repeats: Vec<[f64; 4]> = repeats.collect();
+    let of = |at: usize| median(repeats.iter().map(|figures| figures[at]).collect());
+    json!({"p50": of(0), "p99": of(1), "p999": of(2), "max": of(3)})
+}
+
+fn run(ticks: u64) -> Value {
+    let mut loopback = Loopback::new(false);
+    let mut costs = Costs::default();
+    costs.add(&mut loopback, WARM_UP.min(ticks / 2));
+    // As the daemon does; where it is refused, `page_faults` tells.
+    let locked = rustix::mm::mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_ok();
+    let (mut allocations, mut most) = (0, 0);
+    let faults = page_faults();
+    let steady = ticks - costs.ticks;
+    let _begin = rustix::process::getppid();
+    for _ in 0..steady {
+        loopback.sense();
+        let before = ALLOCATIONS.get();
+        loopback.tick();
+        let made = ALLOCATIONS.get() - before;
+        (allocations, most) = (allocations + made, made.max(most));
+        loopback.act();
+    }
+    let _end = rustix::process::getppid();
+    json!({
+        "ticks": steady,
+        "allocations": allocations,
+        "allocations_max": most,
+        "page_faults": page_faults() - faults,
+        "memory_locked": locked,
+    })
+}
+
+/// Page faults of this thread so far: fields 10 and 12 of its `stat`, minor and major.
+fn page_faults() -> u64 {
+    let text = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
+    let (_, fields) = text.rsplit_once(')').unwrap_or_default();
+    let field = |number: usize| {
+        fields
+            .split_whitespace()
+            .nth(number - 3)?
+            .parse::<u64>()
+            .ok()
+    };
+    field(10).unwrap_or(0) + field(12).unwrap_or(0)
+}

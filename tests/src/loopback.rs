@@ -1,0 +1,177 @@
+//! The production tick and a simulated world in one thread, over a real bus: what costs nothing but itself.
+//!
+//! Sensors write, [`Loopback::tick`] runs one tick of the daemon in lock-step, the robot takes the command. Nothing
+//! waits, so a grasp of eight simulated seconds takes a fraction of one. With a recorder, the tape is drained by a thread
+//! beside it, as the daemon's supervisor does.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use atas::goal::Goal;
+use atas::{Controller, Order, Settings, Wiring};
+use atas_cli::rehearsal::grasp_goal;
+use atasd::link::{Link, TickRecord};
+use atasd::pacer::{LockStep, Pacer};
+use atasd::tick::TickLoop;
+use robot_model::{RobotModel, Side};
+use shm_bus::{Bus, BusName, FreshBus, Publisher, Realtime, Subscriber};
+use shm_schemas::{HandFrame, JointCommand, JointState, TickInputs, service};
+use sim_backend::{Object, Scene, Sensed, World};
+
+/// How long the object is held, s: longer than any measurement.
+const HOLD_S: f64 = 100_000.0;
+/// How far it is lifted, m.
+const LIFT_M: f64 = 0.05;
+/// Pause of the drain; shorter than the supervisor's, because ticks come faster here.
+const ROUND: Duration = Duration::from_micros(500);
+
+/// A grasp of wood, both hands, 22 joints.
+#[derive(Debug)]
+pub struct Loopback {
+    world: World,
+    sensed: Sensed,
+    command: JointCommand,
+    frames: [Publisher<HandFrame>; 2],
+    joints: Publisher<JointState>,
+    commands: Subscriber<JointCommand>,
+    ticks: TickLoop,
+    link: Arc<Link>,
+    _drain: Option<Drain>,
+    _buses: [Bus; 2],
+    _name: FreshBus,
+}
+
+impl Loopback {
+    /// Sets the scene; with `recording`, every tick is recorded.
+    ///
+    /// # Panics
+    /// If the bus cannot be opened.
+    #[must_use]
+    pub fn new(recording: bool) -> Self {
+        let robot = RobotModel::two_hand_arm().expect("built in");
+        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+        let hint = scene.grasp_hint(0).expect("an object");
+        let name = FreshBus::new("loop");
+        let open = |role| Bus::open(&name, role, Realtime::Yes).expect("a bus");
+        let (robot_side, daemon_side) = (open("robot"), open("daemon"));
+        let controller = Controller::new(&robot, Wiring::default(), Settings::default());
+        let link = Arc::new(if recording {
+            Link::recording()
+        } else {
+            Link::default()
+        });
+        let goal = grasp_goal(&hint, Side::Right, LIFT_M, HOLD_S);
+        let goal = Goal::resolve(&goal, &[]).expect("built in");
+        link.order(Order::Start(goal)).expect("room for an order");
+        let pacer = Pacer::LockStep(LockStep::new());
+        let ticks = TickLoop::open(
+            &daemon_side,
+            Box::new(controller),
+            pacer,
+            Arc::clone(&link),
+            1000,
+        );
+        Self {
+            world: World::new(&robot, &scene, 1).expect("a world"),
+            sensed: Sensed::default(),
+            command: JointCommand::default(),
+            frames: service::HAND_FRAME.map(|s| robot_side.publisher(s).expect("a port")),
+            joints: robot_side.publisher(service::JOINT_STATE).expect("a port"),
+            commands: robot_side
+                .subscriber(service::JOINT_COMMAND)
+                .expect("a port"),
+            ticks: ticks.expect("the ports open"),
+            _drain: recording.then(|| Drain::start(&name, Arc::clone(&link))),
+            link,
+            _buses: [robot_side, daemon_side],
+            _name: name,
+        }
+    }
+
+    /// The sensors write what they sense now.
+    ///
+    /// # Panics
+    /// If the bus refuses.
+    pub fn sense(&mut self) {
+        self.world.sense(&mut self.sensed);
+        for (port, frame) in self.frames.iter().zip(&self.sensed.frames) {
+            let frame = frame.as_ref().expect("a full-rate sensor");
+            port.send(frame).expect("sent");
+        }
+        self.joints.send(&self.sensed.joints).expect("sent");
+    }
+
+    /// One tick of the daemon.
+    pub fn tick(&mut self) {
+        production_tick(&mut self.ticks);
+    }
+
+    /// The supervisor and the robot take what the tick left.
+    ///
+    /// # Panics
+    /// If the tick left nothing.
+    pub fn act(&mut self) -> TickRecord {
+        let record = self
+            .link
+            .next_record()
+            .expect("every tick leaves its record");
+        while self.link.next_event().is_some() {}
+        let _snapshot = self.link.newest_snapshot();
+        self.commands.newest(&mut self.command).expect("readable");
+        self.world.advance(Some(&self.command));
+        record
+    }
+
+    /// Parts of ticks that found no room.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.link.dropped()
+    }
+}
+
+/// By this name a profiler knows what belongs to the tick.
+#[inline(never)]
+fn production_tick(ticks: &mut TickLoop) {
+    assert!(ticks.run_once(), "nobody asked it to end");
+}
+
+/// Publishes the tape until it is dropped.
+#[derive(Debug)]
+struct Drain {
+    thread: Option<JoinHandle<()>>,
+    ends: Arc<AtomicBool>,
+}
+
+impl Drain {
+    fn start(name: &BusName, link: Arc<Link>) -> Self {
+        let (name, ends) = (name.clone(), Arc::new(AtomicBool::new(false)));
+        let ended = Arc::clone(&ends);
+        let thread = std::thread::spawn(move || {
+            let bus = Bus::open(&name, "drain", Realtime::No).expect("a bus");
+            let inputs = bus.publisher::<TickInputs>(service::TICK_INPUTS);
+            let inputs = inputs.expect("a port");
+            let tape = link.tape().expect("a link that records");
+            while !ended.load(Ordering::Relaxed) {
+                while let Some(part) = tape.next() {
+                    inputs.send(&part).expect("sent");
+                    tape.give_back(part);
+                }
+                std::thread::sleep(ROUND);
+            }
+        });
+        Self {
+            thread: Some(thread),
+            ends,
+        }
+    }
+}
+
+impl Drop for Drain {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Relaxed);
+        // A panic of the drain was printed when it happened.
+        let _joined = self.thread.take().map(JoinHandle::join);
+    }
+}
