@@ -27,8 +27,8 @@ pub(super) const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 const ASK_AGAIN: Duration = Duration::from_millis(20);
 /// The program of the network middleware, which is no part of the workspace.
 const ZENOH: &str = "atas-bench-zenoh";
-const ZENOH_CURE: &str = "to compare with zenoh, build it: cargo build --release --manifest-path tests/zenoh/Cargo.toml, \
-    and put it beside this program";
+const ZENOH_CURE: &str = "to compare with zenoh: cargo install --locked --path tests/zenoh; without it \
+    transports_us.zenoh is null";
 /// How long its rounds may take.
 const ZENOH_WITHIN: Duration = Duration::from_secs(60);
 
