@@ -228,7 +228,7 @@ impl Reason {
             Cause::HAND_FULL => {
                 write!(
                     f,
-                    "the {} hand still holds an object; release it first with `atas release`",
+                    "the {0} hand still holds an object; release it first with `atas release --hand {0}`",
                     crate::Hand(index)
                 )
             }

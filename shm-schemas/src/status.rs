@@ -66,7 +66,7 @@ word! {
     JointStatus as "atas.JointStatus.v1" {
         /// States accepted.
         pub states: u64,
-        /// States lost, by gaps in the sequence.
+        /// States not taken in, by gaps in the sequence: lost, or superseded by a newer one within one tick.
         pub lost: u64,
         /// States refused.
         pub rejected: u64,

@@ -1,7 +1,7 @@
 //! The command line of ATAS, as a library so that tests and benches can call what the commands call.
 //!
 //! ```text
-//!  arguments ─▶ commands ─┬─ session ─▶ goals, control, status, events of a running daemon (over the bus)
+//!  arguments ─▶ commands ─┬─ client ──▶ goals, control, status, events of a running daemon (over the bus)
 //!                         ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
 //!                         └─ eval ────▶ rehearsal: controller and world in process, in virtual time, on all cores
 //!                                        └─▶ judge: what physics allows, and what became of it

@@ -46,7 +46,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::HAND_FULL, 0.0, 0.0, 1),
-            "the right hand still holds an object; release it first with `atas release`",
+            "the right hand still holds an object; release it first with `atas release --hand right`",
         ),
         (
             limit(Cause::NO_SENSOR, 0.0, 0.0, 0),
@@ -224,7 +224,7 @@ fn a_reason_of_unknown_codes_still_prints() {
         ),
         (
             Reason::of(Cause::HAND_FULL).about(9),
-            "the unknown(9) hand still holds an object; release it first with `atas release`",
+            "the unknown(9) hand still holds an object; release it first with `atas release --hand unknown(9)`",
         ),
         (
             Reason::limit(Cause::NOT_READY, f64::NAN, 0.0),

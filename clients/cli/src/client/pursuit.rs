@@ -171,32 +171,48 @@ fn success(goal: &GoalRequest, story: &Story) -> String {
 
 /// The one sentence about an end without success.
 fn failure(goal: &GoalRequest, story: &Story, cancelled: Option<Cancelled>) -> anyhow::Error {
-    let is_cancelled = story.last().state == GoalState::CANCELLED;
-    let (step, hand_now) = (story.step(), story.hand_now());
-    let other_hand = if goal.kind == GoalKind::ASSEMBLE {
-        ", and the other hand what it holds: `atas release --hand left` and `--hand right`"
-    } else {
-        ""
-    };
-    match cancelled.filter(|_| is_cancelled) {
+    let state = story.last().state;
+    let (step, hands) = (story.step(), hands_now(goal, story));
+    match cancelled.filter(|_| state == GoalState::CANCELLED) {
         Some(Cancelled::Interrupted) => Ended::with(
             Exit::Interrupted,
-            format!("interrupted, goal cancelled in step {step:?}; {hand_now}{other_hand}"),
+            format!("interrupted, goal cancelled in step {step:?}; {hands}"),
         ),
         Some(Cancelled::TimedOut(timeout)) => Ended::with(
             Exit::Refused,
-            format!(
-                "took longer than {timeout:?}, goal cancelled in step {step:?}; {hand_now}{other_hand}"
-            ),
+            format!("took longer than {timeout:?}, goal cancelled in step {step:?}; {hands}"),
         ),
+        None if state == GoalState::FAILED && may_hold(goal, story) => {
+            Ended::with(Exit::Refused, format!("{}; {hands}", story.sentence()))
+        }
         None => Ended::with(Exit::Refused, story.sentence()),
+    }
+}
+
+/// Whether a hand may have something between its fingers. Only the acting hand's forces are told.
+fn may_hold(goal: &GoalRequest, story: &Story) -> bool {
+    goal.kind == GoalKind::ASSEMBLE || story.presses()
+}
+
+/// What the hands do after an end without success: a goal that ends lets nothing fall.
+fn hands_now(goal: &GoalRequest, story: &Story) -> String {
+    match goal.kind {
+        GoalKind::ASSEMBLE => {
+            "each hand keeps what it holds; `atas release --hand left` and `--hand right` let go"
+                .into()
+        }
+        _ if may_hold(goal, story) => format!(
+            "the hand keeps what it has between its fingers; `atas release --hand {}` lets go",
+            goal.hand
+        ),
+        _ => "the hand stays where it is".into(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, GoalUpdate, ModuleId, Reason, Text};
+    use shm_schemas::{Cause, GoalUpdate, Hand, ModuleId, Reason, Text};
 
     fn update(state: GoalState, step: &str, reason: Reason) -> GoalUpdate {
         GoalUpdate {
@@ -267,6 +283,32 @@ mod tests {
             ],
             "open: took 10.0 s, allowed 10.0 s",
         );
+    }
+
+    #[test]
+    fn an_end_in_mid_task_says_what_the_hands_do_now() {
+        let check = |kind, state, normal_n, part: &str| {
+            let goal = GoalRequest {
+                kind,
+                hand: Hand::LEFT,
+                ..GoalRequest::default()
+            };
+            let mut story = Story::default();
+            let mut end = update(state, "screw", Reason::limit(Cause::TIMED_OUT, 9.0, 9.0));
+            end.figures.normal_n = [normal_n; 4];
+            story.add(&end);
+            let told = failure(&goal, &story, None).to_string();
+            assert_eq!(told, format!("screw: took 9.0 s, allowed 9.0 s{part}"));
+        };
+        let (screw, assemble) = (GoalKind::SCREW, GoalKind::ASSEMBLE);
+        let keeps =
+            "; the hand keeps what it has between its fingers; `atas release --hand left` lets go";
+        let keep =
+            "; each hand keeps what it holds; `atas release --hand left` and `--hand right` let go";
+        check(screw, GoalState::FAILED, 2.0, keeps);
+        check(screw, GoalState::FAILED, 0.02, "");
+        check(assemble, GoalState::FAILED, 0.0, keep);
+        check(assemble, GoalState::REFUSED, 0.0, "");
     }
 
     #[test]

@@ -149,12 +149,14 @@ impl Audience {
 
     fn recount(self, story: Story) -> Seen {
         let (first, status) = self.first.unwrap_or((self.now, self.status));
+        let ticks = (story.took_s() * f64::from(self.status.rate_hz)).round() as u64;
+        let ends = [(&first, &status), (&self.now, &self.status)];
         Seen {
+            punctuality: Punctuality::between(ends, ticks),
             story,
             truth: self.now,
             attempt: self.attempt,
             turns: self.turns,
-            punctuality: Punctuality::between((&first, &status), (&self.now, &self.status)),
         }
     }
 }

@@ -23,13 +23,11 @@ pub(super) struct Punctuality {
 }
 
 impl Punctuality {
-    /// Between two looks at truth and status.
-    pub(super) fn between(from: (&WorldTruth, &Status), to: (&WorldTruth, &Status)) -> Self {
-        let count = |of: fn(&Status) -> u64| of(to.1).saturating_sub(of(from.1));
-        let missed = count(|status| status.missed_ticks);
+    /// Between two looks at truth and status, of so many ticks that were due.
+    pub(super) fn between([from, to]: [(&WorldTruth, &Status); 2], ticks: u64) -> Self {
         Self {
-            ticks: count(|status| status.ticks) + missed,
-            daemon_missed: missed,
+            ticks,
+            daemon_missed: to.1.missed_ticks.saturating_sub(from.1.missed_ticks),
             simulator_missed: to.0.missed_ticks.saturating_sub(from.0.missed_ticks),
             lapsed: to
                 .0
@@ -42,6 +40,11 @@ impl Punctuality {
     /// Commands that were missed by anyone.
     pub(super) fn missed(&self) -> u64 {
         self.daemon_missed + self.simulator_missed
+    }
+
+    /// Share of the ticks that were missed.
+    fn starved(&self) -> f64 {
+        self.missed() as f64 / self.ticks.max(1) as f64
     }
 
     /// Both counts together.
@@ -79,7 +82,7 @@ impl Punctuality {
                 "not phase-locked"
             },
         );
-        if self.missed() as f64 > STARVED_SHARE * self.ticks as f64 {
+        if self.starved() > STARVED_SHARE {
             text += " This machine was too busy, and what is held may slip: end other programs, or use --lockstep.";
         } else if self.missed() > 0 {
             text += " `atas bench latency` shows how punctual this machine is at all.";
@@ -94,6 +97,7 @@ impl Punctuality {
         json!({
             "ticks": self.ticks,
             "missed_ticks": self.missed(),
+            "starved": self.starved(),
             "missed_by_atasd": self.daemon_missed,
             "missed_by_atas_sim": self.simulator_missed,
             "lapsed_commands": self.lapsed,
@@ -109,35 +113,33 @@ impl Punctuality {
 mod tests {
     use super::*;
 
-    fn look(ticks: u64, missed_ticks: u64, by_simulator: u64) -> (WorldTruth, Status) {
+    fn look(by_daemon: u64, by_simulator: u64) -> (WorldTruth, Status) {
         let truth = WorldTruth {
             missed_ticks: by_simulator,
             ..WorldTruth::default()
         };
-        (
-            truth,
-            Status {
-                ticks,
-                missed_ticks,
-                ..Status::default()
-            },
-        )
+        let status = Status {
+            missed_ticks: by_daemon,
+            ..Status::default()
+        };
+        (truth, status)
     }
 
     #[test]
     fn both_processes_are_counted() {
         let check = |to: (WorldTruth, Status), expected: [u64; 3]| {
-            let from = look(400, 7, 5);
-            let counts = Punctuality::between((&from.0, &from.1), (&to.0, &to.1));
-            assert_eq!(
-                [counts.ticks, counts.daemon_missed, counts.simulator_missed],
-                expected
-            );
+            let from = look(7, 5);
+            let counts = Punctuality::between([(&from.0, &from.1), (&to.0, &to.1)], 1000);
+            let found = [
+                counts.missed(),
+                counts.daemon_missed,
+                counts.simulator_missed,
+            ];
+            assert_eq!(found, expected);
         };
-        check(look(1400, 7, 5), [1000, 0, 0]);
-        check(look(1397, 10, 7), [1000, 3, 2]);
-        check(look(400, 7, 5), [0, 0, 0]);
-        check(look(300, 0, 0), [0, 0, 0]);
+        check(look(7, 5), [0, 0, 0]);
+        check(look(10, 7), [5, 3, 2]);
+        check(look(0, 0), [0, 0, 0]);
     }
 
     #[test]
