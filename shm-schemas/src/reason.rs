@@ -67,6 +67,8 @@ code! {
         FRAMES_FROZEN = 27, "frames-frozen";
         /// The sensor process restarted in mid-task.
         SENSOR_RESTARTED = 28, "sensor-restarted";
+        /// An object that is held slides through the fingers.
+        SLIDING = 29, "sliding";
         /// No joint state for too long.
         JOINTS_STOPPED = 30, "joints-stopped";
         /// A joint state is not finite, out of range or jumps.
@@ -155,7 +157,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.cause.0 {
             0..=9 | 19 => self.tell_goal(f),
-            10..=19 => self.tell_task(f),
+            10..=19 | 29 => self.tell_task(f),
             20..=29 => self.tell_frames(f),
             30..=39 => self.tell_joints(f),
             _ => self.tell_daemon(f),
@@ -287,6 +289,10 @@ impl Reason {
                 "lowered to {:.1} mm and felt no support, expected it at {:.1} mm; the hand keeps the object",
                 value * 1e3,
                 limit * 1e3
+            ),
+            Cause::SLIDING => write!(
+                f,
+                "the object slides through the fingers, for {value:.2} s by now, allowed {limit:.2} s"
             ),
             Cause::OBSTRUCTED => write!(
                 f,

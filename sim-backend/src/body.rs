@@ -46,6 +46,8 @@ pub(crate) struct Body {
     /// Angular velocity, base frame, rad/s.
     pub(crate) angular_rad_s: Vector3<f64>,
     load: Wrench,
+    /// A force at the centre of mass that lasts, base frame, N.
+    pub(crate) pull_n: Vector3<f64>,
     /// Sum of the supports' normal forces in the last step, N.
     pub(crate) table_n: f64,
     /// The rim's share of it, N.
@@ -99,6 +101,7 @@ impl Body {
             velocity_m_s: Vector3::zeros(),
             angular_rad_s: Vector3::zeros(),
             load: Wrench::default(),
+            pull_n: Vector3::zeros(),
             table_n: mass_kg * GRAVITY_M_S2,
             rim_n: 0.0,
             rim_load: RimLoad::default(),
@@ -124,9 +127,10 @@ impl Body {
         self.load.moment_n_m += wrench.moment_n_m + arm_m.cross(&wrench.force_n);
     }
 
-    /// The applied wrenches and the weight about the centre of mass, base frame; forgets the wrenches.
+    /// The applied wrenches, the pull and the weight about the centre of mass, base frame; forgets the wrenches.
     pub(crate) fn take_load(&mut self) -> Wrench {
         let mut load = core::mem::take(&mut self.load);
+        load.force_n += self.pull_n;
         load.force_n.z -= self.weight_n();
         load
     }

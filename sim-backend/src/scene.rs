@@ -284,7 +284,12 @@ pub fn home_rad(robot: &RobotModel) -> Result<[f64; ROBOT_JOINTS], SceneError> {
 }
 
 /// NaN lies in no range.
-fn in_range(what: &'static str, value: f64, lower: f64, upper: f64) -> Result<(), SceneError> {
+pub(crate) fn in_range(
+    what: &'static str,
+    value: f64,
+    lower: f64,
+    upper: f64,
+) -> Result<(), SceneError> {
     if value >= lower && value <= upper {
         Ok(())
     } else {

@@ -10,7 +10,7 @@ use crate::encoder;
 use crate::hand::Hand;
 use crate::pad::Pad;
 use crate::random::Random;
-use crate::scene::{Scene, SceneError, stream};
+use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;
 use crate::support::{Ground, Plate};
 use crate::thing::Thing;
@@ -21,6 +21,8 @@ const TICK_S: f64 = 1e-3;
 /// Substeps per tick. 500 µs is unstable for light objects, 125 µs gives the same results (tactile design).
 const SUBSTEPS: usize = 4;
 const SUBSTEP_S: f64 = TICK_S / SUBSTEPS as f64;
+/// Strongest pull on an object along one axis, N. Ours: ten times what two fingers hold.
+const PULL_MAX_N: f64 = 100.0;
 
 /// What the robot senses at one instant.
 #[derive(Clone, Debug, Default)]
@@ -129,6 +131,24 @@ impl World {
             self.fault = self.find_fault();
         }
         self.clock.advance();
+    }
+
+    /// Pulls an object at its centre of mass with this force, base frame, N, until told otherwise: water that is poured into
+    /// it, a person who takes hold of it.
+    ///
+    /// # Errors
+    /// [`SceneError::OutOfRange`] when there is no such object or the force is not a number within ±100 N; nothing changes then.
+    pub fn pull(&mut self, object: usize, force_n: [f64; 3]) -> Result<(), SceneError> {
+        for force_n in force_n {
+            in_range("a pull in newtons", force_n, -PULL_MAX_N, PULL_MAX_N)?;
+        }
+        let count = self.things.len();
+        let Some(thing) = self.things.get_mut(object) else {
+            let last = count.saturating_sub(1) as f64;
+            return in_range("the index of a pulled object", object as f64, 0.0, last);
+        };
+        thing.body.pull_n = force_n.into();
+        Ok(())
     }
 
     /// The judge's view.

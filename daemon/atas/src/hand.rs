@@ -117,6 +117,7 @@ impl HandControl {
     ) -> Option<Outcome> {
         let (runner, carrier) = (self.runner.as_mut()?, self.carrier.as_mut()?);
         let percept = self.perception.percept();
+        let slid = runner.slides().is_some();
         runner.observe(percept, self.measured_gap_m, carrier.frame(), step_s);
         let motion = HandMotion {
             carry_scale: self.arbiter.carry_scale(),
@@ -131,6 +132,8 @@ impl HandControl {
         let intent = self.arbiter.merge(&proposals, step_s);
         let arrived = intent.carry.is_some_and(|c| c.arrived);
         let now = *carrier.frame();
+        let gave_up = runner.retreats().is_some();
+        let slides = runner.slides().filter(|_| !slid);
         let outcome = runner.conclude(
             intent.verdict,
             arrived,
@@ -140,6 +143,9 @@ impl HandControl {
             &mut self.modules,
         );
         self.intent = Some(intent);
+        let gives_up = self.runner.as_ref().and_then(Runner::retreats);
+        self.warn(slides, events);
+        self.warn(gives_up.filter(|_| !gave_up), events);
         self.tell_modules(runner_selection(&self.runner), &proposals, events);
         self.tell_outcome(outcome, events);
         Some(outcome)
@@ -417,6 +423,16 @@ impl HandControl {
                     ..self.event(kind)
                 });
             }
+        }
+    }
+
+    /// Warns of what cannot wait for the end of a goal: nobody may be waiting for one.
+    fn warn(&self, reason: Option<Reason>, events: &mut Events) {
+        if let Some(reason) = reason {
+            events.push(ModuleEvent {
+                reason,
+                ..self.event(EventKind::WARNING)
+            });
         }
     }
 

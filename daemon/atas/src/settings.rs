@@ -226,7 +226,7 @@ settings! {
         /// Speed of moving in, m/s.
         in_m_s = 0.01 in 0.001..0.05;
         /// Speed of turning, m/s. Too fast: the grip follows the contour too late.
-        turn_m_s = 0.01 in 0.001..0.05;
+        turn_m_s = 0.008 in 0.001..0.05;
         /// Speed of moving out, m/s.
         out_m_s = 0.02 in 0.001..0.05;
         /// Speed of returning, m/s.

@@ -89,6 +89,10 @@ fn table() -> Vec<(Reason, &'static str)> {
             "lowered to 18.1 mm and felt no support, expected it at 33.0 mm; the hand keeps the object",
         ),
         (
+            limit(Cause::SLIDING, 0.051, 0.05, 0),
+            "the object slides through the fingers, for 0.05 s by now, allowed 0.05 s",
+        ),
+        (
             limit(Cause::OBSTRUCTED, 0.0914, 0.06, 1),
             "finger 2 touched something at 0.09 N on its way, the limit is 0.06 N; clear the way or grasp nearer to the \
              object's top",

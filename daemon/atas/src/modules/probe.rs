@@ -4,7 +4,7 @@
 //! All fingers close at the approach speed for the probe's duration; the verdict is the fit, or, when the forces tell
 //! nothing, no verdict at all: the fingers stop and the step times out rather than guess. What 100 ms of light touch
 //! say of a hard object is uncertain, so the probe goes on listening: whenever the fingers press harder than ever
-//! before, the fit is refined and F_2 with it.
+//! before, the fit is refined and F_2 with it. What slips tells nothing: its faces move by more than they give.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::perception::{Hardness, HardnessFit, Percept};
@@ -42,7 +42,10 @@ impl Module for Probe {
 impl Probe {
     /// Takes in this tick's frame, and refines the fit if it tells something new.
     fn listen(&mut self, percept: &Percept, context: &Context<'_>) {
-        if percept.step_s <= 0.0 {
+        let slips = percept.fingers[..FINGERS]
+            .iter()
+            .any(|finger| finger.gross_slip_s > 0.0);
+        if percept.step_s <= 0.0 || slips {
             return;
         }
         let mean_n = percept.fingers[..FINGERS]

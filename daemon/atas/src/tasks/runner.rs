@@ -11,6 +11,10 @@ use shm_schemas::{Cause, ModuleId, Reason};
 
 /// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
 const LOST_AFTER_S: f64 = 0.05;
+/// How long a held object may slip on a finger before a warning, s (ours: twice what Module 2 takes to answer).
+const SLIDES_AFTER_S: f64 = 0.05;
+/// Share of F_2 from which on the fingers have no more force to give (ours: the share at which Module 3 lets go).
+const AT_CEILING: f64 = 0.97;
 /// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
 const MEET_M: f64 = 0.001;
 /// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
@@ -66,6 +70,7 @@ pub struct Runner {
     lifted_from_m: Option<Vector3<f64>>,
     carried_m: f64,
     out_of_touch_s: f64,
+    slides: Option<Reason>,
     holds: bool,
     reached: u8,
     peer_reached: u8,
@@ -109,6 +114,7 @@ impl Runner {
             lifted_from_m: None,
             carried_m: 0.0,
             out_of_touch_s: 0.0,
+            slides: None,
             holds: false,
             reached: 0,
             peer_reached: 0,
@@ -153,6 +159,18 @@ impl Runner {
     #[must_use]
     pub fn carried_m(&self) -> f64 {
         self.carried_m
+    }
+
+    /// Why to warn of the object in the hand, if it slides.
+    #[must_use]
+    pub fn slides(&self) -> Option<Reason> {
+        self.slides
+    }
+
+    /// Why the hand is giving up, while it puts back, raises or withdraws.
+    #[must_use]
+    pub fn retreats(&self) -> Option<Reason> {
+        self.retreat.map(|(_, reason)| reason)
     }
 
     /// The meeting point that the hand has come to.
@@ -222,11 +240,32 @@ impl Runner {
         if let Some(from_m) = self.lifted_from_m {
             self.carried_m = (now.centre_m - from_m).norm();
         }
+        self.slides = self.sliding(percept);
         self.out_of_touch_s = if touching {
             0.0
         } else {
             self.out_of_touch_s + step_s
         };
+    }
+
+    /// The reason to warn of an object that is held and slides all the same.
+    fn sliding(&self, percept: &Percept) -> Option<Reason> {
+        let held = self.step().until == Until::Held && self.grips();
+        let slid_s = percept.fingers[..FINGERS]
+            .iter()
+            .map(|finger| finger.gross_slip_s)
+            .fold(0.0, |most, s| if s > most { s } else { most });
+        (held && slid_s > SLIDES_AFTER_S)
+            .then(|| Reason::limit(Cause::SLIDING, slid_s, SLIDES_AFTER_S))
+    }
+
+    /// The reason to set down what slides although the fingers press with F_2.
+    fn out_of_force(&self, percept: &Percept) -> Option<Reason> {
+        let (_, strongest_n) = force_range_n(percept);
+        let f2_n = self.thresholds.f2_n;
+        let spent = self.slides.is_some() && strongest_n > AT_CEILING * f2_n;
+        let reason = Reason::limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
+        (spent && self.retreat.is_none()).then(|| reason.by(ModuleId::FORCE_LIMIT))
     }
 
     /// Draws the conclusions of this tick: verdicts, the end of the step, the end of the task.
@@ -255,6 +294,9 @@ impl Runner {
                 self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp);
             }
             Verdict::None | Verdict::Done | Verdict::Refuse(_) => {}
+        }
+        if let Some(reason) = self.out_of_force(percept) {
+            return self.give_up(Retreat::PutBack, reason, now, settings, modules);
         }
         if let Some(reason) = self.failure(percept, now, settings) {
             return Outcome::Failed(reason);

@@ -1,0 +1,86 @@
+//! Load that is added while the hand holds: answered, or reported; never silent.
+
+use crate::rig::{Rig, goal, object};
+use robot_model::Side;
+use shm_schemas::{Cause, GoalKind};
+use sim_backend::Scene;
+
+/// A hand that holds an object 50 mm above the table, and nothing to report.
+fn holding(name: &str) -> Rig {
+    let scene = Scene::grasp(object(name), Side::Right);
+    let mut rig = Rig::new(&scene);
+    rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+    assert_eq!(rig.warnings, []);
+    rig
+}
+
+fn force_n(rig: &Rig) -> f64 {
+    let [first_n, second_n, ..] = rig.world.truth().normal_n[Side::Right.index()];
+    first_n.min(second_n)
+}
+
+#[test]
+fn a_load_that_grows_slowly_is_answered_with_force() {
+    let check = |name: &str, load_n: f64| {
+        let mut rig = holding(name);
+        let (before, before_n) = (rig.object(), force_n(&rig));
+        rig.load(load_n, 0.5);
+        rig.ticks(3000);
+        let after = rig.object();
+        let sunk_m = before.lifted_m - after.lifted_m;
+        assert!(sunk_m < 0.002, "{name} sank by {sunk_m} m");
+        assert!(
+            force_n(&rig) > before_n + 0.3,
+            "{name}: {} N",
+            force_n(&rig)
+        );
+        assert_eq!((after.dropped, after.crushed), (0, 0), "{name}");
+        assert_eq!(rig.warnings, [], "{name}");
+    };
+    check("wood", 2.0);
+    check("slippery-50", 1.0);
+}
+
+#[test]
+fn running_out_of_force_is_reported_and_the_object_is_set_down() {
+    let mut rig = holding("slippery-200");
+    rig.load(2.5, 0.5);
+    rig.ticks(10_000);
+    assert!(
+        rig.warnings.contains(&Cause::OUT_OF_FORCE),
+        "{:?}",
+        rig.warnings
+    );
+    let object = rig.object();
+    assert!(object.lifted_m < 0.001, "{object:?}");
+}
+
+#[test]
+fn a_load_that_comes_at_once_is_held_or_reported() {
+    let check = |name: &str, load_n: f64| {
+        let mut rig = holding(name);
+        let before = rig.object();
+        rig.load(load_n, 1000.0);
+        rig.ticks(1000);
+        let after = rig.object();
+        let sunk_m = before.lifted_m - after.lifted_m;
+        let told = [Cause::SLIDING, Cause::LOST_OBJECT, Cause::OUT_OF_FORCE];
+        let reported = rig.warnings.iter().any(|cause| told.contains(cause));
+        assert!(
+            reported || sunk_m < 0.005,
+            "{name} sank by {sunk_m} m, told {:?}",
+            rig.warnings
+        );
+    };
+    for name in [
+        "wood",
+        "slippery-200",
+        "slippery-50",
+        "bottle",
+        "paper-box",
+        "sponge",
+    ] {
+        check(name, 0.2);
+        check(name, 2.0);
+    }
+}

@@ -1,0 +1,9 @@
+//! The production controller before the simulated world, in process: what only both together can show.
+//!
+//! Success over the families of objects is the evaluation's affair (`atas eval`); here are the branches that it rarely takes.
+
+mod assembly;
+mod hold;
+mod placing;
+mod rig;
+mod screwing;

@@ -1,0 +1,38 @@
+//! Placing where there is nothing to stand on.
+
+use crate::rig::{Rig, goal, object};
+use robot_model::Side;
+use shm_schemas::{Cause, GoalKind, GoalState};
+use sim_backend::Scene;
+
+#[test]
+fn what_finds_no_support_is_raised_and_kept() {
+    let mut scene = Scene::pick_place(object("wood"), Side::Right);
+    scene.plates.truncate(1);
+    let mut rig = Rig::new(&scene);
+    let mut goal = goal(GoalKind::PICK_PLACE, &scene, Side::Right);
+    // Ten millimetres of missing plate, and twenty more: farther down than the hand is allowed to look.
+    goal.to_m[2] += 0.020;
+    let end = rig.pursue(&goal);
+    assert_eq!(
+        (end.state, end.reason.cause),
+        (GoalState::FAILED, Cause::NO_SUPPORT),
+        "{}",
+        end.reason
+    );
+    rig.ticks(3000);
+    let object = rig.object();
+    assert!(object.lifted_m > 0.05, "{object:?}");
+    assert_eq!((object.dropped, object.crushed), (0, 0));
+}
+
+#[test]
+fn a_place_that_is_lower_than_expected_is_found() {
+    let mut scene = Scene::pick_place(object("wood"), Side::Right);
+    scene.plates.truncate(1);
+    let mut rig = Rig::new(&scene);
+    rig.achieve(&goal(GoalKind::PICK_PLACE, &scene, Side::Right));
+    let object = rig.object();
+    assert!((object.lifted_m + 0.010).abs() < 5e-4, "{object:?}");
+    assert_eq!((object.dropped, object.tipped), (0, 0));
+}

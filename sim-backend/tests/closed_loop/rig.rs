@@ -1,0 +1,133 @@
+//! Controller and world, tick by tick.
+
+use atas::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use robot_model::{RobotModel, Side};
+use shm_schemas::{
+    Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, Mode,
+    ObjectTruth,
+};
+use sim_backend::{GraspHint, Object, Scene, Sensed, World, servo_stiffness_n_m_rad};
+
+/// Both, and the warnings so far.
+pub(crate) struct Rig {
+    pub(crate) world: World,
+    controller: Controller,
+    sensed: Sensed,
+    tick: u64,
+    pub(crate) warnings: Vec<Cause>,
+}
+
+pub(crate) fn object(name: &str) -> Object {
+    Object::built_in(name).expect("built in")
+}
+
+impl Rig {
+    /// Both at rest, the controller READY.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let wiring = Wiring {
+            stiffness_n_m_rad: servo_stiffness_n_m_rad(),
+            ..Wiring::default()
+        };
+        let mut rig = Self {
+            world: World::new(&robot, scene, 1).expect("a world"),
+            controller: Controller::new(&robot, wiring, Settings::default()),
+            sensed: Sensed::default(),
+            tick: 0,
+            warnings: Vec::new(),
+        };
+        rig.ticks(100);
+        assert_eq!(rig.controller.mode().0, Mode::READY);
+        rig
+    }
+
+    fn step(&mut self, order: Option<&Order>) -> &Outputs {
+        self.world.sense(&mut self.sensed);
+        let [left, right] = &self.sensed.frames;
+        let outputs = self.controller.step(&Inputs {
+            tick: Tick {
+                index: self.tick,
+                now_ns: self.world.now_ns(),
+            },
+            frames: [left.as_slice(), right.as_slice()],
+            joints: Some(&self.sensed.joints),
+            order,
+        });
+        self.world.advance(Some(&outputs.command));
+        self.tick += 1;
+        let warns = |kind: EventKind| kind == EventKind::WARNING;
+        let events = outputs.events.as_slice().iter();
+        self.warnings
+            .extend(events.filter(|e| warns(e.kind)).map(|e| e.reason.cause));
+        outputs
+    }
+
+    pub(crate) fn ticks(&mut self, count: u64) {
+        for _ in 0..count {
+            self.step(None);
+        }
+    }
+
+    /// Pursues a goal to its end.
+    pub(crate) fn pursue(&mut self, request: &GoalRequest) -> GoalUpdate {
+        let goal = Goal::resolve(request, &[]).expect("a goal");
+        let mut order = Some(Order::Start(goal));
+        for _ in 0..400_000 {
+            let update = self.step(order.take().as_ref()).goal_update;
+            if let Some(end) = update.filter(|update| update.state.is_final()) {
+                return end;
+            }
+        }
+        panic!("the goal has no end");
+    }
+
+    /// Pursues a goal that must succeed.
+    pub(crate) fn achieve(&mut self, request: &GoalRequest) {
+        let end = self.pursue(request);
+        assert_eq!(
+            end.state,
+            GoalState::SUCCEEDED,
+            "{}: {}",
+            end.step,
+            end.reason
+        );
+    }
+
+    /// Adds to the first object's load until it is this much, N.
+    pub(crate) fn load(&mut self, to_n: f64, n_per_s: f64) {
+        let ticks = (to_n / n_per_s * 1e3).ceil() as u64;
+        for tick in 1..=ticks {
+            let pull_n = to_n * tick as f64 / ticks as f64;
+            self.world.pull(0, [0.0, 0.0, -pull_n]).expect("a pull");
+            self.ticks(1);
+        }
+    }
+
+    pub(crate) fn object(&self) -> ObjectTruth {
+        self.world.truth().objects[0]
+    }
+}
+
+/// A goal about the first object, as a client would send it.
+pub(crate) fn goal(kind: GoalKind, scene: &Scene, side: Side) -> GoalRequest {
+    let GraspHint {
+        from_m,
+        yaw_rad,
+        width_m,
+    } = scene.grasp_hint(0).expect("an object");
+    GoalRequest {
+        goal_id: 1,
+        kind,
+        hand: Hand::BOTH[side.index()],
+        policy: GoalPolicy::DETACHED,
+        from_m,
+        from_yaw_rad: yaw_rad,
+        width_m,
+        lift_m: if kind == GoalKind::SCREW { 0.0 } else { 0.05 },
+        hold_s: 1.0,
+        to_m: scene.place.map_or(from_m, |place| place.from_m),
+        to_yaw_rad: scene.place.map_or(yaw_rad, |place| place.yaw_rad),
+        helper_width_m: scene.grasp_hint(1).map_or(0.0, |hint| hint.width_m),
+        ..GoalRequest::default()
+    }
+}
