@@ -2,6 +2,7 @@
 
 use crate::heading::cos_sin;
 use crate::preset::{Contact, Preset};
+use crate::world::{greater, lesser};
 
 /// Half the side of the field (paper III.b.3: 800 × 800 px).
 pub(crate) const FIELD_PX: f32 = 400.0;
@@ -43,9 +44,9 @@ pub(crate) struct Constants {
     pub team_push: f32,
     /// Travel per frame by left level + 4 · right level.
     pub travel: [f32; 16],
-    /// No IR sensor can see the object beyond this.
+    /// An agent this far from the object neither sees it by IR nor touches it in this frame, unless bodies meet before.
     pub cull_object_sq: f32,
-    /// No IR sensor can see another agent beyond this.
+    /// Agents this far apart neither see each other by IR nor touch in this frame, unless bodies meet before.
     pub cull_agent_sq: f32,
     /// Agents whose `|x|` and `|y|` are below this neither see nor reach a wall in this frame.
     pub cull_wall: f32,
@@ -60,8 +61,11 @@ impl Constants {
         let (photo_cos, photo_sin) = cos_sin(p.photo.angle_steps);
         let half_speed = 0.5 * p.medium_speed_px_per_frame;
         let agent_limit = FIELD_PX - p.agent_radius_px;
-        let reach = agent_limit - 4.0 * half_speed;
-        let seen = FIELD_PX - p.ir_range_px;
+        // The furthest that wheels take an agent in a frame.
+        let stride = 4.0 * half_speed;
+        let near_object = greater(p.ir_range_px + p.object_radius_px, touch + stride);
+        let near_agent = greater(p.ir_range_px + p.agent_radius_px, pair + 2.0 * stride);
+        let near_wall = lesser(agent_limit - stride, FIELD_PX - p.ir_range_px);
         Self {
             contact: p.contact,
             agent_limit,
@@ -85,9 +89,9 @@ impl Constants {
             solo_push: p.solo_push,
             team_push: p.team_push,
             travel: std::array::from_fn(|code| half_speed * ((code & 3) + (code >> 2)) as f32),
-            cull_object_sq: sq(p.ir_range_px + p.object_radius_px + CULL_MARGIN_PX),
-            cull_agent_sq: sq(p.ir_range_px + p.agent_radius_px + CULL_MARGIN_PX),
-            cull_wall: (if reach < seen { reach } else { seen }) - CULL_MARGIN_PX,
+            cull_object_sq: sq(near_object + CULL_MARGIN_PX),
+            cull_agent_sq: sq(near_agent + CULL_MARGIN_PX),
+            cull_wall: near_wall - CULL_MARGIN_PX,
         }
     }
 }

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::constants::Constants;
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::{avx2, avx512};
+use crate::lanes::{Lanes, avx2, avx512, twice::Twice};
 use crate::lanes::{portable, stream};
 use crate::model::{Model, TeamSize};
 use crate::trial::{Outcome, Trial, run_trial};
@@ -90,27 +90,30 @@ impl Engine {
             // SAFETY: `cpu` proves that the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2(cpu) => unsafe { run_avx2(cpu, c, team, trials, outcomes) },
-            // SAFETY: `cpu` proves that the processor has AVX-512 F.
+            // SAFETY: `cpu` proves that the processor has AVX-512 F and DQ.
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512(cpu) => unsafe { run_avx512(cpu, c, team, trials, outcomes) },
         }
     }
 }
 
-/// The kernel for a team size known only at run time.
+/// Runs the kernel of a team size known only at run time, with one type of lanes for a single agent, whose frame is one long
+/// chain of steps that wait for each other, and one for more.
 macro_rules! for_team {
-    ($lanes:ty, $cpu:expr, $c:expr, $team:expr, $trials:expr, $outcomes:expr) => {
+    ($run:ident, $alone:ty, $together:ty, $team:expr, $($argument:expr),*) => {
         match $team.get() {
-            1 => stream::run::<$lanes, 1>($cpu, $c, $trials, $outcomes),
-            2 => stream::run::<$lanes, 2>($cpu, $c, $trials, $outcomes),
-            3 => stream::run::<$lanes, 3>($cpu, $c, $trials, $outcomes),
-            _ => stream::run::<$lanes, 4>($cpu, $c, $trials, $outcomes),
+            1 => $run::<$alone, 1>($($argument),*),
+            2 => $run::<$together, 2>($($argument),*),
+            3 => $run::<$together, 3>($($argument),*),
+            _ => $run::<$together, 4>($($argument),*),
         }
     };
 }
 
 fn run_portable(c: &Constants, team: TeamSize, trials: &[Trial], outcomes: &mut [Outcome]) {
-    for_team!(portable::Floats, (), c, team, trials, outcomes);
+    use portable::Floats;
+    use stream::run;
+    for_team!(run, Floats, Floats, team, (), c, trials, outcomes);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -122,11 +125,23 @@ fn run_avx2(
     trials: &[Trial],
     outcomes: &mut [Outcome],
 ) {
-    for_team!(avx2::F32x8, cpu, c, team, trials, outcomes);
+    use avx2::F32x8;
+    /// A function of its own for every kernel, so that each has all registers.
+    #[inline(never)]
+    #[target_feature(enable = "avx2")]
+    fn run<T: Lanes<Cpu = avx2::Cpu>, const N: usize>(
+        cpu: avx2::Cpu,
+        c: &Constants,
+        trials: &[Trial],
+        outcomes: &mut [Outcome],
+    ) {
+        stream::run::<T, N>(cpu, c, trials, outcomes);
+    }
+    for_team!(run, Twice<F32x8>, F32x8, team, cpu, c, trials, outcomes);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
+#[target_feature(enable = "avx512f,avx512dq")]
 fn run_avx512(
     cpu: avx512::Cpu,
     c: &Constants,
@@ -134,5 +149,16 @@ fn run_avx512(
     trials: &[Trial],
     outcomes: &mut [Outcome],
 ) {
-    for_team!(avx512::F32x16, cpu, c, team, trials, outcomes);
+    use avx512::F32x16;
+    #[inline(never)]
+    #[target_feature(enable = "avx512f,avx512dq")]
+    fn run<T: Lanes<Cpu = avx512::Cpu>, const N: usize>(
+        cpu: avx512::Cpu,
+        c: &Constants,
+        trials: &[Trial],
+        outcomes: &mut [Outcome],
+    ) {
+        stream::run::<T, N>(cpu, c, trials, outcomes);
+    }
+    for_team!(run, Twice<F32x16>, F32x16, team, cpu, c, trials, outcomes);
 }

@@ -35,12 +35,12 @@ pub(crate) fn greater(a: f32, b: f32) -> f32 {
 }
 
 #[inline]
-fn lesser(a: f32, b: f32) -> f32 {
+pub(crate) fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 #[inline]
-fn clamp(value: f32, limit: f32) -> f32 {
+pub(crate) fn clamp(value: f32, limit: f32) -> f32 {
     lesser(greater(value, -limit), limit)
 }
 

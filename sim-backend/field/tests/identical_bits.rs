@@ -46,7 +46,8 @@ impl Random {
     }
 }
 
-/// The shipped presets and two that leave their paths: narrow eyes and slow sliding in a crowd.
+/// The shipped presets and four that leave their paths: narrow eyes, slow sliding in a crowd, and agents that reach further in
+/// a frame than they see, sliding and blocking.
 fn presets() -> Vec<Preset> {
     let mut presets = Preset::ALL.to_vec();
     presets.push(Preset {
@@ -64,6 +65,17 @@ fn presets() -> Vec<Preset> {
         team_push: 0.4,
         ..Preset::R3
     });
+    for (contact, preset) in [
+        (Contact::Sliding, Preset::N),
+        (Contact::Blocking, Preset::LB),
+    ] {
+        presets.push(Preset {
+            ir_range_px: preset.agent_radius_px,
+            medium_speed_px_per_frame: 0.25 * (preset.agent_radius_px + preset.object_radius_px),
+            contact,
+            ..preset
+        });
+    }
     presets
 }
 

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-use super::{Ints, Lanes, Mask};
+use super::{Ints, Lanes, Mask, Vector};
 use crate::heading::COSINE;
 
 /// Proof of AVX2.
@@ -23,6 +23,16 @@ pub(crate) struct I32x8(__m256i);
 /// All bits of a true lane are set.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask8(__m256);
+
+impl Vector for F32x8 {
+    const WIDTH: usize = 8;
+}
+impl Vector for I32x8 {
+    const WIDTH: usize = 8;
+}
+impl Vector for Mask8 {
+    const WIDTH: usize = 8;
+}
 
 /// Calls an intrinsic of AVX2 on values whose existence proves that the processor has it.
 macro_rules! avx2 {
@@ -64,12 +74,16 @@ impl Mask for Mask8 {
     fn any(self) -> bool {
         self.bits() != 0
     }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 0xff
+    }
 }
 
 impl Ints for I32x8 {
     #[inline(always)]
-    fn shl(self, count: Self) -> Self {
-        Self(avx2!(_mm256_sllv_epi32(self.0, count.0)))
+    fn bit(self) -> Self {
+        Self(avx2!(_mm256_sllv_epi32(_mm256_set1_epi32(1), self.0)))
     }
     #[inline(always)]
     fn shr(self, count: Self) -> Self {
@@ -86,7 +100,6 @@ impl Lanes for F32x8 {
     type Cpu = Cpu;
     type Mask = Mask8;
     type Ints = I32x8;
-    const WIDTH: usize = 8;
 
     #[inline(always)]
     fn splat(_: Cpu, value: f32) -> Self {
@@ -107,16 +120,19 @@ impl Lanes for F32x8 {
         Self(avx2!(_mm256_sqrt_ps(self.0)))
     }
     #[inline(always)]
-    fn abs(self) -> Self {
-        Self(avx2!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)))
+    fn max_abs(self, other: Self) -> Self {
+        let sign = avx2!(_mm256_set1_ps(-0.0));
+        let abs = |v| avx2!(_mm256_andnot_ps(sign, v));
+        Self(avx2!(_mm256_max_ps(abs(self.0), abs(other.0))))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self(avx2!(_mm256_max_ps(self.0, other.0)))
     }
     #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(avx2!(_mm256_min_ps(self.0, other.0)))
+    fn clamp(self, limit: Self) -> Self {
+        let least = avx2!(_mm256_xor_ps(_mm256_set1_ps(-0.0), limit.0));
+        Self(avx2!(_mm256_min_ps(_mm256_max_ps(self.0, least), limit.0)))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Mask8 {

@@ -3,16 +3,17 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-use super::{Ints, Lanes, Mask, TURN};
+use super::{Ints, Lanes, Mask, TURN, Vector};
 use crate::heading::COSINE;
 
-/// Proof of AVX-512 F.
+/// Proof of AVX-512 F and DQ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cpu(());
 
 impl Cpu {
     pub(crate) fn detect() -> Option<Self> {
-        is_x86_feature_detected!("avx512f").then_some(Self(()))
+        (is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq"))
+            .then_some(Self(()))
     }
 }
 
@@ -23,10 +24,20 @@ pub(crate) struct I32x16(__m512i);
 #[derive(Clone, Copy)]
 pub(crate) struct Mask16(__mmask16);
 
-/// Calls an intrinsic of AVX-512 F on values whose existence proves that the processor has it.
+impl Vector for F32x16 {
+    const WIDTH: usize = 16;
+}
+impl Vector for I32x16 {
+    const WIDTH: usize = 16;
+}
+impl Vector for Mask16 {
+    const WIDTH: usize = 16;
+}
+
+/// Calls an intrinsic of AVX-512 F or DQ on values whose existence proves that the processor has it.
 macro_rules! avx512 {
     ($call:expr) => {
-        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX-512 F was detected; loads and stores
+        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX-512 F and DQ were detected; loads and stores
         // go through arrays of sixteen elements, whose length the slice conversion checked.
         unsafe { $call }
     };
@@ -77,12 +88,16 @@ impl Mask for Mask16 {
     fn any(self) -> bool {
         self.0 != 0
     }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0 == u16::MAX
+    }
 }
 
 impl Ints for I32x16 {
     #[inline(always)]
-    fn shl(self, count: Self) -> Self {
-        Self(avx512!(_mm512_sllv_epi32(self.0, count.0)))
+    fn bit(self) -> Self {
+        Self(avx512!(_mm512_rolv_epi32(_mm512_set1_epi32(1), self.0)))
     }
     #[inline(always)]
     fn shr(self, count: Self) -> Self {
@@ -99,7 +114,6 @@ impl Lanes for F32x16 {
     type Cpu = Cpu;
     type Mask = Mask16;
     type Ints = I32x16;
-    const WIDTH: usize = 16;
 
     #[inline(always)]
     fn splat(_: Cpu, value: f32) -> Self {
@@ -119,21 +133,29 @@ impl Lanes for F32x16 {
     fn sqrt(self) -> Self {
         Self(avx512!(_mm512_sqrt_ps(self.0)))
     }
+    /// The larger magnitude (11), without a sign (10).
     #[inline(always)]
-    fn abs(self) -> Self {
-        Self(avx512!(_mm512_abs_ps(self.0)))
+    fn max_abs(self, other: Self) -> Self {
+        Self(avx512!(_mm512_range_ps::<0b1011>(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self(avx512!(_mm512_max_ps(self.0, other.0)))
     }
+    /// The smaller magnitude (10), with the sign of the first (00).
     #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(avx512!(_mm512_min_ps(self.0, other.0)))
+    fn clamp(self, limit: Self) -> Self {
+        Self(avx512!(_mm512_range_ps::<0b0010>(self.0, limit.0)))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Mask16 {
         Mask16(avx512!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn lt_among(self, other: Self, lanes: Mask16) -> Mask16 {
+        Mask16(avx512!(_mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(
+            lanes.0, self.0, other.0
+        )))
     }
     #[inline(always)]
     fn eq(self, other: Self) -> Mask16 {
@@ -166,8 +188,13 @@ impl Lanes for F32x16 {
     }
     #[inline(always)]
     fn cos_sin(heading: I32x16) -> (Self, Self) {
-        let quarter_back = avx512!(_mm512_add_epi32(heading.0, _mm512_set1_epi32(48)));
-        (cosine(heading.0), cosine(quarter_back))
+        // The sine is the cosine a quarter turn, sixteen steps, earlier; both change sign half a turn later.
+        let (first, second, last) = (&COSINE[..16], &COSINE[16..32], &COSINE[48..]);
+        let half_turn = half_turn(heading);
+        (
+            flip(look_up(heading, first, second), half_turn),
+            flip(look_up(heading, last, first), half_turn),
+        )
     }
     #[inline(always)]
     fn drive(code: I32x16, travel: &[f32; 16]) -> (I32x16, Self) {
@@ -183,21 +210,27 @@ impl Lanes for F32x16 {
     }
 }
 
-/// The permutation reads the low five bits of the heading; bit 5, half a turn, is the sign.
+/// The value of each heading's lowest five bits, its place within half a turn. That there is a heading is the proof of the
+/// instructions.
 #[inline(always)]
-fn cosine(heading: __m512i) -> F32x16 {
-    let first_half: &[f32; 32] = COSINE.first_chunk().expect("half of 64");
-    let (low, high) = (
-        avx512!(_mm512_loadu_ps(first_half.as_ptr())),
-        avx512!(_mm512_loadu_ps(first_half[16..].as_ptr())),
-    );
-    let value = avx512!(_mm512_permutex2var_ps(low, heading, high));
-    let sign = avx512!(_mm512_and_si512(
-        _mm512_slli_epi32::<26>(heading),
+fn look_up(heading: I32x16, first: &[f32], second: &[f32]) -> F32x16 {
+    let (first, second) = (F32x16::load(Cpu(()), first), F32x16::load(Cpu(()), second));
+    F32x16(avx512!(_mm512_permutex2var_ps(
+        first.0, heading.0, second.0
+    )))
+}
+
+/// The sign bit of the headings in the second half of a turn.
+#[inline(always)]
+fn half_turn(heading: I32x16) -> __m512i {
+    avx512!(_mm512_and_si512(
+        _mm512_slli_epi32::<26>(heading.0),
         _mm512_set1_epi32(i32::MIN)
-    ));
-    F32x16(avx512!(_mm512_castsi512_ps(_mm512_xor_si512(
-        _mm512_castps_si512(value),
-        sign
-    ))))
+    ))
+}
+
+/// Changes the sign of the lanes whose sign bit is set.
+#[inline(always)]
+fn flip(value: F32x16, sign: __m512i) -> F32x16 {
+    F32x16(avx512!(_mm512_xor_ps(value.0, _mm512_castsi512_ps(sign))))
 }

@@ -1,7 +1,7 @@
 //! SIMD lanes: one trial per lane.
 //!
 //! [`stream`] leads trials through the lanes; [`kernel`] is the model, written once over [`Lanes`]; each instruction set
-//! implements [`Lanes`] with its own registers.
+//! implements [`Lanes`] with its own registers, and [`twice`] puts two of them side by side.
 //! A value of a lane type exists only where its instruction set does: every constructor asks for the type's `Cpu`, a proof
 //! that only detection hands out. That is what makes the intrinsics behind the safe operators sound.
 
@@ -11,40 +11,50 @@ pub(crate) mod avx2;
 pub(crate) mod avx512;
 mod kernel;
 pub(crate) mod portable;
+mod results;
 mod seats;
 pub(crate) mod stream;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod twice;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
+/// A value per lane.
+pub(crate) trait Vector: Copy {
+    /// Lanes: trials side by side.
+    const WIDTH: usize;
+}
+
 /// A truth value per lane.
-pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+pub(crate) trait Mask: Vector + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// One bit per lane, lane 0 lowest.
     fn bits(self) -> u32;
     /// Whether any lane is true.
     fn any(self) -> bool;
+    /// Whether every lane is true.
+    fn all(self) -> bool;
 }
 
 /// An integer per lane; arithmetic wraps.
 pub(crate) trait Ints:
-    Copy + Add<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self>
+    Vector + Add<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self>
 {
-    /// Each lane shifted by its own count, below 32; zeros come in.
-    fn shl(self, count: Self) -> Self;
+    /// Each lane shifted right by its own count, below 32; zeros come in.
     fn shr(self, count: Self) -> Self;
-    /// Writes `Lanes::WIDTH` values.
+    /// 1 shifted left by each lane's count, below 32.
+    fn bit(self) -> Self;
+    /// Writes `WIDTH` values.
     fn store(self, to: &mut [i32]);
 }
 
 /// A number per lane. Every operation rounds as its scalar counterpart does.
 pub(crate) trait Lanes:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+    Vector + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// Proof that this machine has the instructions.
     type Cpu: Copy;
     type Mask: Mask;
     type Ints: Ints;
-    /// Trials side by side.
-    const WIDTH: usize;
 
     fn splat(cpu: Self::Cpu, value: f32) -> Self;
     /// Reads `WIDTH` values.
@@ -52,12 +62,18 @@ pub(crate) trait Lanes:
     /// Writes `WIDTH` values.
     fn store(self, to: &mut [f32]);
     fn sqrt(self) -> Self;
-    fn abs(self) -> Self;
+    /// The greater of the absolute values.
+    fn max_abs(self, other: Self) -> Self;
+    /// The value, or the nearer of ± `limit` (above 0) beyond them.
+    fn clamp(self, limit: Self) -> Self;
     /// `self > other ? self : other`
     fn max(self, other: Self) -> Self;
-    /// `self < other ? self : other`
-    fn min(self, other: Self) -> Self;
     fn lt(self, other: Self) -> Self::Mask;
+    /// `self < other`, in the lanes of the mask only.
+    #[inline(always)]
+    fn lt_among(self, other: Self, lanes: Self::Mask) -> Self::Mask {
+        lanes & self.lt(other)
+    }
     fn eq(self, other: Self) -> Self::Mask;
     /// `mask ? yes : no`
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;

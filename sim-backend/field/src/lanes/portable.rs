@@ -3,8 +3,9 @@
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-use super::{Ints, Lanes, Mask, TURN};
+use super::{Ints, Lanes, Mask, TURN, Vector};
 use crate::heading::COSINE;
+use crate::world::clamp;
 
 const WIDTH: usize = 8;
 
@@ -15,6 +16,16 @@ pub(crate) struct Integers([i32; WIDTH]);
 /// −1 is true, 0 is false.
 #[derive(Clone, Copy)]
 pub(crate) struct Truths([i32; WIDTH]);
+
+impl Vector for Floats {
+    const WIDTH: usize = WIDTH;
+}
+impl Vector for Integers {
+    const WIDTH: usize = WIDTH;
+}
+impl Vector for Truths {
+    const WIDTH: usize = WIDTH;
+}
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $type:ident, |$a:ident, $b:ident| $value:expr) => {
@@ -53,14 +64,16 @@ impl Mask for Truths {
     fn any(self) -> bool {
         self.0.iter().fold(0, |any, lane| any | lane) != 0
     }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0.iter().fold(-1, |all, lane| all & lane) != 0
+    }
 }
 
 impl Ints for Integers {
     #[inline(always)]
-    fn shl(self, count: Self) -> Self {
-        Self(from_fn(|k| {
-            ((self.0[k] as u32) << (count.0[k] as u32 % 32)) as i32
-        }))
+    fn bit(self) -> Self {
+        Self(self.0.map(|count| 1 << (count & 31)))
     }
     #[inline(always)]
     fn shr(self, count: Self) -> Self {
@@ -78,7 +91,6 @@ impl Lanes for Floats {
     type Cpu = ();
     type Mask = Truths;
     type Ints = Integers;
-    const WIDTH: usize = WIDTH;
 
     #[inline(always)]
     fn splat((): (), value: f32) -> Self {
@@ -97,8 +109,8 @@ impl Lanes for Floats {
         Self(self.0.map(f32::sqrt))
     }
     #[inline(always)]
-    fn abs(self) -> Self {
-        Self(self.0.map(f32::abs))
+    fn max_abs(self, other: Self) -> Self {
+        Self(self.0.map(f32::abs)).max(Self(other.0.map(f32::abs)))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
@@ -111,14 +123,8 @@ impl Lanes for Floats {
         }))
     }
     #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self(from_fn(|k| {
-            if self.0[k] < other.0[k] {
-                self.0[k]
-            } else {
-                other.0[k]
-            }
-        }))
+    fn clamp(self, limit: Self) -> Self {
+        Self(from_fn(|k| clamp(self.0[k], limit.0[k])))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Truths {

@@ -2,8 +2,8 @@
 
 use crate::trial::Trial;
 
-/// The widest vector.
-pub(crate) const WIDEST: usize = 16;
+/// Lanes of the widest vector: two of AVX-512.
+pub(crate) const WIDEST: usize = 32;
 
 /// Starts, goal and tables of the trial in each lane; aligned so that no vector straddles two cache lines.
 #[repr(C, align(64))]

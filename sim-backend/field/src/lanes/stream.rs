@@ -7,6 +7,7 @@
 
 use super::Lanes;
 use super::kernel::Fields;
+use super::results::Results;
 use super::seats::{Seats, WIDEST};
 use crate::constants::Constants;
 use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
@@ -16,8 +17,8 @@ use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
 const STRIDE: u32 = 6;
 const _: () =
     assert!(EXECUTION_FRAMES.is_multiple_of(STRIDE) && TRIAL_FRAMES.is_multiple_of(STRIDE));
-/// Lanes that must be free before they are filled again: fewer fill too often, more idle too long (measured).
-const FREE_LANES: u32 = 4;
+/// Lanes are filled again once one in so many is free: if fewer must be, they fill too often; if more, they idle (measured).
+const FILL_ONE_IN: u32 = 8;
 
 /// Simulates every trial with `N` agents; one outcome per trial.
 #[inline(always)]
@@ -73,7 +74,7 @@ impl<const N: usize> Desk<'_, N> {
     #[inline(always)]
     fn fill(&mut self, width: usize, admit: impl FnOnce(u32, &Seats<N>)) -> bool {
         let free = width as u32 - self.live.count_ones();
-        if self.taken < self.queue.len() && (free >= FREE_LANES || self.live == 0) {
+        if self.taken < self.queue.len() && (free * FILL_ONE_IN >= width as u32 || self.live == 0) {
             let lanes = self.seat(width);
             admit(lanes, &self.seats);
         }
@@ -82,13 +83,12 @@ impl<const N: usize> Desk<'_, N> {
 
     fn seat(&mut self, width: usize) -> u32 {
         let before = self.live;
-        for lane in 0..width {
-            if self.live >> lane & 1 == 0 && self.taken < self.queue.len() {
-                self.seats.take(lane, &self.queue[self.taken]);
-                self.trial[lane] = self.taken;
-                self.taken += 1;
-                self.live |= 1 << lane;
-            }
+        let every = u32::MAX >> (u32::BITS - width as u32);
+        for (lane, trial) in lanes_of(every & !before).zip(self.taken..self.queue.len()) {
+            self.seats.take(lane, &self.queue[trial]);
+            self.trial[lane] = trial;
+            self.taken += 1;
+            self.live |= 1 << lane;
         }
         let lanes = self.live & !before;
         self.unmeasured |= lanes;
@@ -97,20 +97,24 @@ impl<const N: usize> Desk<'_, N> {
 
     /// Writes down what was measured in the lanes that ended their execution time and in those that are over. A trial that is
     /// over before the end of its execution time is in both sets.
-    fn settle(&mut self, executed: u32, over: u32, measured: &[Outcome; WIDEST]) {
-        for (lane, now) in measured.iter().enumerate() {
+    fn settle(&mut self, executed: u32, over: u32, results: &Results<N>) {
+        for lane in lanes_of(executed) {
+            self.outcomes[self.trial[lane]].executed = results.snapshot(lane);
+        }
+        for lane in lanes_of(over) {
             let outcome = &mut self.outcomes[self.trial[lane]];
-            if executed >> lane & 1 == 1 {
-                outcome.executed = now.evaluated;
-            }
-            if over >> lane & 1 == 1 {
-                *outcome = Outcome {
-                    executed: outcome.executed,
-                    ..*now
-                };
-            }
+            *outcome = results.outcome(lane, outcome.executed);
         }
         self.unmeasured &= !executed;
         self.live &= !over;
     }
+}
+
+/// The lanes of a set, lowest first.
+fn lanes_of(mut set: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (lane < WIDEST).then_some(lane)
+    })
 }

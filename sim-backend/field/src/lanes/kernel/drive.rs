@@ -15,10 +15,10 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
             self.x[i] + travel * self.cos[i],
             self.y[i] + travel * self.sin[i],
         );
-        if self.clear_of_walls[i] {
-            (x, y)
-        } else {
+        if self.near[i].walls {
             (self.inside(x), self.inside(y))
+        } else {
+            (x, y)
         }
     }
 
@@ -30,57 +30,73 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
 
     #[inline(always)]
     fn clamp(&self, coordinate: T, limit: f32) -> T {
-        coordinate.max(self.v(-limit)).min(self.v(limit))
+        coordinate.clamp(self.v(limit))
     }
 
     #[inline(always)]
     pub(super) fn drive_sliding(&mut self, codes: Team<T::Ints, N>) {
-        for (i, &code) in codes.iter().enumerate() {
-            (self.x[i], self.y[i]) = self.turn_and_step(i, code);
-        }
-        self.separate_agents();
-        self.push_object();
+        each_agent!(i of N {
+            (self.x[i], self.y[i]) = self.turn_and_step(i, codes[i]);
+        });
+        let met = self.separate_agents();
+        self.push_object(met);
     }
 
+    /// Moves agents that overlap apart, pair by pair; says whether any did.
     #[inline(always)]
-    fn separate_agents(&mut self) {
-        for i in 0..N {
-            for j in i + 1..N {
-                let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
-                let sq = dx * dx + dy * dy;
-                let meet = sq.lt(self.v(self.c.pair_sq));
-                if meet.any() {
-                    let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
-                    let share = self.v(0.5) * (self.v(self.c.pair) - distance) / distance;
-                    let share = T::select(meet, share, self.v(0.0));
-                    let (sx, sy) = (share * dx, share * dy);
-                    (self.x[i], self.y[i]) = (self.x[i] - sx, self.y[i] - sy);
-                    (self.x[j], self.y[j]) = (self.x[j] + sx, self.y[j] + sy);
+    fn separate_agents(&mut self) -> bool {
+        let mut met = false;
+        each_agent!(i of N {
+            each_agent!(j of N {
+                if i < j && (met || self.near[i].agents && self.near[j].agents) {
+                    met |= self.separate(i, j);
                 }
-            }
+            });
+        });
+        if met {
+            each_agent!(i of N {
+                (self.x[i], self.y[i]) = (self.inside(self.x[i]), self.inside(self.y[i]));
+            });
         }
-        for i in 0..N {
-            (self.x[i], self.y[i]) = (self.inside(self.x[i]), self.inside(self.y[i]));
-        }
+        met
     }
 
     #[inline(always)]
-    fn push_object(&mut self) {
+    fn separate(&mut self, i: usize, j: usize) -> bool {
+        let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
+        let sq = dx * dx + dy * dy;
+        let meet = sq.lt(self.v(self.c.pair_sq));
+        if !meet.any() {
+            return false;
+        }
+        let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
+        let share = self.v(0.5) * (self.v(self.c.pair) - distance) / distance;
+        let share = T::select(meet, share, self.v(0.0));
+        let (sx, sy) = (share * dx, share * dy);
+        (self.x[i], self.y[i]) = (self.x[i] - sx, self.y[i] - sy);
+        (self.x[j], self.y[j]) = (self.x[j] + sx, self.y[j] + sy);
+        true
+    }
+
+    #[inline(always)]
+    fn push_object(&mut self, met: bool) {
         let zero = self.v(0.0);
         let (mut sum_x, mut sum_y, mut deepest) = (zero, zero, zero);
         let (mut pushers, mut pushed) = (self.int(0), T::mask(self.cpu, 0));
-        for i in 0..N {
-            let (touch, dx, dy, sq) = self.overlap(i);
-            if touch.any() {
-                let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
-                let overlap = T::select(touch, self.v(self.c.touch) - distance, zero);
-                let per_px = overlap / distance;
-                (sum_x, sum_y) = (sum_x + per_px * dx, sum_y + per_px * dy);
-                deepest = deepest.max(overlap);
-                pushers = pushers + self.bit(touch, 1);
-                pushed = pushed | touch;
+        each_agent!(i of N {
+            if met || self.near[i].object {
+                let (touch, dx, dy, sq) = self.overlap(i);
+                if touch.any() {
+                    let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
+                    let overlap = T::select(touch, self.v(self.c.touch) - distance, zero);
+                    let per_px = overlap / distance;
+                    (sum_x, sum_y) = (sum_x + per_px * dx, sum_y + per_px * dy);
+                    deepest = deepest.max(overlap);
+                    pushers = pushers + self.bit(touch, 1);
+                    pushed = pushed | touch;
+                }
             }
-        }
+        });
         if !pushed.any() {
             return;
         }
@@ -91,17 +107,20 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
         let part = capped * self.push_for(pushers);
         self.object_x = self.clamp(self.object_x + part * sum_x, self.c.object_limit);
         self.object_y = self.clamp(self.object_y + part * sum_y, self.c.object_limit);
-        for i in 0..N {
-            let (touch, dx, dy, sq) = self.overlap(i);
-            let touch = touch & pushed;
-            if touch.any() {
-                let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
-                let per_px = T::select(touch, (self.v(self.c.touch) - distance) / distance, zero);
-                (self.x[i], self.y[i]) = (
-                    self.inside(self.x[i] - per_px * dx),
-                    self.inside(self.y[i] - per_px * dy),
-                );
-            }
+        each_agent!(i of N { self.give_way(i, pushed) });
+    }
+
+    /// Puts agent `i` back where it overlaps an object that was pushed.
+    #[inline(always)]
+    fn give_way(&mut self, i: usize, pushed: T::Mask) {
+        let (touch, dx, dy, sq) = self.overlap(i);
+        let touch = touch & pushed;
+        if touch.any() {
+            let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
+            let per_px = (self.v(self.c.touch) - distance) / distance;
+            let per_px = T::select(touch, per_px, self.v(0.0));
+            self.x[i] = self.inside(self.x[i] - per_px * dx);
+            self.y[i] = self.inside(self.y[i] - per_px * dy);
         }
     }
 
@@ -115,39 +134,57 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     #[inline(always)]
     pub(super) fn drive_blocking(&mut self, codes: Team<T::Ints, N>) {
         let push = self.push_for(self.facing);
-        for (i, &code) in codes.iter().enumerate() {
-            let (mut x, mut y) = self.turn_and_step(i, code);
-            let mut blocked = self.others_press(i, (self.x[i], self.y[i]), (x, y), self.c.pair_sq);
-            let (dx, dy) = (self.object_x - x, self.object_y - y);
-            let sq = dx * dx + dy * dy;
-            let touch = sq.lt(self.v(self.c.touch_sq));
-            if touch.any() {
-                let sq = sq.max(self.v(COINCIDENT_SQ));
-                let overlap = sq.sqrt() * (self.v(self.c.touch) / sq) - self.v(1.0);
-                let overlap = T::select(touch, overlap, self.v(0.0));
-                let yielded = overlap * push;
-                let refused = overlap - yielded;
-                let (object_x, object_y) =
-                    (self.object_x + yielded * dx, self.object_y + yielded * dy);
-                let walled = self
-                    .v(self.c.object_limit)
-                    .lt(object_x.abs().max(object_y.abs()));
-                let pressed = self.others_press(
-                    i,
-                    (self.object_x, self.object_y),
-                    (object_x, object_y),
-                    self.c.touch_sq,
-                );
-                blocked = blocked | (touch & (walled | pressed));
-                x = self.inside(x - refused * dx);
-                y = self.inside(y - refused * dy);
-                self.object_moved = true;
-                self.object_x = T::select(blocked, self.object_x, object_x);
-                self.object_y = T::select(blocked, self.object_y, object_y);
-            }
-            self.x[i] = T::select(blocked, self.x[i], x);
-            self.y[i] = T::select(blocked, self.y[i], y);
+        let mut met = false;
+        each_agent!(i of N {
+            self.drive_unless_blocked(i, codes[i], push, &mut met);
+        });
+    }
+
+    /// `met` says whether any agent has touched the object in this frame.
+    #[inline(always)]
+    fn drive_unless_blocked(&mut self, i: usize, code: T::Ints, push: T, met: &mut bool) {
+        let from = (self.x[i], self.y[i]);
+        let mut to = self.turn_and_step(i, code);
+        let mut blocked = T::mask(self.cpu, 0);
+        if *met || self.near[i].agents {
+            blocked = self.others_press(i, from, to, self.c.pair_sq);
         }
+        if *met || self.near[i].object {
+            *met |= self.push_ahead(i, &mut to, &mut blocked, push);
+        }
+        self.x[i] = T::select(blocked, from.0, to.0);
+        self.y[i] = T::select(blocked, from.1, to.1);
+    }
+
+    /// Agent `i`, on its way `to` a place, pushes the object and is held back by it, or is blocked. Says whether any touches
+    /// it.
+    #[inline(always)]
+    fn push_ahead(&mut self, i: usize, to: &mut (T, T), blocked: &mut T::Mask, push: T) -> bool {
+        let (dx, dy) = (self.object_x - to.0, self.object_y - to.1);
+        let sq = dx * dx + dy * dy;
+        let touch = sq.lt(self.v(self.c.touch_sq));
+        if !touch.any() {
+            return false;
+        }
+        let sq = sq.max(self.v(COINCIDENT_SQ));
+        let overlap = sq.sqrt() * (self.v(self.c.touch) / sq) - self.v(1.0);
+        let overlap = T::select(touch, overlap, self.v(0.0));
+        let yielded = overlap * push;
+        let refused = overlap - yielded;
+        let object = (self.object_x, self.object_y);
+        let pushed = (object.0 + yielded * dx, object.1 + yielded * dy);
+        let farthest = pushed.0.max_abs(pushed.1);
+        let walled = self.v(self.c.object_limit).lt_among(farthest, touch);
+        let pressed = self.others_press(i, object, pushed, self.c.touch_sq);
+        *blocked = *blocked | walled | (touch & pressed);
+        *to = (
+            self.inside(to.0 - refused * dx),
+            self.inside(to.1 - refused * dy),
+        );
+        self.object_moved = true;
+        self.object_x = T::select(*blocked, object.0, pushed.0);
+        self.object_y = T::select(*blocked, object.1, pushed.1);
+        true
     }
 
     /// Lanes in which a body going `from` → `to` would come closer than contact to an agent other than `i`, and closer than
@@ -155,15 +192,15 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     #[inline(always)]
     fn others_press(&self, i: usize, from: (T, T), to: (T, T), contact_sq: f32) -> T::Mask {
         let mut press = T::mask(self.cpu, 0);
-        for j in 0..N {
+        each_agent!(j of N {
             if j != i {
                 let after = self.distance_sq(j, to);
                 let contact = after.lt(self.v(contact_sq));
                 if contact.any() {
-                    press = press | (contact & after.lt(self.distance_sq(j, from)));
+                    press = press | after.lt_among(self.distance_sq(j, from), contact);
                 }
             }
-        }
+        });
         press
     }
 

@@ -4,14 +4,28 @@
 //! all of them, with a margin of a pixel against rounding ([`Constants::cull_object_sq`] and its siblings). A block that runs
 //! because one lane needs it writes the other lanes through a mask.
 
+/// Repeats a block for each agent of a team, unrolled. The compiler leaves blocks as long as the kernel's rolled up and the
+/// whole state in memory; unrolled, the frame of two and more agents takes 2 to 13 % less (measured).
+macro_rules! each_agent {
+    ($i:ident of $team:ident $body:block) => {
+        each_agent!($i of $team $body, 0 1 2 3)
+    };
+    ($i:ident of $team:ident $body:block, $($agent:literal)*) => {
+        $(if $team > $agent {
+            let $i = $agent;
+            $body
+        })*
+    };
+}
+
 mod drive;
 mod sense;
 
+use super::results::Results;
 use super::seats::{Seats, WIDEST};
 use super::{Ints, Lanes, Mask};
 use crate::constants::Constants;
 use crate::preset::Contact;
-use crate::trial::Outcome;
 
 /// One value per agent.
 type Team<T, const N: usize> = [T; N];
@@ -33,12 +47,21 @@ pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize> {
     frame: T::Ints,
     rows_read: T::Ints,
     reached_frame: T::Ints,
-    /// Agents of which no lane is near a wall in this frame.
-    clear_of_walls: Team<bool, N>,
+    /// What each agent may see or touch in this frame.
+    near: Team<Near, N>,
     /// How many agents touch and face the object at the start of the frame.
     facing: T::Ints,
     /// Whether any lane's object is elsewhere than when arrivals were last noted.
     object_moved: bool,
+}
+
+/// What an agent may see by IR or touch in this frame in some lane. Until bodies meet, an agent moves no further than its
+/// wheels turn: what is not near at the start of the frame stays out of reach until then.
+#[derive(Clone, Copy, Default)]
+struct Near {
+    walls: bool,
+    object: bool,
+    agents: bool,
 }
 
 /// All that moves, and all that the next frame depends on.
@@ -71,7 +94,7 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
             frame: none,
             rows_read: none,
             reached_frame: none,
-            clear_of_walls: [false; N],
+            near: [Near::default(); N],
             facing: none,
             object_moved: false,
         }
@@ -149,6 +172,9 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
     #[inline(always)]
     fn note_arrivals(&mut self) {
         let beyond = self.v(self.c.goal_radius_sq).lt(self.goal_distance_sq());
+        if beyond.all() {
+            return;
+        }
         let first = T::int_select(
             T::is_zero(self.reached_frame),
             self.frame,
@@ -196,30 +222,22 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
         }
     }
 
-    /// The outcome of every lane, were its trial over now; `executed` is left empty.
+    /// What every lane came to so far.
     #[inline(always)]
-    pub(in crate::lanes) fn measure(&self) -> [Outcome; WIDEST] {
-        let mut outcomes = [Outcome::default(); WIDEST];
-        let (mut floats, mut ints) = ([0.0; WIDEST], [0; WIDEST]);
-        self.goal_distance_sq().sqrt().store(&mut floats);
-        for (outcome, &value) in outcomes.iter_mut().zip(&floats) {
-            outcome.evaluated.goal_px = value;
-        }
-        for i in 0..N {
+    pub(in crate::lanes) fn measure(&self) -> Results<N> {
+        let mut results = Results {
+            goal_px: [0.0; WIDEST],
+            agents_px: [[0.0; WIDEST]; N],
+            rows_read: [0; WIDEST],
+            reached_frame: [0; WIDEST],
+        };
+        self.goal_distance_sq().sqrt().store(&mut results.goal_px);
+        for (i, agent_px) in results.agents_px.iter_mut().enumerate() {
             let (_, _, _, sq) = self.overlap(i);
-            sq.sqrt().store(&mut floats);
-            for (outcome, &value) in outcomes.iter_mut().zip(&floats) {
-                outcome.evaluated.agents_px[i] = value;
-            }
+            sq.sqrt().store(agent_px);
         }
-        self.rows_read.store(&mut ints);
-        for (outcome, &value) in outcomes.iter_mut().zip(&ints) {
-            outcome.rows_read = value as u32;
-        }
-        self.reached_frame.store(&mut ints);
-        for (outcome, &value) in outcomes.iter_mut().zip(&ints) {
-            outcome.reached_frame = value as u32;
-        }
-        outcomes
+        self.rows_read.store(&mut results.rows_read);
+        self.reached_frame.store(&mut results.reached_frame);
+        results
     }
 }

@@ -1,6 +1,6 @@
 //! What the agents sense at the start of a frame, and which response their tables give.
 
-use super::{Fields, Team};
+use super::{Fields, Near, Team};
 use crate::constants::FIELD_PX;
 use crate::lanes::seats::Seats;
 use crate::lanes::{Ints, Lanes, Mask};
@@ -19,22 +19,23 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     pub(super) fn sense(&mut self, seats: &Seats<N>) -> Team<T::Ints, N> {
         let mut codes = self.see_agents();
         self.facing = self.int(0);
-        for (i, code) in codes.iter_mut().enumerate() {
-            let mut ir = *code;
+        each_agent!(i of N {
+            let mut ir = codes[i];
             let object = self.ray(i, self.object_x - self.x[i], self.object_y - self.y[i]);
-            if object.distance_sq.lt(self.v(self.c.cull_object_sq)).any() {
+            self.near[i].object = object.distance_sq.lt(self.v(self.c.cull_object_sq)).any();
+            if self.near[i].object {
                 ir = self.ir(ir, object, self.c.object_radius_sq);
                 let touching = object.distance_sq.lt(self.v(self.c.facing_sq));
-                self.facing = self.facing + self.bit(touching & self.v(0.0).lt(object.ahead), 1);
+                self.facing = self.facing + self.bit(self.v(0.0).lt_among(object.ahead, touching), 1);
             }
-            let farthest = self.x[i].abs().max(self.y[i].abs());
-            self.clear_of_walls[i] = !self.v(self.c.cull_wall).lt(farthest).any();
-            if !self.clear_of_walls[i] {
+            let farthest = self.x[i].max_abs(self.y[i]);
+            self.near[i].walls = self.v(self.c.cull_wall).lt(farthest).any();
+            if self.near[i].walls {
                 ir = self.see_walls(ir, i);
             }
             let photo = self.see_lights(i, object);
-            *code = self.look_up(seats, i, ir, photo);
-        }
+            codes[i] = self.look_up(seats, i, ir, photo);
+        });
         codes
     }
 
@@ -62,23 +63,39 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     /// What the IR sensors of every agent see of the other agents. What IR sensors see is written as 4 left, 8 front, 16
     /// right: four times their part of the row, which is how far to shift a table word.
     #[inline(always)]
-    fn see_agents(&self) -> Team<T::Ints, N> {
+    fn see_agents(&mut self) -> Team<T::Ints, N> {
         let mut ir = [self.int(0); N];
-        let zero = self.v(0.0);
-        for i in 0..N {
-            for j in i + 1..N {
-                let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
-                if (dx * dx + dy * dy).lt(self.v(self.c.cull_agent_sq)).any() {
-                    ir[i] = self.ir(ir[i], self.ray(i, dx, dy), self.c.agent_radius_sq);
-                    ir[j] = self.ir(
-                        ir[j],
-                        self.ray(j, zero - dx, zero - dy),
-                        self.c.agent_radius_sq,
-                    );
+        self.near = [Near::default(); N];
+        each_agent!(i of N {
+            each_agent!(j of N {
+                if i < j {
+                    (ir[i], ir[j]) = self.see_each_other(i, j, ir[i], ir[j]);
                 }
-            }
-        }
+            });
+        });
         ir
+    }
+
+    /// Adds what agents `i` and `j` see of each other.
+    #[inline(always)]
+    fn see_each_other(
+        &mut self,
+        i: usize,
+        j: usize,
+        seen_by_i: T::Ints,
+        seen_by_j: T::Ints,
+    ) -> (T::Ints, T::Ints) {
+        let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
+        if !(dx * dx + dy * dy).lt(self.v(self.c.cull_agent_sq)).any() {
+            return (seen_by_i, seen_by_j);
+        }
+        (self.near[i].agents, self.near[j].agents) = (true, true);
+        let zero = self.v(0.0);
+        let (ahead_of_i, ahead_of_j) = (self.ray(i, dx, dy), self.ray(j, zero - dx, zero - dy));
+        (
+            self.ir(seen_by_i, ahead_of_i, self.c.agent_radius_sq),
+            self.ir(seen_by_j, ahead_of_j, self.c.agent_radius_sq),
+        )
     }
 
     /// Adds the IR sensors whose segments cut a circle.
@@ -102,7 +119,7 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     fn cuts(&self, ahead: T, left: T, radius_sq: f32) -> T::Mask {
         let zero = self.v(0.0);
         let beyond = (ahead - self.v(self.c.ir_range)).max(zero);
-        zero.lt(ahead) & (beyond * beyond + left * left).lt(self.v(radius_sq))
+        (beyond * beyond + left * left).lt_among(self.v(radius_sq), zero.lt(ahead))
     }
 
     /// Adds the IR sensors whose tips lie beyond a wall.
@@ -124,11 +141,8 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     #[inline(always)]
     fn tip_beyond_wall(&self, i: usize, cos: T, sin: T) -> T::Mask {
         let range = self.v(self.c.ir_range);
-        let (x, y) = (
-            (self.x[i] + range * cos).abs(),
-            (self.y[i] + range * sin).abs(),
-        );
-        self.v(FIELD_PX).lt(x.max(y))
+        let (x, y) = (self.x[i] + range * cos, self.y[i] + range * sin);
+        self.v(FIELD_PX).lt(x.max_abs(y))
     }
 
     /// Whether the left and the right photo sensor see a light.
@@ -148,26 +162,26 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
             left * self.v(self.c.photo_sin),
         );
         [
-            near & self.in_cone(ahead + left, distance_sq),
-            near & self.in_cone(ahead - left, distance_sq),
+            self.in_cone(ahead + left, distance_sq, near),
+            self.in_cone(ahead - left, distance_sq, near),
         ]
     }
 
     /// Whether a light this far along a photo sensor's axis is inside its cone.
     #[inline(always)]
-    fn in_cone(&self, along: T, distance_sq: T) -> T::Mask {
-        let forward = self.v(0.0).lt(along);
+    fn in_cone(&self, along: T, distance_sq: T, near: T::Mask) -> T::Mask {
+        let forward = self.v(0.0).lt_among(along, near);
         if self.c.cone_sq == 0.0 {
             return forward;
         }
-        forward & (self.v(self.c.cone_sq) * distance_sq).lt(along * along)
+        (self.v(self.c.cone_sq) * distance_sq).lt_among(along * along, forward)
     }
 
     /// Agent `i`'s response code in its lowest four bits; notes the row that was read.
     #[inline(always)]
     fn look_up(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
         let row = ir.shr(self.int(2)) | self.bit(photo[0], 8) | self.bit(photo[1], 16);
-        self.rows_read = self.rows_read | self.int(1).shl(row);
+        self.rows_read = self.rows_read | row.bit();
         let lit_left = T::int_select(photo[0], self.word(seats, 1, i), self.word(seats, 0, i));
         let lit_right = T::int_select(photo[0], self.word(seats, 3, i), self.word(seats, 2, i));
         let word = T::int_select(photo[1], lit_right, lit_left);
