@@ -21,6 +21,9 @@ const OURS: [ModuleId; 6] = [
 /// Share of F_2 that F_1 never exceeds ([`atas::tasks::Thresholds`]).
 const F1_BELOW_F2: f64 = 0.8;
 
+/// Force per finger from which the slip-reactive baseline starts, N: the best of 0.35, 0.6 and 1 N over other seeds.
+const START_N: f64 = 0.6;
+
 /// A law of the grip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
@@ -29,8 +32,9 @@ pub enum Law {
     /// A gripper that closes until it presses with this force per finger, N, and keeps it: Module 1 alone, F_1 being the
     /// force.
     FixedForce(f64),
-    /// The force rises by 8 % per 41 ms of slip from the least F_1, after Romano et al. 2011: [`ModuleId::SLIP_REACTION`].
-    SlipReactive,
+    /// The force rises by 8 % per 41 ms of slip from this force per finger, N, after Romano et al. 2011:
+    /// [`ModuleId::SLIP_REACTION`].
+    SlipReactive(f64),
 }
 
 impl Law {
@@ -38,7 +42,7 @@ impl Law {
     #[must_use]
     pub fn baselines(task: super::Task, force_n: Option<f64>) -> [Self; 2] {
         let force_n = force_n.unwrap_or(task.best_fixed_force_n());
-        [Self::FixedForce(force_n), Self::SlipReactive]
+        [Self::FixedForce(force_n), Self::SlipReactive(START_N)]
     }
 
     /// Its name in reports.
@@ -47,7 +51,7 @@ impl Law {
         match self {
             Self::Ours => "ours",
             Self::FixedForce(_) => "fixed_force",
-            Self::SlipReactive => "slip_reactive",
+            Self::SlipReactive(_) => "slip_reactive",
         }
     }
 
@@ -56,7 +60,7 @@ impl Law {
         match self {
             Self::Ours => None,
             Self::FixedForce(_) => Some(ModuleId::FIRST_TOUCH),
-            Self::SlipReactive => Some(ModuleId::SLIP_REACTION),
+            Self::SlipReactive(_) => Some(ModuleId::SLIP_REACTION),
         }
     }
 
@@ -64,7 +68,7 @@ impl Law {
     #[must_use]
     pub fn settings(self, ours: &Settings) -> Settings {
         let mut settings = *ours;
-        if let Self::FixedForce(force_n) = self {
+        if let Self::FixedForce(force_n) | Self::SlipReactive(force_n) = self {
             let grasp = &mut settings.grasp;
             (grasp.f1_min_n, grasp.f1_max_n) = (force_n, force_n);
             (grasp.f2_min_n, grasp.f2_max_n) = (force_n / F1_BELOW_F2, force_n / F1_BELOW_F2);
@@ -127,7 +131,7 @@ mod tests {
             GoalKind::SCREW,
             GoalKind::ASSEMBLE,
         ];
-        let laws = [Law::FixedForce(3.0), Law::SlipReactive];
+        let laws = [Law::FixedForce(3.0), Law::SlipReactive(0.5)];
         for (kind, law) in kinds.into_iter().flat_map(|k| laws.map(|l| (k, l))) {
             let ours = tasks::of(kind).expect("built in");
             let asked = GoalRequest {

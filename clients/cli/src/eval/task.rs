@@ -77,15 +77,12 @@ impl Task {
         conditions
     }
 
-    /// The fixed force per finger that serves the task best, N: the one of 1, 2, … 8 N with the most successes under the
-    /// first condition over other seeds than the evaluation's. Measured with
-    /// `atas eval TASK --first-seed 10001 --fixed-force N`.
+    /// The fixed force per finger that serves the task best, N: the least of 1, 2, … 10 N with the most successes under the
+    /// first condition over other seeds than the evaluation's: `atas eval TASK --first-seed 10001 --fixed-force N`.
     pub(super) fn best_fixed_force_n(self) -> f64 {
         match self {
-            Self::Grasp => 4.0,
-            Self::PickPlace => 4.0,
-            Self::Screw => 4.0,
-            Self::Assembly => 4.0,
+            Self::Grasp | Self::PickPlace => 7.0,
+            Self::Screw | Self::Assembly => 1.0,
         }
     }
 

@@ -4,7 +4,7 @@
 //! a first corner that grazes carries less) to the moment at which the hand begins to open. Until the last fingertip has
 //! left it takes as long as a squeezed hand needs to open, which is measured besides.
 
-use shm_schemas::{GoalUpdate, WorldTruth};
+use shm_schemas::{GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 
 use super::{ended, harmed, unless};
 
@@ -51,6 +51,7 @@ impl Placing {
         let parting_s = since((object.released_ns > 0).then_some(object.released_ns));
         let above_m = object.released_above_m;
         let failure = harmed(object)
+            .or_else(|| unless(!stayed(end, object), "left behind"))
             .or_else(|| ended(end))
             .or_else(|| unless(parting_s.is_finite(), "never released"))
             .or_else(|| unless(above_m <= ABOVE_M, "released early"))
@@ -64,4 +65,10 @@ impl Placing {
             released_above_m: above_m,
         }
     }
+}
+
+/// Whether the hand left without the object: not refused, never set down, and as low as it was.
+fn stayed(end: &GoalUpdate, object: &ObjectTruth) -> bool {
+    let is_low = object.lifted_m.abs() < ABOVE_M;
+    end.state != GoalState::REFUSED && object.landed_ns == 0 && is_low
 }

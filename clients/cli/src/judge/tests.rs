@@ -81,7 +81,15 @@ fn placings() {
     check(done(), harmed, Some(108), Some("dropped"));
     let heavy = end(GoalState::REFUSED, Cause::TOO_HEAVY, "leave");
     check(heavy, object, Some(108), Some("refused: too-heavy"));
+    let stayed = ObjectTruth {
+        landed_ns: 0,
+        carried_ns: 0,
+        ..object
+    };
     let lost = end(GoalState::FAILED, Cause::LOST_OBJECT, "convey");
+    check(lost, stayed, None, Some("left behind"));
+    check(done(), stayed, None, Some("left behind"));
+    check(heavy, stayed, None, Some("refused: too-heavy"));
     check(lost, object, None, Some("failed in convey: lost-object"));
 }
 
