@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use atas::Order;
 use crossbeam::queue::ArrayQueue;
+use robot_model::ROBOT_JOINTS;
 use shm_schemas::{GoalUpdate, ModuleEvent, Status, TickReport};
 
 use crate::tape::Tape;
@@ -32,6 +33,8 @@ pub struct TickRecord {
     pub frame_age_ns: u64,
     /// Whether every commanded velocity is zero.
     pub at_rest: bool,
+    /// Commanded positions, rad, if there are any.
+    pub commanded_rad: Option<[f64; ROBOT_JOINTS]>,
     /// Calls to the bus that failed so far.
     pub bus_failures: u64,
     /// Whether the ticks are locked to the frames.

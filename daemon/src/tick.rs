@@ -6,6 +6,7 @@
 //! * **Absent on purpose:** statistics. The tick only writes down what it measured; the supervisor counts.
 
 use atas::{Controller, Order};
+use robot_model::ROBOT_JOINTS;
 use shm_bus::{Bus, BusError, Publisher, now_ns};
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{JointCommand, TickReport, service};
@@ -156,9 +157,15 @@ fn record_of(step: &Step<'_>, beat: &Beat, stage_ns: [u32; STAGES], body_ns: u32
         body_ns,
         frame_age_ns,
         at_rest: step.command.velocity_rad_s.iter().all(|v| *v == 0.0),
+        commanded_rad: commanded_rad(step.command),
         bus_failures: 0,
         phase_locked: false,
     }
+}
+
+fn commanded_rad(command: &JointCommand) -> Option<[f64; ROBOT_JOINTS]> {
+    let positions_rad = command.position_rad.first_chunk().copied();
+    positions_rad.filter(|_| command.joint_count > 0)
 }
 
 /// Times the stages of one tick.

@@ -18,6 +18,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod body;
 pub mod capacity;
 mod code;
 mod control;
@@ -37,6 +38,7 @@ mod text;
 mod tick;
 mod truth;
 
+pub use body::{Body, BodyPair};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
 pub use event::{EventKind, ModuleEvent, ModuleId};
 pub use frame::HandFrame;

@@ -234,6 +234,15 @@ impl Reason {
                     crate::Hand(index)
                 )
             }
+            Cause::ARMS_COLLIDE if index != 0 => {
+                let [ours, theirs] = crate::BodyPair::read(index).0;
+                let (value_mm, limit_mm) = (value * 1e3, limit * 1e3);
+                write!(
+                    f,
+                    "the {ours} would come within {value_mm:.1} mm of the {theirs}, needs {limit_mm:.1} mm; move the places apart, \
+                     or the other arm away"
+                )
+            }
             Cause::ARMS_COLLIDE => write!(
                 f,
                 "the arms would come within {:.1} mm of each other, needs {:.1} mm; move the places apart",

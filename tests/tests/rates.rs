@@ -1,6 +1,6 @@
 //! The tick rate is the user's choice: with sensors and joints at 1 kHz, tasks come out the same at 1, 2, 4 and 10 kHz.
 
-use atas::goal::{self, Circumstances};
+use atas::goal;
 use atas::{Controller, Inputs, Order, Settings, Tick, Wiring};
 use atas_cli::rehearsal::{grasp_goal, pick_place_goal};
 use robot_model::{ROBOT_JOINTS, RobotModel, Side};
@@ -78,11 +78,7 @@ impl<'a> Fast<'a> {
         while self.controller.mode().0 != Mode::READY {
             self.millisecond(None);
         }
-        let now = Circumstances {
-            robot: self.robot,
-            wiring: self.controller.wiring(),
-            tasks: &[],
-        };
+        let now = self.controller.circumstances(self.robot, &[]);
         let mut order = Some(Order::Start(goal::check(request, &now).expect("reachable")));
         for _ in 0..LONGEST_MS {
             let update = self.millisecond(order.take());

@@ -3,7 +3,7 @@
 //! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, no clock, no threads: the same arguments give
 //! the same bits as the two processes in lock-step.
 
-use atas::goal::{self, Circumstances};
+use atas::goal;
 use atas::tasks::Task;
 use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
@@ -134,11 +134,7 @@ impl Rehearsal {
         limit_s: f64,
         mut watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
-        let now = Circumstances {
-            robot: &self.robot,
-            wiring: self.controller.wiring(),
-            tasks: self.task.as_slice(),
-        };
+        let now = self.controller.circumstances(&self.robot, &[]);
         let checked = match goal::check(goal, &now) {
             Ok(checked) => checked,
             Err(reason) => {

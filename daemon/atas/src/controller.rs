@@ -1,13 +1,13 @@
 //! The controller: [`Controller::step`] is the whole real-time path, one call per tick.
 
-use crate::goal::{ActiveGoal, Goal};
+use crate::goal::{ActiveGoal, Circumstances, Goal};
 use crate::hand::HandControl;
 use crate::io::{Events, Inputs, Order, Outputs};
 use crate::joints::JointIntake;
 use crate::mode::ModeMachine;
 use crate::safety::{Gate, GateContext, SafeCommand};
 use crate::settings::{PARAMETERS, Settings};
-use crate::tasks::Outcome;
+use crate::tasks::{Outcome, Task};
 use crate::tick::StallWatch;
 use crate::wiring::Wiring;
 use crate::{Stage, Tick};
@@ -116,6 +116,22 @@ impl Controller {
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// What a goal is to be checked against now.
+    #[must_use]
+    pub fn circumstances<'a>(
+        &'a self,
+        robot: &'a RobotModel,
+        tasks: &'a [Task],
+    ) -> Circumstances<'a> {
+        Circumstances {
+            robot,
+            wiring: &self.wiring,
+            settings: &self.settings,
+            tasks,
+            commanded_rad: self.gate.is_anchored().then(|| self.gate.position_rad()),
+        }
     }
 
     /// What the controller is wired to.

@@ -10,7 +10,7 @@ use crate::modules::{self, Modules, Proposal, Selection};
 use crate::perception::{Percept, Perception};
 use crate::safety::Grip;
 use crate::settings::Settings;
-use crate::tasks::{self, HandMotion, Outcome, Runner, Sites, Step};
+use crate::tasks::{HandMotion, Outcome, Runner, Sites, Step};
 use crate::wiring::Wiring;
 use nalgebra::Matrix3;
 use robot_model::{FINGERS, HandModel, HandPose, HandVector};
@@ -187,20 +187,7 @@ impl HandControl {
             return;
         };
         let now = *carrier.frame();
-        let home = tasks::home(&self.model, &now);
-        let (sites, width_m) = if !acts {
-            (
-                Sites::helping(&self.model, home, request, settings),
-                request.helper_width_m,
-            )
-        } else if goal.demands().visits_source || goal.demands().visits_target {
-            (
-                Sites::new(&self.model, &now, home, goal, settings),
-                request.width_m,
-            )
-        } else {
-            (Sites::resting(now, home, settings), request.width_m)
-        };
+        let (sites, width_m) = Sites::of(&self.model, &now, goal, settings);
         self.modules.reset();
         self.arbiter.rest();
         let wishes = (width_m, request.hold_s);

@@ -93,11 +93,13 @@ impl Path {
             return self.to;
         }
         let tau = time_s / self.duration_s;
-        blend(
-            &self.from,
-            &self.to,
-            tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau),
-        )
+        self.between(tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau))
+    }
+
+    /// The pose at a share of the way, 0 to 1, whenever the hand is there.
+    #[must_use]
+    pub fn between(&self, share: f64) -> GraspFrame {
+        blend(&self.from, &self.to, share)
     }
 }
 

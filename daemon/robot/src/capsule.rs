@@ -90,21 +90,52 @@ impl HandModel {
     }
 }
 
-/// Smallest gap between a body of one set and a body of the other, metres: negative when they overlap, infinite if a set
-/// is empty, minus infinity (never safe) if a coordinate is not finite.
+/// The bodies of two sets that are nearest to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Gap between them, metres: negative when they overlap, minus infinity (never safe) if a coordinate is not finite.
+    pub gap_m: f64,
+    /// Joints that move them, each of its own hand, 0–10.
+    pub joints: [usize; 2],
+}
+
+/// The nearest pair of bodies of two sets; an infinite gap if a set is empty.
 #[must_use]
-pub fn clearance_m(ours: &[Capsule], theirs: &[Capsule]) -> f64 {
-    let mut clearance = f64::INFINITY;
+pub fn nearest(ours: &[Capsule], theirs: &[Capsule]) -> Nearest {
+    let mut nearest = Nearest {
+        gap_m: f64::INFINITY,
+        joints: [0; 2],
+    };
     for a in ours {
         for b in theirs {
-            let gap = gap_m(a, b, clearance);
-            if !gap.is_finite() {
-                return f64::NEG_INFINITY;
+            let gap_m = gap_m(a, b, nearest.gap_m);
+            let joints = [a.joint, b.joint];
+            if !gap_m.is_finite() {
+                let gap_m = f64::NEG_INFINITY;
+                return Nearest { gap_m, joints };
             }
-            clearance = clearance.min(gap);
+            if gap_m < nearest.gap_m {
+                nearest = Nearest { gap_m, joints };
+            }
         }
     }
-    clearance
+    nearest
+}
+
+/// Smallest gap between a body of one set and a body of the other, see [`nearest`].
+#[must_use]
+pub fn clearance_m(ours: &[Capsule], theirs: &[Capsule]) -> f64 {
+    nearest(ours, theirs).gap_m
+}
+
+/// Farthest that an end of a body moved between two poses of the same hand, metres.
+#[must_use]
+pub fn farthest_move_m(before: &[Capsule], after: &[Capsule]) -> f64 {
+    let moves = before
+        .iter()
+        .zip(after)
+        .flat_map(|(b, a)| [(a.a_m - b.a_m).norm(), (a.b_m - b.b_m).norm()]);
+    moves.fold(0.0, f64::max)
 }
 
 /// Gap between two capsules, or a lower bound of it that is not below `enough_m`.

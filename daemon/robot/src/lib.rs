@@ -69,7 +69,9 @@ mod transform;
 #[cfg(feature = "std")]
 mod urdf;
 
-pub use capsule::{CAPSULES_MAX, Capsule, Capsules, clearance_m};
+pub use capsule::{
+    CAPSULES_MAX, Capsule, Capsules, Nearest, clearance_m, farthest_move_m, nearest,
+};
 pub use forward::HandPose;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
 pub use jacobian::{HandJacobian, Rows3, Rows6};

@@ -1,8 +1,8 @@
 //! What the supervisor knows, and how the configuration changes while the daemon runs.
 
 use atas::goal::Circumstances;
-use atas::{Order, Wiring};
-use robot_model::RobotModel;
+use atas::{Order, Settings, Wiring};
+use robot_model::{ROBOT_JOINTS, RobotModel};
 use shm_schemas::{Mode, StatusFlags};
 
 use crate::config::{Config, Source};
@@ -29,6 +29,10 @@ pub struct Knowledge {
     pub mode: Mode,
     /// Index of the last tick.
     pub tick: u64,
+    /// Positions that the last tick commanded, rad, if it commanded any.
+    pub commanded_rad: Option<[f64; ROBOT_JOINTS]>,
+    /// The settings of `config`.
+    pub settings: Settings,
     /// Ticks whose records have been seen.
     pub ticks_seen: u64,
 }
@@ -45,6 +49,7 @@ impl Knowledge {
     ) -> Self {
         Self {
             config_hash: config.hash(),
+            settings: config.settings(),
             source,
             config,
             robot,
@@ -53,6 +58,7 @@ impl Knowledge {
             started_ns: shm_bus::now_ns(),
             mode: Mode::INIT,
             tick: 0,
+            commanded_rad: None,
             ticks_seen: 0,
         }
     }
@@ -61,6 +67,7 @@ impl Knowledge {
     pub(super) fn learn(&mut self, record: &TickRecord) {
         self.mode = record.report.mode;
         self.tick = record.report.tick;
+        self.commanded_rad = record.commanded_rad;
         self.ticks_seen += 1;
         if record.phase_locked {
             self.flags |= StatusFlags::PHASE_LOCKED;
@@ -74,7 +81,9 @@ impl Knowledge {
         Circumstances {
             robot: &self.robot,
             wiring: &self.wiring,
+            settings: &self.settings,
             tasks: self.config.tasks.as_slice(),
+            commanded_rad: self.commanded_rad.as_ref(),
         }
     }
 
@@ -115,6 +124,7 @@ impl Knowledge {
             .order(order)
             .ok_or("the queue of orders is full; try again")?;
         self.config_hash = config.hash();
+        self.settings = config.settings();
         self.config = config;
         Ok(ticket)
     }

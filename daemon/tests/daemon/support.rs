@@ -139,6 +139,8 @@ impl World {
         for side in robot_model::Side::BOTH {
             position_rad[side.joint_range()]
                 .copy_from_slice(robot.hand(side).reference_rad().as_slice());
+            // Straight ahead the fingers of both hands would cross.
+            position_rad[side.first_joint()] += 0.4 * side.y_sign();
         }
         Self {
             frames: service::HAND_FRAME

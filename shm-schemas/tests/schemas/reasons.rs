@@ -1,10 +1,12 @@
 //! Reasons print as one clear sentence each.
 
-use shm_schemas::{Cause, Mode, ModuleId, Reason};
+use shm_schemas::{Body, BodyPair, Cause, Mode, ModuleId, Reason};
 
 /// One row per cause: a reason and its sentence.
 fn table() -> Vec<(Reason, &'static str)> {
     let limit = |cause, value, limit, index| Reason::limit(cause, value, limit).about(index);
+    let body = |hand, joint| Body { hand, joint };
+    let collision = BodyPair([body(1, 2), body(0, 10)]).index();
     vec![
         (limit(Cause::NONE, 0.0, 0.0, 0), "nothing to report"),
         (
@@ -55,6 +57,11 @@ fn table() -> Vec<(Reason, &'static str)> {
         (
             limit(Cause::ARMS_COLLIDE, 0.003, 0.01, 0),
             "the arms would come within 3.0 mm of each other, needs 10.0 mm; move the places apart",
+        ),
+        (
+            limit(Cause::ARMS_COLLIDE, 0.0031, 0.01, collision),
+            "the right forearm would come within 3.1 mm of the left fingertip 2, needs 10.0 mm; move the places apart, or the \
+             other arm away",
         ),
         (
             limit(Cause::NOTHING_TOUCHED, 0.0262, 0.026, 0),

@@ -1,8 +1,9 @@
 //! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
 
+use super::plan::plan;
 use super::{BACK_OUT, Motion, RAISE, STAND, Sites, Step, Thresholds, Track, Until, WITHDRAW};
 use crate::modules::{Context, Modules, Verdict, force_range_n};
-use crate::path::{Path, Speeds};
+use crate::path::Path;
 use crate::perception::{HardnessFit, Percept};
 use crate::settings::Settings;
 use nalgebra::{Matrix3, Vector3};
@@ -17,12 +18,6 @@ const SLIDES_AFTER_S: f64 = 0.05;
 const AT_CEILING: f64 = 0.97;
 /// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
 const MEET_M: f64 = 0.001;
-/// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
-const OPEN_BY_M: f64 = 0.012;
-/// The same at the moment an object stands, m, and how long it takes, s (ours: as fast as the gate lets the joints
-/// accelerate, 50 rad/s² of its 60; what asks for more swings back and grips the object again).
-const LET_GO_BY_M: f64 = 0.003;
-const LET_GO_S: f64 = 0.085;
 
 /// How the hand moves at the start of a tick.
 #[derive(Clone, Copy, Debug)]
@@ -373,31 +368,7 @@ impl Runner {
     }
 
     fn plan(&self, now: &GraspFrame, settings: &Settings) -> Path {
-        let motion = &settings.motion;
-        let free = Speeds {
-            move_m_s: motion.reach_m_s,
-            turn_rad_s: motion.turn_rad_s,
-            open_m_s: motion.open_m_s,
-        };
-        let gripping = |site, move_m_s| {
-            let speeds = Speeds { move_m_s, ..free };
-            Path::gripping(*now, self.sites.pose(site, now), &speeds)
-        };
-        match self.step().motion {
-            Motion::Stay | Motion::Lower | Motion::Square => Path::stay(*now),
-            Motion::Reach(site) => Path::free(*now, self.sites.pose(site, now), &free),
-            Motion::Withdraw => Path::free(*now, self.path.at(0.0), &free),
-            Motion::Carry(site) => gripping(site, motion.lift_m_s),
-            Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
-            Motion::Open => Path::free(*now, opened(now, OPEN_BY_M), &free),
-            Motion::LetGo => {
-                let speeds = Speeds {
-                    open_m_s: LET_GO_BY_M / LET_GO_S,
-                    ..free
-                };
-                Path::free(*now, opened(now, LET_GO_BY_M), &speeds)
-            }
-        }
+        plan(self.step().motion, now, &self.sites, &self.path, settings)
     }
 
     /// The same refusal means something else once the object was already held: its load has grown.
@@ -457,13 +428,6 @@ impl Runner {
         }
         (self.step_s > step.timeout_s)
             .then(|| Reason::limit(Cause::TIMED_OUT, self.step_s, step.timeout_s))
-    }
-}
-
-fn opened(frame: &GraspFrame, by_m: f64) -> GraspFrame {
-    GraspFrame {
-        half_opening_m: frame.half_opening_m.map(|half_m| half_m + by_m),
-        ..*frame
     }
 }
 

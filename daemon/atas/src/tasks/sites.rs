@@ -65,6 +65,23 @@ pub struct Sites {
 }
 
 impl Sites {
+    /// The poses of a goal for one of its hands, and the width of what that hand grasps, m.
+    #[must_use]
+    pub fn of(hand: &HandModel, now: &GraspFrame, goal: &Goal, settings: &Settings) -> (Self, f64) {
+        let (request, home) = (goal.request(), home(hand, now));
+        if hand.side() != goal.side() {
+            let sites = Self::helping(hand, home, request, settings);
+            return (sites, request.helper_width_m);
+        }
+        let stays = !(goal.demands().visits_source || goal.demands().visits_target);
+        let sites = if stays {
+            Self::resting(*now, home, settings)
+        } else {
+            Self::new(hand, now, home, goal, settings)
+        };
+        (sites, request.width_m)
+    }
+
     /// The poses of a checked goal for a hand that is at `now` and rests at `home`.
     #[must_use]
     pub fn new(

@@ -3,7 +3,7 @@
 use crate::support::robot;
 use atas::goal::{self, ActiveGoal, Circumstances};
 use atas::tasks::{GRASP, RELEASE, Task};
-use atas::{Goal, Wiring};
+use atas::{Goal, Settings, Wiring};
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, Text};
 
@@ -25,7 +25,9 @@ fn check_with(goal: &GoalRequest, wiring: &Wiring, tasks: &[Task]) -> Result<Goa
     let now = Circumstances {
         robot: robot(),
         wiring,
+        settings: &Settings::default(),
         tasks,
+        commanded_rad: None,
     };
     goal::check(goal, &now)
 }

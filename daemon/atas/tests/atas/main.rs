@@ -2,6 +2,7 @@
 
 mod arbitration;
 mod bench;
+mod clearance;
 mod controller;
 mod determinism;
 mod faults;

@@ -1,0 +1,56 @@
+//! From a step's motion to a path: used by the runner when the step begins, and before the goal begins to see where the
+//! arm will go.
+
+use super::{Motion, Sites};
+use crate::path::{Path, Speeds};
+use crate::settings::Settings;
+use robot_model::GraspFrame;
+
+/// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
+const OPEN_BY_M: f64 = 0.012;
+/// The same at the moment an object stands, m, and how long it takes, s (ours: as fast as the gate lets the joints
+/// accelerate, 50 rad/s² of its 60; what asks for more swings back and grips the object again).
+const LET_GO_BY_M: f64 = 0.003;
+const LET_GO_S: f64 = 0.085;
+
+/// The path of a motion for a hand that is at `now` and whose path was `before`.
+pub(crate) fn plan(
+    motion: Motion,
+    now: &GraspFrame,
+    sites: &Sites,
+    before: &Path,
+    settings: &Settings,
+) -> Path {
+    let speeds = &settings.motion;
+    let free = Speeds {
+        move_m_s: speeds.reach_m_s,
+        turn_rad_s: speeds.turn_rad_s,
+        open_m_s: speeds.open_m_s,
+    };
+    let gripping = |site, move_m_s| {
+        let speeds = Speeds { move_m_s, ..free };
+        Path::gripping(*now, sites.pose(site, now), &speeds)
+    };
+    match motion {
+        Motion::Stay | Motion::Lower | Motion::Square => Path::stay(*now),
+        Motion::Reach(site) => Path::free(*now, sites.pose(site, now), &free),
+        Motion::Withdraw => Path::free(*now, before.at(0.0), &free),
+        Motion::Carry(site) => gripping(site, speeds.lift_m_s),
+        Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
+        Motion::Open => Path::free(*now, opened(now, OPEN_BY_M), &free),
+        Motion::LetGo => {
+            let speeds = Speeds {
+                open_m_s: LET_GO_BY_M / LET_GO_S,
+                ..free
+            };
+            Path::free(*now, opened(now, LET_GO_BY_M), &speeds)
+        }
+    }
+}
+
+fn opened(frame: &GraspFrame, by_m: f64) -> GraspFrame {
+    GraspFrame {
+        half_opening_m: frame.half_opening_m.map(|half_m| half_m + by_m),
+        ..*frame
+    }
+}

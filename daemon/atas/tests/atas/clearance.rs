@@ -1,0 +1,220 @@
+//! Goals are refused before anything moves if an arm cannot go where the task leads, or would come too near to the other;
+//! what is accepted keeps its distance in every tick.
+
+use crate::support::{hand_of, robot};
+use crate::world::{World, grasp, start};
+use atas::goal::{self, Circumstances};
+use atas::tasks::{self, GRASP, Motion, Site, Step, Task};
+use atas::{Order, Settings};
+use nalgebra::Vector3;
+use robot_model::{GraspFrame, HandVector, ROBOT_JOINTS, Side, nearest};
+use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
+
+/// What accepted goals keep between the arms, m.
+const CLEARANCE_M: f64 = 0.010;
+
+/// Everywhere that a task can lead the hand, without an object.
+fn tour() -> Task {
+    let reach = |site| Step {
+        motion: Motion::Reach(site),
+        ..GRASP.acting[0]
+    };
+    let sites = [
+        Site::BeforeSource,
+        Site::Source,
+        Site::Lifted,
+        Site::OverTarget,
+        Site::Above,
+        Site::Home,
+    ];
+    Task::checked("tour", &sites.map(reach), None).unwrap()
+}
+
+fn posture(side: Side, centre_m: [f64; 3], opening_m: f64) -> HandVector {
+    let (hand, centre_m) = (robot().hand(side), Vector3::from(centre_m));
+    let yaw_rad = hand.closing_yaw_rad(&centre_m, 0.5);
+    let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
+    hand.posture_for(&frame).unwrap().q_rad
+}
+
+fn at_home(side: Side) -> HandVector {
+    let hand = robot().hand(side);
+    let now = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 1.0, 0.05);
+    hand.posture_for(&tasks::home(hand, &now)).unwrap().q_rad
+}
+
+/// A world that is ready with the right arm at home and the left arm in this posture.
+fn world(left_rad: HandVector) -> World {
+    let mut world = World::new();
+    for (side, q_rad) in [(Side::Left, left_rad), (Side::Right, at_home(Side::Right))] {
+        world.q_rad[side.joint_range()].copy_from_slice(q_rad.as_slice());
+    }
+    world.run(50);
+    assert_eq!(world.mode(), Mode::READY);
+    world
+}
+
+fn gap_m(q_rad: &[f64; ROBOT_JOINTS]) -> f64 {
+    let bodies = |side| {
+        let hand = robot().hand(side);
+        hand.capsules(&hand.forward(&hand_of(q_rad, side)))
+    };
+    nearest(&bodies(Side::Right), &bodies(Side::Left)).gap_m
+}
+
+fn check(world: &World, request: &GoalRequest) -> Result<atas::Goal, Reason> {
+    goal::check(request, &world.controller.circumstances(robot(), &[tour()]))
+}
+
+/// Numbers from 0 to 1, the same in every run.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 40) as f64 / (1_u64 << 24) as f64
+    }
+
+    fn between(&mut self, [lower, upper]: [f64; 2]) -> f64 {
+        lower + (upper - lower) * self.next()
+    }
+}
+
+/// Both arms over the middle of the table, at random: what is accepted keeps clear in every single tick, as commanded.
+#[test]
+fn accepted_goals_keep_the_arms_apart_in_every_tick() {
+    let mut numbers = Numbers(2026);
+    let mut place = |y_m: [f64; 2]| {
+        let [x, y, z] = [[0.23, 0.39], y_m, [0.03, 0.13]].map(|range| numbers.between(range));
+        [x, y, z]
+    };
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..30 {
+        let mut world = world(posture(Side::Left, place([-0.05, 0.15]), 0.06));
+        let request = GoalRequest {
+            kind: GoalKind::CUSTOM,
+            task: Text::new("tour"),
+            from_m: place([-0.15, 0.05]),
+            to_m: place([-0.15, 0.05]),
+            ..grasp()
+        };
+        if gap_m(&world.q_rad) < CLEARANCE_M {
+            continue;
+        }
+        match check(&world, &request) {
+            Err(reason) => {
+                assert_eq!(reason.cause, Cause::ARMS_COLLIDE, "{reason}");
+                refused += 1;
+            }
+            Ok(goal) => {
+                accepted += 1;
+                world.order(Order::Start(goal));
+                let mut least_m = f64::INFINITY;
+                while !world.controller.goal().unwrap().state.is_final() {
+                    world.tick();
+                    least_m = least_m.min(gap_m(&world.q_rad));
+                }
+                assert_eq!(world.controller.goal().unwrap().state, GoalState::SUCCEEDED);
+                assert!(least_m >= CLEARANCE_M, "{least_m} m in {request:?}");
+            }
+        }
+    }
+    assert!(
+        accepted > 8 && refused > 8,
+        "{accepted} accepted, {refused} refused"
+    );
+}
+
+/// The sentence names the bodies, and nothing has moved.
+#[test]
+fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
+    let world = world(posture(Side::Left, [0.30, -0.02, 0.06], 0.06));
+    let before_rad = world.q_rad;
+    let into = GoalRequest {
+        from_m: [0.30, -0.04, 0.05],
+        ..grasp()
+    };
+    let reason = check(&world, &into).unwrap_err();
+    assert_eq!(reason.cause, Cause::ARMS_COLLIDE);
+    let said = reason.to_string();
+    assert!(
+        said.starts_with("the right ") && said.contains(" mm of the left "),
+        "{said}"
+    );
+    let beside = GoalRequest {
+        from_m: [0.30, -0.20, 0.05],
+        ..grasp()
+    };
+    assert!(check(&world, &beside).is_ok());
+    // The way there counts as well, not only its end.
+    let over = GoalRequest {
+        kind: GoalKind::PICK_PLACE,
+        to_m: [0.30, -0.04, 0.05],
+        ..beside
+    };
+    assert_eq!(check(&world, &over).unwrap_err().cause, Cause::ARMS_COLLIDE);
+    let mut after = world.clone();
+    after.run(100);
+    assert_eq!(after.q_rad, before_rad);
+}
+
+/// Whatever happened, a hand that lets go may do so: arms that are too near already may go apart.
+#[test]
+fn a_release_is_possible_with_arms_that_touch() {
+    let mut world = World::ready();
+    assert!(
+        gap_m(&world.q_rad) < 0.0,
+        "the scripted start crosses the fingers"
+    );
+    let release = GoalRequest {
+        kind: GoalKind::RELEASE,
+        ..grasp()
+    };
+    assert!(check(&world, &release).is_ok());
+    let outputs = world.order(start(release));
+    assert_eq!(outputs.goal_update.unwrap().state, GoalState::ACCEPTED);
+}
+
+/// The hand opens wider than the object, and comes from above it.
+#[test]
+fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
+    let world = world(at_home(Side::Left));
+    let clearance_m = Settings::default().motion.clearance_m;
+    let cause = |change: fn(&mut GoalRequest)| {
+        let mut request = GoalRequest {
+            from_m: [0.3, -0.2, 0.06],
+            ..grasp()
+        };
+        change(&mut request);
+        check(&world, &request)
+            .map(|_| ())
+            .map_err(|r| (r.cause, r.index, r.limit))
+    };
+    assert_eq!(cause(|g| g.width_m = 0.0999), Ok(()));
+    let widest_m = 0.11 - 2.0 * clearance_m;
+    assert_eq!(
+        cause(|g| g.width_m = 0.1001),
+        Err((Cause::UNREACHABLE, 8, widest_m))
+    );
+    // As high as the hand comes from, the arm must have a posture too.
+    let far = GoalRequest {
+        from_m: [0.4, -0.3, 0.2],
+        lift_m: 0.0,
+        ..grasp()
+    };
+    assert!(check(&world, &far).is_ok());
+    let mut settings = Settings::default();
+    settings.motion.descend_m = 0.6;
+    let now = Circumstances {
+        settings: &settings,
+        ..world.controller.circumstances(robot(), &[])
+    };
+    let reason = goal::check(&far, &now).unwrap_err();
+    assert_eq!(
+        (reason.cause, reason.index, reason.limit),
+        (Cause::UNREACHABLE, 0, 0.0)
+    );
+}
