@@ -13,8 +13,8 @@ use crate::tape::Tape;
 const ORDERS: usize = 32;
 /// Stops that wait beside them, so that no flood of goals can hold up a stop.
 const STOPS: usize = 4;
-/// Ticks that the supervisor may fall behind before records are dropped: 2 s at 1 kHz.
-const RECORDS: usize = 2048;
+/// Ticks that the supervisor may fall behind before records are dropped: 1 s at 1 kHz.
+const RECORDS: usize = 1024;
 /// Events that wait.
 const EVENTS: usize = 1024;
 

@@ -11,8 +11,9 @@ use crossbeam::queue::ArrayQueue;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
 
-/// Boxes of 12 KiB: the supervisor may fall behind by a second at 1 kHz. Ours.
-const BOXES: usize = 1024;
+/// Boxes of 12 KiB, locked memory: the supervisor may fall behind by an eighth of a second at 1 kHz, thirty of its rounds.
+/// Ours.
+const BOXES: usize = 128;
 /// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
 const WARM: usize = 8;
 

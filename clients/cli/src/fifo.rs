@@ -5,13 +5,13 @@ use std::io;
 /// Priority of the daemon's tick thread by default, and of what is compared with it.
 pub(crate) const PRIORITY: i32 = 80;
 
-/// Makes the calling thread `SCHED_FIFO`.
+/// Makes the calling thread `SCHED_FIFO`. What it starts is ordinary again.
 ///
 /// # Errors
 /// What the kernel says, usually that it is not permitted.
-pub(crate) fn enter() -> io::Result<()> {
+pub(crate) fn enter(priority: i32) -> io::Result<()> {
     let parameters = libc::sched_param {
-        sched_priority: PRIORITY,
+        sched_priority: priority,
     };
     // SAFETY: the call reads `parameters`, which lives, and changes the scheduling of the calling thread, nothing else.
     // It is made raw because rustix has no wrapper.
@@ -19,7 +19,7 @@ pub(crate) fn enter() -> io::Result<()> {
         libc::syscall(
             libc::SYS_sched_setscheduler,
             0,
-            libc::SCHED_FIFO,
+            libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK,
             &raw const parameters,
         )
     };

@@ -59,7 +59,7 @@ const fn stream<T: Payload>(
 ///
 /// Frames wait 256 deep, so that a reader that was not scheduled for a quarter of a second sees every frame; commands 4
 /// deep, because an old command is worth nothing; reports and events 256 deep, for readers that wake a few times a second;
-/// recorded inputs 768 deep for one recorder, because a replay needs every one of them.
+/// recorded inputs 288 deep for one recorder, which looks every millisecond, because a replay needs every one of them.
 pub const STREAMS: [Stream; 13] = [
     stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
     stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
@@ -69,7 +69,7 @@ pub const STREAMS: [Stream; 13] = [
     stream::<TickReport>(at::TICK_REPORT, [256, 1], [1, 8]),
     stream::<ModuleEvent>(at::MODULE_EVENT, [256, 64], [1, 16]),
     stream::<RunHeader>(at::RUN_HEADER, [1, 1], [1, 4]),
-    stream::<TickInputs>(at::TICK_INPUTS, [768, 0], [1, 1]),
+    stream::<TickInputs>(at::TICK_INPUTS, [288, 0], [1, 1]),
     stream::<SensorStatus>(at::SENSOR_STATUS, [4, 1], [8, 16]),
     stream::<WorldTruth>(at::WORLD_TRUTH, [4, 1], [1, 8]),
     stream::<AgentSensors>(at::AGENT_SENSORS, [4, 1], [1, 4]),

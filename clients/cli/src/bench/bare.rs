@@ -27,7 +27,7 @@ pub(super) fn measure(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
 fn run(core: usize, window: Duration, interrupt: &Interrupt) -> anyhow::Result<Vec<u64>> {
     machine::pin(core)?;
     // Without the right to it the daemon runs without it as well: the two stay comparable.
-    let _ = fifo::enter();
+    let _ = fifo::enter(fifo::PRIORITY);
     let ticks = u64::try_from(window.as_nanos())? / PERIOD_NS;
     let mut late_ns = Vec::with_capacity(usize::try_from(ticks)?);
     let mut deadline_ns = now_ns();

@@ -116,7 +116,7 @@ fn free_shared_memory() -> u64 {
 
 /// Whether the kernel makes a thread of this process `SCHED_FIFO`. The thread ends at once.
 fn try_fifo() -> io::Result<()> {
-    std::thread::spawn(fifo::enter)
+    std::thread::spawn(|| fifo::enter(fifo::PRIORITY))
         .join()
         .unwrap_or_else(|_| Err(io::Error::other("the thread that tried it panicked")))
 }

@@ -11,6 +11,9 @@ use super::writer::Writer;
 
 /// Longest time that a sudden end of the recorder can lose (ours).
 const FLUSH: Duration = Duration::from_secs(1);
+/// Most bytes between two flushes, before compression: less than a second at 1 kHz, so that a run in lock-step, which is
+/// much faster, is bounded as finely (ours).
+const FLUSH_BYTES: u64 = 8 << 20;
 /// Name of the metadata that says where a file comes from.
 pub(super) const ORIGIN: &str = "atas.run";
 
@@ -109,7 +112,7 @@ impl Recording {
     /// Flushes when it is time, and goes on in another file when this one is large. False when the disk budget is used
     /// up.
     pub(super) fn keep_up(&mut self) -> anyhow::Result<bool> {
-        if self.flushed.elapsed() < FLUSH {
+        if self.flushed.elapsed() < FLUSH && self.writer.unflushed() < self.flush_bytes() {
             return Ok(true);
         }
         self.flushed = Instant::now();
@@ -123,6 +126,12 @@ impl Recording {
         }
         let total = self.closed.iter().map(|(_, size)| size).sum::<u64>() + self.size;
         Ok(self.bounds.total_bytes.is_none_or(|bytes| total < bytes))
+    }
+
+    /// Small bounds are looked at as often as they can be reached.
+    fn flush_bytes(&self) -> u64 {
+        let bounds = [self.bounds.file_bytes, self.bounds.total_bytes];
+        bounds.into_iter().flatten().fold(FLUSH_BYTES, u64::min)
     }
 
     /// Closes the last file.
@@ -205,3 +214,6 @@ fn origin(run: &RunHeader, piece: u32) -> Metadata {
         metadata: BTreeMap::from(texts.map(|(key, text)| (key.to_owned(), text))),
     }
 }
+
+#[cfg(test)]
+mod tests;

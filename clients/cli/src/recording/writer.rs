@@ -25,6 +25,8 @@ pub(super) struct Writer {
     mcap: mcap::Writer<BufWriter<File>>,
     channels: HashMap<&'static str, u16>,
     path: PathBuf,
+    /// Bytes of messages since the last flush, before compression.
+    unflushed: u64,
 }
 
 impl Writer {
@@ -44,6 +46,7 @@ impl Writer {
             mcap: mcap.with_context(|| format!("could not write {}", path.display()))?,
             channels: HashMap::new(),
             path: path.to_owned(),
+            unflushed: 0,
         })
     }
 
@@ -80,10 +83,16 @@ impl Writer {
         self.done(|mcap| mcap.write_metadata(metadata))
     }
 
+    /// Bytes of messages since the last flush, before compression: what the file can have grown by at most.
+    pub(super) fn unflushed(&self) -> u64 {
+        self.unflushed
+    }
+
     /// Gives everything to the operating system, such that the end of this process loses nothing of it. Returns the
     /// size of the file.
     pub(super) fn flush(&mut self) -> anyhow::Result<u64> {
         self.done(mcap::Writer::flush)?;
+        self.unflushed = 0;
         self.size()
     }
 
@@ -119,6 +128,7 @@ impl Writer {
     }
 
     fn message(&mut self, channel_id: u16, stamp: &Stamp, data: &[u8]) -> anyhow::Result<()> {
+        self.unflushed += data.len() as u64;
         let header = MessageHeader {
             channel_id,
             // The format has 32 bits for it; the stamp in the message has all.
