@@ -4,7 +4,7 @@ use crate::Tick;
 use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD};
 use crate::settings::Intake as Limits;
 use crate::tick::seconds_between;
-use robot_model::{HandVector, Joint, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{Joint, ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{Cause, JointState, JointStatus, Reason};
 
 /// The gatekeeper of joint states, and the newest that it believed.
@@ -75,13 +75,6 @@ impl JointIntake {
     #[must_use]
     pub fn position_rad(&self) -> Option<&[f64; ROBOT_JOINTS]> {
         self.newest.as_ref().map(|n| &n.position_rad)
-    }
-
-    /// Measured positions of one hand, rad.
-    #[must_use]
-    pub fn hand_rad(&self, side: Side) -> Option<HandVector> {
-        self.position_rad()
-            .map(|q| HandVector::from_row_slice(&q[side.joint_range()]))
     }
 
     /// Sequence of the newest state, believed or not.

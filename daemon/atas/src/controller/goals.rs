@@ -1,0 +1,215 @@
+//! The room of the goal: how it begins, what the hands do for it, what its client hears, how it ends.
+
+use super::Controller;
+use crate::goal::{ActiveGoal, Goal};
+use crate::hand::HandControl;
+use crate::tasks::Outcome;
+use robot_model::Side;
+use shm_schemas::{
+    Cause, EventKind, GoalState, GoalUpdate, Mode, ModuleEvent, Reason, Stamp, Text,
+};
+
+/// Time between two progress updates of a goal that has no other news, s (ours).
+const PROGRESS_S: f64 = 0.1;
+
+impl Controller {
+    /// Begins a goal, or tells its client why not.
+    pub(super) fn start(&mut self, asked: &Goal) {
+        let goal = ActiveGoal::begin(asked);
+        if let Some(reason) = self.refusal(asked) {
+            self.outputs.goal_update = Some(self.update_of(&goal, GoalState::REJECTED, reason));
+            return;
+        }
+        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+            if goal.involves(side) {
+                hand.start(asked, &self.settings);
+            }
+        }
+        self.goal = Some(goal);
+        self.last_goal = None;
+        self.news(GoalState::ACCEPTED, Reason::default());
+        let hand = &self.hands[goal.side.index()];
+        if let Some(runner) = hand.runner() {
+            let event = hand.step_event(runner.step());
+            self.outputs.events.push(event);
+        }
+    }
+
+    fn refusal(&self, goal: &Goal) -> Option<Reason> {
+        let mode = self.mode.mode();
+        if !matches!(mode, Mode::READY | Mode::RUN) || !self.gate.is_anchored() {
+            return Some(Reason::limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
+        }
+        if self.goal.is_some() {
+            return Some(Reason::of(Cause::BUSY));
+        }
+        let demands = goal.demands();
+        let full = Side::BOTH.into_iter().find(|side| {
+            let must_be_empty = if *side == goal.side() {
+                !demands.lets_go_first
+            } else {
+                demands.both_hands
+            };
+            must_be_empty && self.hands[side.index()].grips()
+        });
+        full.map(|side| Reason::of(Cause::HAND_FULL).about(side.index()))
+    }
+
+    /// Ends the goal with this id; `attached_only` leaves detached goals alone.
+    pub(super) fn end_if(&mut self, goal_id: u64, attached_only: bool, cause: Cause) {
+        let Some(goal) = self.goal.filter(|g| g.request.goal_id == goal_id) else {
+            return;
+        };
+        if attached_only && !goal.is_attached() {
+            return;
+        }
+        self.end_hands(&goal);
+        self.finish(
+            if attached_only {
+                GoalState::FAILED
+            } else {
+                GoalState::CANCELLED
+            },
+            Reason::of(cause),
+        );
+    }
+
+    /// A goal that is held for too long fails: whoever waits for it must not wait for ever.
+    pub(super) fn watch_pause(&mut self) {
+        let paused = self.mode.mode() == Mode::HOLD;
+        let Some(goal) = self.goal.as_mut() else {
+            return;
+        };
+        goal.paused_s = if paused {
+            goal.paused_s + self.step_s
+        } else {
+            0.0
+        };
+        if goal.paused_s > self.settings.safety.pause_s {
+            let goal = *goal;
+            self.end_hands(&goal);
+            self.finish(GoalState::FAILED, self.mode.reason());
+        }
+    }
+
+    /// Every hand pursues its task; the goal hears what became of it.
+    pub(super) fn pursue(&mut self) {
+        let reached = self.hands.each_ref().map(HandControl::reached);
+        for side in Side::BOTH {
+            self.hands[side.index()].hear(reached[1 - side.index()]);
+            let outcome =
+                self.hands[side.index()].act(&self.settings, self.step_s, &mut self.outputs.events);
+            let Some(outcome) = outcome else { continue };
+            let is_goals = self.goal.is_some_and(|g| g.involves(side));
+            match outcome {
+                Outcome::Running => {}
+                Outcome::NextStep if is_goals => self.news(GoalState::RUNNING, Reason::default()),
+                Outcome::NextStep => {}
+                Outcome::Succeeded => {
+                    if !self.hands[side.index()].grips() {
+                        self.hands[side.index()].abandon();
+                    }
+                    if is_goals && !self.awaits_other(side) {
+                        self.finish(GoalState::SUCCEEDED, Reason::default());
+                    }
+                }
+                Outcome::Refused(reason) => {
+                    self.conclude(side, is_goals, GoalState::REFUSED, reason)
+                }
+                Outcome::Failed(reason) => self.conclude(side, is_goals, GoalState::FAILED, reason),
+            }
+        }
+        let between = (libm::round(PROGRESS_S / self.step_s) as u64).max(1);
+        let quiet = self.outputs.goal_update.is_none() && self.tick.index.is_multiple_of(between);
+        if quiet && self.goal.is_some() {
+            self.news(GoalState::RUNNING, Reason::default());
+        }
+    }
+
+    /// A task that ended without success: the goal or the event log hears why; what the hand still holds, it keeps.
+    fn conclude(&mut self, side: Side, is_goals: bool, state: GoalState, reason: Reason) {
+        if let Some(goal) = self.goal.filter(|_| is_goals) {
+            self.finish(state, reason);
+            self.end_hands(&goal);
+        } else {
+            self.warn(reason);
+        }
+        self.hands[side.index()].end(&self.settings);
+    }
+
+    /// Whether the goal needs the other hand, which still works.
+    fn awaits_other(&self, side: Side) -> bool {
+        let is_at_work = |own: Side| own != side && self.hands[own.index()].is_busy();
+        let goal = self.goal.as_ref();
+        goal.is_some_and(|goal| {
+            Side::BOTH
+                .into_iter()
+                .any(|own| goal.involves(own) && is_at_work(own))
+        })
+    }
+
+    /// Every hand of a goal that ends keeps what it holds.
+    fn end_hands(&mut self, goal: &ActiveGoal) {
+        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+            if goal.involves(side) {
+                hand.end(&self.settings);
+            }
+        }
+    }
+
+    /// Ends the goal and every grip on its task: the robot stops.
+    pub(super) fn drop_goal(&mut self, reason: Reason) {
+        for hand in &mut self.hands {
+            hand.abandon();
+        }
+        if self.goal.is_some() {
+            self.finish(GoalState::FAILED, reason);
+        }
+    }
+
+    fn finish(&mut self, state: GoalState, reason: Reason) {
+        self.news(state, reason);
+        self.last_goal = self.goal.take();
+    }
+
+    /// Tells the client and the event log where the goal stands.
+    fn news(&mut self, state: GoalState, reason: Reason) {
+        let Some(mut goal) = self.goal else { return };
+        if goal.state != state {
+            goal.state = state;
+            self.outputs.events.push(ModuleEvent {
+                kind: EventKind::GOAL,
+                value: f64::from(state.0),
+                hand: goal.request.hand,
+                reason,
+                text: Text::new(state.name()),
+                ..ModuleEvent::default()
+            });
+        }
+        self.goal = Some(goal);
+        self.outputs.goal_update = Some(self.update_of(&goal, state, reason));
+    }
+
+    fn update_of(&self, goal: &ActiveGoal, state: GoalState, reason: Reason) -> GoalUpdate {
+        let hand = &self.hands[goal.side.index()];
+        let progress = if state == GoalState::SUCCEEDED {
+            1.0
+        } else {
+            hand.runner().map_or(0.0, |r| r.progress())
+        };
+        GoalUpdate {
+            stamp: Stamp {
+                sequence: self.tick.index,
+                captured_ns: self.tick.now_ns,
+                writer_epoch: self.wiring.writer_epoch,
+            },
+            goal_id: goal.request.goal_id,
+            tick: self.tick.index,
+            state,
+            progress: progress as f32,
+            reason,
+            step: Text::new(hand.runner().map_or("", |r| r.step().name.as_str())),
+            figures: hand.figures(),
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The room of the mode: what is in doubt, what stops the robot, and how it comes back.
+
+use super::Controller;
+use crate::hand::HandControl;
+use crate::mode::ModeMachine;
+use robot_model::{HandVector, Side};
+use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, Reason, Text};
+
+impl Controller {
+    /// Stops and latches; the goal has failed.
+    pub(super) fn stop(&mut self, reason: Reason) {
+        self.mode_change(|mode| mode.stop(reason));
+        self.drop_goal(reason);
+    }
+
+    /// Leaves SAFE_STOP from where the joints are now.
+    pub(super) fn recover(&mut self) {
+        // Anywhere else anchoring would give up the grip and the task.
+        if self.mode.mode() != Mode::SAFE_STOP {
+            return;
+        }
+        self.mode_change(ModeMachine::recover);
+        if let Some(measured_rad) = self.joints.position_rad().copied() {
+            self.anchor(&measured_rad);
+        }
+    }
+
+    /// What the tick's inputs make of the mode.
+    pub(super) fn update_mode(&mut self) {
+        let fault = self.joints.fault();
+        if fault.is_some() && self.gate.is_anchored() {
+            self.stop(fault);
+        }
+        let (doubt, step_s) = (self.doubt(), self.step_s);
+        let has_task = self.hands.iter().any(HandControl::is_busy);
+        self.mode_change(|mode| mode.update(doubt, has_task, step_s));
+        self.locate();
+        self.watch_pause();
+    }
+
+    /// What the robot must be held for, if anything.
+    fn doubt(&self) -> Reason {
+        let doubts = [
+            self.stall,
+            self.hands[0].doubt(self.tick, &self.settings),
+            self.hands[1].doubt(self.tick, &self.settings),
+            self.joints.doubt(self.tick, &self.settings.intake),
+        ];
+        if self.wiring.joints_required {
+            doubts.into_iter().find(Reason::is_some).unwrap_or_default()
+        } else {
+            Reason::of(Cause::JOINTS_STOPPED)
+        }
+    }
+
+    /// Tells the hands where they are; the first time that the robot is ready, the gate as well.
+    fn locate(&mut self) {
+        let Some(measured_rad) = self.joints.position_rad().copied() else {
+            return;
+        };
+        if self.mode.mode() == Mode::READY && !self.gate.is_anchored() {
+            self.anchor(&measured_rad);
+        }
+        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+            let q_rad = HandVector::from_row_slice(&measured_rad[side.joint_range()]);
+            let pose = hand.model().forward(&q_rad);
+            hand.locate(&pose);
+        }
+    }
+
+    /// Changes the mode; a change is an event.
+    fn mode_change(&mut self, change: impl FnOnce(&mut ModeMachine)) {
+        let before = self.mode.mode();
+        change(&mut self.mode);
+        let mode = self.mode.mode();
+        if mode != before {
+            self.outputs.events.push(ModuleEvent {
+                kind: EventKind::MODE,
+                mode,
+                reason: self.mode.reason(),
+                text: Text::new(mode.name()),
+                ..ModuleEvent::default()
+            });
+        }
+    }
+}
