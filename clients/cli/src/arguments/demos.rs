@@ -26,7 +26,8 @@ pub struct Running {
     /// Seed of the sensors' noise, and of what --vary draws
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Draw the objects' true properties and poses from their families, by the seed; the robot is not told
+    /// Draw the objects' true properties and poses from their families, by the seed. Clients are told no more of it than
+    /// the sizes of caps and bottles
     #[arg(long)]
     pub vary: bool,
     /// Tick by tick as fast as the machine goes, and the same bits every time

@@ -24,6 +24,7 @@ mod screw;
 mod stage;
 mod swarm;
 mod table;
+mod turns;
 
 use shm_schemas::WorldTruth;
 use sim_backend::{Object, Scene};

@@ -2,13 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use robot_model::{FINGERS, Side};
+use robot_model::Side;
 use shm_bus::Subscriber;
 use shm_schemas::{Status, WorldTruth, service};
 
 use super::piece::Piece;
 use super::punctuality::Punctuality;
 use super::stage::Stage;
+use super::turns::Turns;
 use crate::arguments::Running;
 use crate::client::{Cancelled, POLL, Pursuit, Session};
 use crate::interrupt::Interrupt;
@@ -21,8 +22,6 @@ pub(super) const SIDE: Side = Side::Right;
 const GOAL_WITHIN: Duration = Duration::from_secs(600);
 /// How long to wait for truth and status of the goal's last tick, which come 50 times a second (ours).
 const SETTLED_WITHIN: Duration = Duration::from_secs(1);
-/// Normal force of a finger that presses, N (ours: half of the controller's own touch threshold).
-const PRESSED_N: f64 = 0.03;
 
 /// What was seen of a performance.
 pub(super) struct Seen {
@@ -31,7 +30,7 @@ pub(super) struct Seen {
     pub(super) truth: WorldTruth,
     /// The truth when the hand last tried, before it backed out of a refused object.
     pub(super) attempt: WorldTruth,
-    /// How often the hand gripped a cap on its thread.
+    /// Turns of a cap.
     pub(super) turns: u32,
     pub(super) punctuality: Punctuality,
 }
@@ -94,8 +93,7 @@ struct Audience {
     now: WorldTruth,
     attempt: WorldTruth,
     status: Status,
-    turns: u32,
-    turning: bool,
+    turns: Turns,
 }
 
 impl Audience {
@@ -108,8 +106,7 @@ impl Audience {
             now: WorldTruth::default(),
             attempt: WorldTruth::default(),
             status: Status::default(),
-            turns: 0,
-            turning: false,
+            turns: Turns::default(),
         })
     }
 
@@ -122,12 +119,7 @@ impl Audience {
         if !story.lets_go() {
             self.attempt = self.now;
         }
-        let pressed = self.now.normal_n[SIDE.index()][..FINGERS]
-            .iter()
-            .all(|force_n| *force_n > PRESSED_N);
-        let turning = pressed && self.now.objects[0].cap_engaged != 0;
-        self.turns += u32::from(turning && !self.turning);
-        self.turning = turning;
+        self.turns.look(&self.now, SIDE.index());
         Ok(())
     }
 
@@ -156,7 +148,7 @@ impl Audience {
             story,
             truth: self.now,
             attempt: self.attempt,
-            turns: self.turns,
+            turns: self.turns.count,
         }
     }
 }
