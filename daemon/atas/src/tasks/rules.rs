@@ -13,10 +13,11 @@ pub const TIMEOUT_MAX_S: f64 = 3600.0;
 /// Modules that say where the hand goes.
 const CARRIERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
 /// Modules that close fingers.
-const CLOSERS: [ModuleId; 4] = [
+const CLOSERS: [ModuleId; 5] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,
+    ModuleId::SLIP_REACTION,
     ModuleId::TRAJECTORY,
 ];
 

@@ -18,6 +18,7 @@ mod modules;
 mod path;
 mod perception;
 mod placing;
+mod reaction;
 mod rig;
 mod rules;
 mod screwing;
