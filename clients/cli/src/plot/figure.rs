@@ -29,11 +29,11 @@ const GRID: RGBColor = RGBColor(224, 227, 232);
 /// Width of a figure, px.
 pub(super) const WIDTH: u32 = 1760;
 /// Room left of a panel for its labels, px: the same for all, so that panels share their time axis.
-const LEFT: u32 = 200;
+const LEFT: u32 = 220;
 const RIGHT: u32 = 30;
 const BOTTOM: u32 = 76;
-const TEXT: f64 = 28.0;
-const SMALL: f64 = 24.0;
+const TEXT: f64 = 30.0;
+const SMALL: f64 = 27.0;
 /// Mean width of a character over the height of the text (sans-serif).
 const CHARACTER: f64 = 0.54;
 /// Points of a line: more than one per pixel would not be seen.
