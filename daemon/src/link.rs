@@ -90,6 +90,12 @@ impl Link {
         }
     }
 
+    /// Whether another tick can be recorded without hurry; always, if recording is switched off.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.tape.as_ref().is_none_or(Tape::has_room)
+    }
+
     /// The tape, if recording is switched on.
     #[must_use]
     pub fn tape(&self) -> Option<&Tape> {

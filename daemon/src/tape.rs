@@ -14,6 +14,9 @@ use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInp
 /// Boxes of 12 KiB, locked memory: the supervisor may fall behind by an eighth of a second at 1 kHz, thirty of its rounds.
 /// Ours.
 const BOXES: usize = 128;
+/// Boxes beyond which lock-step waits for the supervisor. They bound its pace to 8,000 ticks per second, at which a recorder
+/// may fall behind by 36 ms. Ours.
+const WAITING: usize = BOXES / 4;
 /// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
 const WARM: usize = 8;
 
@@ -83,6 +86,12 @@ impl Tape {
             // There is room for every box there is.
             let _kept = self.spare.push(used);
         }
+    }
+
+    /// Whether few parts wait. Time that stands still, as in lock-step, can wait until it is so; nothing is lost then.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.full.len() < WAITING
     }
 
     /// Parts dropped because no box was blank.
@@ -190,5 +199,17 @@ mod tests {
         tape.keep(&inputs(9, &[], None), &JointCommand::default());
         let after = tape.next().expect("a part");
         assert_eq!(after.stamp.sequence, BOXES as u64 + 3);
+    }
+
+    #[test]
+    fn there_is_room_until_a_few_parts_wait() {
+        let tape = Tape::default();
+        for index in 0..WAITING as u64 {
+            assert!(tape.has_room(), "{index}");
+            tape.keep(&inputs(index, &[], None), &JointCommand::default());
+        }
+        assert!(!tape.has_room());
+        tape.give_back(tape.next().expect("a part"));
+        assert!(tape.has_room());
     }
 }

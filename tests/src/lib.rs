@@ -75,10 +75,20 @@ impl Process {
     /// If it cannot be started.
     #[must_use]
     pub fn start(name: &str, arguments: &[&str]) -> Self {
+        Self::start_program(&binary(name), arguments)
+    }
+
+    /// Starts any program.
+    ///
+    /// # Panics
+    /// If it cannot be started.
+    #[must_use]
+    pub fn start_program(program: &Path, arguments: &[&str]) -> Self {
+        let name = program.display().to_string();
         let folder = tempfile::TempDir::new().expect("a temporary folder");
         let log = folder.path().join("log");
         let output = File::create(&log).expect("writable");
-        let child = Command::new(binary(name))
+        let child = Command::new(program)
             .args(arguments)
             .env_remove("NOTIFY_SOCKET")
             .env_remove("RUST_LOG")
@@ -88,7 +98,7 @@ impl Process {
             .spawn()
             .unwrap_or_else(|e| panic!("could not start {name}: {e}"));
         Self {
-            name: name.into(),
+            name,
             child,
             log,
             _folder: folder,

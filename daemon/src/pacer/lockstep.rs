@@ -38,13 +38,14 @@ impl LockStep {
         self.settled_at = self.index + SETTLE_TICKS;
     }
 
-    /// Waits for a joint state while there is something to do; else takes nothing from the bus, so that the sensors'
-    /// process, which waits for an answer, stands still as well. `None` when the loop shall end.
+    /// Waits for a joint state while there is something to do and room to record it; else takes nothing from the bus, so
+    /// that the sensors' process, which waits for an answer, stands still as well. `None` when the loop shall end.
     pub fn wait(&mut self, inlet: &mut Inlet, link: &Link, pursues_goal: bool) -> Option<Beat> {
         let mut polls = 0;
         while !link.is_quitting() {
             let settling = self.index < self.settled_at;
-            if (settling || pursues_goal || link.has_orders()) && inlet.take_joints() {
+            let has_work = settling || pursues_goal || link.has_orders();
+            if has_work && link.has_room() && inlet.take_joints() {
                 return Some(self.begin(inlet.joints_captured_ns(), settling));
             }
             polls += 1;

@@ -5,5 +5,6 @@ mod determinism;
 mod faults;
 mod optoforce;
 mod readme;
+mod recordings;
 mod swarm;
 mod tasks;
