@@ -7,7 +7,7 @@ use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text
 use super::Knowledge;
 use crate::link::Link;
 
-/// New goals that one round looks at; a flood waits in its clients' buffers. Each check takes some hundred µs.
+/// New goals that one round looks at; a flood waits in its clients' buffers. Each check takes some 2 ms.
 const GOALS_PER_ROUND: usize = 8;
 /// Goals that are open at a time, queued ones included.
 const OPEN_MAX: usize = 16;

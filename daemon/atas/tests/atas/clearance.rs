@@ -218,3 +218,32 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
         (Cause::UNREACHABLE, 0, 0.0)
     );
 }
+
+/// Hands that do not wait for each other may be anywhere on their ways at the same time.
+#[test]
+fn hands_that_move_at_the_same_time_are_compared_everywhere() {
+    let reach = |site| Step {
+        motion: Motion::Reach(site),
+        ..GRASP.acting[0]
+    };
+    let acting = [Site::BeforeSource, Site::Home].map(reach);
+    let helping = [Site::BeforeSource, Site::Source, Site::Home].map(reach);
+    let own = Task::checked("both", &acting, Some(&helping)).unwrap();
+    let world = world(at_home(Side::Left));
+    let cause = |from_m: [f64; 3]| {
+        let request = GoalRequest {
+            kind: GoalKind::CUSTOM,
+            task: Text::new("both"),
+            from_m,
+            to_m: [0.30, -0.04, 0.12],
+            helper_width_m: 0.06,
+            ..grasp()
+        };
+        let tasks = [own];
+        let now = world.controller.circumstances(robot(), &tasks);
+        goal::check(&request, &now).err().map(|reason| reason.cause)
+    };
+    assert_eq!(cause([0.30, -0.28, 0.05]), None, "far from each other");
+    let near = [0.30, -0.04, 0.05];
+    assert_eq!(cause(near), Some(Cause::ARMS_COLLIDE), "at the same place");
+}
