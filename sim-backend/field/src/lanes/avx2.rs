@@ -100,6 +100,7 @@ impl Lanes for F32x8 {
     type Cpu = Cpu;
     type Mask = Mask8;
     type Ints = I32x8;
+    const REGISTERS: bool = true;
 
     #[inline(always)]
     fn splat(_: Cpu, value: f32) -> Self {

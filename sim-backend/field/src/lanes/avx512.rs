@@ -114,6 +114,7 @@ impl Lanes for F32x16 {
     type Cpu = Cpu;
     type Mask = Mask16;
     type Ints = I32x16;
+    const REGISTERS: bool = true;
 
     #[inline(always)]
     fn splat(_: Cpu, value: f32) -> Self {

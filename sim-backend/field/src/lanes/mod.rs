@@ -55,6 +55,8 @@ pub(crate) trait Lanes:
     type Cpu: Copy;
     type Mask: Mask;
     type Ints: Ints;
+    /// Whether a value is a register, not an array.
+    const REGISTERS: bool;
 
     fn splat(cpu: Self::Cpu, value: f32) -> Self;
     /// Reads `WIDTH` values.

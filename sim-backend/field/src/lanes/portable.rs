@@ -91,6 +91,7 @@ impl Lanes for Floats {
     type Cpu = ();
     type Mask = Truths;
     type Ints = Integers;
+    const REGISTERS: bool = false;
 
     #[inline(always)]
     fn splat((): (), value: f32) -> Self {

@@ -68,6 +68,7 @@ impl<T: Lanes> Lanes for Twice<T> {
     type Cpu = T::Cpu;
     type Mask = Twice<T::Mask>;
     type Ints = Twice<T::Ints>;
+    const REGISTERS: bool = T::REGISTERS;
 
     #[inline(always)]
     fn splat(cpu: T::Cpu, value: f32) -> Self {
