@@ -38,7 +38,27 @@ pub enum SettingError {
         /// Highest value allowed.
         upper: f64,
     },
+    /// Two values contradict each other.
+    Contradiction {
+        /// The parameter that must not be greater, and its value.
+        lower: (&'static str, f64),
+        /// The parameter that must not be less, and its value.
+        upper: (&'static str, f64),
+    },
 }
+
+/// Parameters of which the first must not be greater than the second: thresholds with hysteresis, bounds, and what a later
+/// threshold takes for granted.
+const ORDERED: &[(&str, &str)] = &[
+    ("intake.hold_age_s", "intake.reject_age_s"),
+    ("perception.touch_off_n", "perception.touch_on_n"),
+    ("grasp.keep_n", "grasp.f1_min_n"),
+    ("grasp.f1_min_n", "grasp.f1_max_n"),
+    ("grasp.f2_min_n", "grasp.f2_max_n"),
+    ("grasp.f2_max_n", "safety.grip_ceiling_n"),
+    ("grasp.slip_off", "grasp.slip_on"),
+    ("grasp.relax_below", "grasp.slip_on"),
+];
 
 impl core::fmt::Display for SettingError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -55,6 +75,13 @@ impl core::fmt::Display for SettingError {
                 write!(
                     f,
                     "{name} is {value}, needs a number from {lower} to {upper}"
+                )
+            }
+            Self::Contradiction { lower, upper } => {
+                write!(
+                    f,
+                    "{} is {} and {} is {}, needs the first to be at most the second; change the other one first",
+                    lower.0, lower.1, upper.0, upper.1
                 )
             }
         }
@@ -282,20 +309,40 @@ impl Settings {
     /// Sets one parameter by name.
     ///
     /// # Errors
-    /// [`SettingError`] when the name is unknown or the value is not a number within the range; nothing changes then.
+    /// [`SettingError`] when the name is unknown, the value is not a number within the range or contradicts another
+    /// parameter's; nothing changes then.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), SettingError> {
         let parameter = find(name).ok_or(SettingError::Unknown)?;
         parameter.check(value)?;
-        (parameter.set)(self, value);
+        let mut changed = *self;
+        (parameter.set)(&mut changed, value);
+        changed.check_order()?;
+        *self = changed;
         Ok(())
     }
 
-    /// Checks every value against its range.
+    /// Checks every value against its range, and those that belong together against each other.
     ///
     /// # Errors
     /// The first [`SettingError`] found.
     pub fn check(&self) -> Result<(), SettingError> {
-        PARAMETERS.iter().try_for_each(|p| p.check((p.get)(self)))
+        PARAMETERS.iter().try_for_each(|p| p.check((p.get)(self)))?;
+        self.check_order()
+    }
+
+    fn check_order(&self) -> Result<(), SettingError> {
+        for (lower, upper) in ORDERED {
+            let (lower, upper) = (self.named(lower)?, self.named(upper)?);
+            if lower.1 > upper.1 {
+                return Err(SettingError::Contradiction { lower, upper });
+            }
+        }
+        Ok(())
+    }
+
+    fn named(&self, name: &str) -> Result<(&'static str, f64), SettingError> {
+        let parameter = find(name).ok_or(SettingError::Unknown)?;
+        Ok((parameter.name, (parameter.get)(self)))
     }
 }
 

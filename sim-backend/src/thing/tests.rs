@@ -49,6 +49,8 @@ fn the_release_that_counts_is_the_first_after_landing() {
         (0.010, true, 0.0),
         (0.0, true, 0.1),
         (0.0, true, 3.0),
+        (0.0, true, 0.1),
+        (0.0, true, 3.0),
         (0.0, false, 3.0),
         (0.0, true, 3.0),
         (0.0, false, 3.0),
@@ -61,7 +63,7 @@ fn the_release_that_counts_is_the_first_after_landing() {
     let truth = wood.truth(None);
     assert_eq!(
         [truth.landed_ns, truth.carried_ns, truth.released_ns],
-        [3, 4, 5].map(|tick| tick * TICK_NS)
+        [3, 6, 7].map(|tick| tick * TICK_NS)
     );
     assert_eq!((truth.released_above_m, truth.dropped), (0.0, 0));
 }

@@ -1,7 +1,7 @@
 //! Settings: one table, no way past its ranges.
 
 use atas::Settings;
-use atas::settings::{PARAMETERS, SettingError, find};
+use atas::settings::{PARAMETERS, Parameter, SettingError, find};
 use std::collections::HashSet;
 
 #[test]
@@ -29,15 +29,17 @@ fn the_table_is_unique_and_documented() {
     }
 }
 
+/// A value near the default, so that it contradicts no other default.
+fn nudged(p: &Parameter) -> f64 {
+    let more = p.default + 1e-3 * (p.default - p.lower).abs().max(1e-6);
+    if more <= p.upper { more } else { p.lower }
+}
+
 #[test]
 fn every_parameter_is_set_by_name_and_nothing_else_changes() {
     for p in PARAMETERS {
         let mut settings = Settings::default();
-        let value = if p.default == p.upper {
-            p.lower
-        } else {
-            p.upper
-        };
+        let value = nudged(p);
         settings.set(p.name, value).unwrap();
         for other in PARAMETERS {
             let expected = if other.name == p.name {
@@ -73,7 +75,13 @@ fn bad_values_change_nothing() {
             assert_eq!(settings, Settings::default());
         }
         for value in [p.lower, p.upper] {
-            assert_eq!(settings.set(p.name, value), Ok(()), "{}", p.name);
+            let set = settings.set(p.name, value);
+            assert!(
+                matches!(set, Ok(()) | Err(SettingError::Contradiction { .. })),
+                "{}",
+                p.name
+            );
+            settings = Settings::default();
         }
     }
     let mut settings = Settings::default();
@@ -104,14 +112,50 @@ fn a_wrong_field_is_found_wherever_it_is() {
     );
 }
 
+#[test]
+fn values_that_contradict_each_other_are_refused_until_the_other_is_changed() {
+    let default = Settings::default();
+    for (name, value, other, way_out) in [
+        ("intake.hold_age_s", 0.2, "intake.reject_age_s", 0.3),
+        ("perception.touch_off_n", 0.07, "perception.touch_on_n", 0.1),
+        (
+            "perception.touch_on_n",
+            0.02,
+            "perception.touch_off_n",
+            0.01,
+        ),
+        ("grasp.keep_n", 0.5, "grasp.f1_min_n", 0.6),
+        ("grasp.f1_min_n", 1.5, "grasp.f1_max_n", 2.0),
+        ("grasp.f2_min_n", 9.0, "grasp.f2_max_n", 10.0),
+        ("grasp.f2_max_n", 20.0, "safety.grip_ceiling_n", 30.0),
+        ("grasp.slip_off", 0.93, "grasp.slip_on", 0.95),
+        ("grasp.relax_below", 0.93, "grasp.slip_on", 0.95),
+    ] {
+        let mut settings = default;
+        let refused = settings.set(name, value).unwrap_err().to_string();
+        assert!(
+            refused.contains(name) && refused.contains(other),
+            "{refused}"
+        );
+        assert_eq!(settings, default, "{name}");
+        settings.set(other, way_out).unwrap();
+        settings.set(name, value).unwrap();
+        assert_eq!(settings.check(), Ok(()), "{name}");
+    }
+    let mut settings = default;
+    settings.grasp.f2_min_n = 9.0;
+    assert_eq!(
+        settings.check().unwrap_err().to_string(),
+        "grasp.f2_min_n is 9 and grasp.f2_max_n is 8, needs the first to be at most the second; change the other one first"
+    );
+}
+
 #[cfg(feature = "serde")]
 #[test]
 fn settings_round_trip_through_a_configuration_file() {
     let mut settings = Settings::default();
     for p in PARAMETERS {
-        settings
-            .set(p.name, p.lower + (p.upper - p.lower) / 3.0)
-            .unwrap();
+        settings.set(p.name, nudged(p)).unwrap();
     }
     let text = toml::to_string(&settings).unwrap();
     assert_eq!(toml::from_str::<Settings>(&text).unwrap(), settings);
