@@ -18,7 +18,12 @@ macro_rules! each_agent {
                 $body
             })*
         } else {
-            for $i in 0..$team $body
+            let mut agent = 0;
+            while agent < $team {
+                let $i = agent;
+                $body
+                agent += 1;
+            }
         }
     };
 }
