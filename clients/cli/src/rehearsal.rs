@@ -134,7 +134,9 @@ impl Rehearsal {
         limit_s: f64,
         mut watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
-        let now = self.controller.circumstances(&self.robot, &[]);
+        let now = self
+            .controller
+            .circumstances(&self.robot, self.task.as_slice());
         let checked = match goal::check(goal, &now) {
             Ok(checked) => checked,
             Err(reason) => {

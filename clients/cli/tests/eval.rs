@@ -49,6 +49,13 @@ fn the_numbers_do_not_depend_on_the_threads() {
     let [one, many] = [1, 3].map(|threads| timeless(run(&with(threads))));
     assert_eq!(one, many);
     assert_eq!((one.tally.trials, one.baselines.len()), (4, 2));
+    for row in &one.baseline_rows {
+        let lifts = row
+            .physics
+            .as_ref()
+            .map(|p| p.feasible.held + p.feasible.crushed);
+        assert!(lifts > Some(0), "a baseline is tried: {row:?}");
+    }
     let physics = one.physics.expect("of a grasp");
     assert_eq!(physics.feasible.trials, 2, "a paper box is light");
     assert_eq!(physics.infeasible.trials, 2, "1.5 kg is too much for 8 N");
