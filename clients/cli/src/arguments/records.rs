@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::BusArgument;
-use super::values::bytes;
+use super::values::{bytes, note};
 
 /// `atas record`.
 #[derive(Args, Clone, Debug)]
@@ -22,6 +22,9 @@ pub struct Record {
     /// End when all files together are larger, for example 20G
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub disk_budget: Option<u64>,
+    /// Keep a note in the files, for what the daemon cannot know: a simulator's seed, a table's hash; may be repeated
+    #[arg(long = "note", value_name = "KEY=VALUE", value_parser = note)]
+    pub notes: Vec<(String, String)>,
     /// Which daemon
     #[command(flatten)]
     pub bus: BusArgument,

@@ -11,7 +11,8 @@
 //!   flushed survives any end of the recorder; every ordinary end writes the footer. Lost parts are counted and named.
 //! * **Time** in the files is the sensors' time (`CLOCK_MONOTONIC`, or virtual in lock-step). The wall clock stands in
 //!   the metadata only.
-//! * **Absent on purpose:** seeds of a simulator (the daemon does not know them; what they led to is in the inputs).
+//! * **Absent on purpose:** seeds of a simulator and hashes of tables, which the daemon does not know; what they led to is
+//!   in the inputs. `--note seed=7` keeps them.
 
 mod check;
 mod diff;

@@ -7,7 +7,9 @@ use std::time::{Duration, SystemTime};
 
 use serde_json::json;
 use shm_bus::{Bus, BusError, Subscriber};
-use shm_schemas::{ModuleEvent, Payload, RunHeader, Status, TickInputs, TickReport, service};
+use shm_schemas::{
+    ModuleEvent, Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport, service,
+};
 
 use super::rotation::{Bounds, Recording, Tally};
 use crate::arguments;
@@ -38,6 +40,7 @@ enum Word {
     Report(Box<TickReport>),
     Event(Box<ModuleEvent>),
     Status(Box<Status>),
+    Sensor(Box<SensorStatus>),
 }
 
 /// `atas record`.
@@ -54,7 +57,7 @@ pub(crate) fn record(
         files: arguments.max_files.map(usize::from),
         total_bytes: arguments.disk_budget,
     };
-    let recording = Recording::create(&out, bounds)?;
+    let recording = Recording::create(&out, bounds, arguments.notes.iter().cloned().collect())?;
     tracing::info!(file = %out.display(), "recording until Ctrl-C");
     let (send, receive) = sync_channel(WAITING);
     let writing = std::thread::spawn(move || write(recording, &receive));
@@ -95,6 +98,7 @@ fn write_word(recording: &mut Recording, word: Word, silent: &mut u32) -> anyhow
                 .writer()
                 .write_json("events", &event.stamp, &value)
         }
+        Word::Sensor(status) => recording.writer().write(&*status),
         Word::Status(status) => {
             *silent += u32::from(!recording.has_run());
             if *silent == SILENT_STATUSES {
@@ -112,13 +116,14 @@ fn write_word(recording: &mut Recording, word: Word, silent: &mut u32) -> anyhow
     }
 }
 
-/// The streams of the daemon's non-real-time side.
+/// The streams of the daemon's non-real-time side, and what sensor processes say of their devices.
 struct Ports {
     runs: Subscriber<RunHeader>,
     inputs: Subscriber<TickInputs>,
     reports: Subscriber<TickReport>,
     events: Subscriber<ModuleEvent>,
     statuses: Subscriber<Status>,
+    sensors: Subscriber<SensorStatus>,
     has_run: bool,
 }
 
@@ -130,6 +135,7 @@ impl Ports {
             reports: bus.subscriber(service::TICK_REPORT)?,
             events: bus.subscriber(service::MODULE_EVENT)?,
             statuses: bus.subscriber(service::STATUS)?,
+            sensors: bus.subscriber(service::SENSOR_STATUS)?,
             has_run: false,
         })
     }
@@ -169,7 +175,8 @@ impl Ports {
         }
         take(&mut self.reports, waiting, Word::Report)?;
         take(&mut self.events, waiting, Word::Event)?;
-        take(&mut self.statuses, waiting, Word::Status)
+        take(&mut self.statuses, waiting, Word::Status)?;
+        take(&mut self.sensors, waiting, Word::Sensor)
     }
 }
 

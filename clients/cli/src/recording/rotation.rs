@@ -16,6 +16,8 @@ const FLUSH: Duration = Duration::from_secs(1);
 const FLUSH_BYTES: u64 = 8 << 20;
 /// Name of the metadata that says where a file comes from.
 pub(super) const ORIGIN: &str = "atas.run";
+/// Name of the metadata that hold what the user noted.
+const NOTES: &str = "atas.notes";
 
 /// How much may be written, bytes and files; `None` without a bound.
 #[derive(Clone, Debug)]
@@ -47,6 +49,7 @@ pub(super) struct Tally {
 pub(super) struct Recording {
     out: PathBuf,
     bounds: Bounds,
+    notes: BTreeMap<String, String>,
     writer: Writer,
     size: u64,
     closed: VecDeque<(PathBuf, u64)>,
@@ -58,11 +61,16 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    pub(super) fn create(out: &Path, bounds: Bounds) -> anyhow::Result<Self> {
+    pub(super) fn create(
+        out: &Path,
+        bounds: Bounds,
+        notes: BTreeMap<String, String>,
+    ) -> anyhow::Result<Self> {
         Ok(Self {
             writer: Writer::create(out)?,
             out: out.to_owned(),
             bounds,
+            notes,
             size: 0,
             closed: VecDeque::new(),
             pieces: 0,
@@ -174,7 +182,14 @@ impl Recording {
     fn introduce(&mut self) -> anyhow::Result<()> {
         let Some(run) = &self.run else { return Ok(()) };
         self.writer.write(&**run)?;
-        self.writer.describe(&origin(run, self.pieces))
+        self.writer.describe(&origin(run, self.pieces))?;
+        if self.notes.is_empty() {
+            return Ok(());
+        }
+        self.writer.describe(&Metadata {
+            name: NOTES.to_owned(),
+            metadata: self.notes.clone(),
+        })
     }
 }
 

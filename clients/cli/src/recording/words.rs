@@ -2,8 +2,9 @@
 
 use shm_schemas::{
     FingerReport, GoalRequest, HandFrame, HandReport, HandWiringRecord, JointCommand, JointState,
-    ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SettingsRecord, Stamp,
-    Status, StepRecord, TaskRecord, TickInputs, TickReport, TrackRecord, service,
+    ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SensorStatus,
+    SettingsRecord, Stamp, Status, StepRecord, TaskRecord, TickInputs, TickReport, TrackRecord,
+    service,
 };
 
 /// Encoding of messages and schemas: the bytes of a `#[repr(C)]` word, described as text.
@@ -46,6 +47,7 @@ recorded! {
     TickReport at service::TICK_REPORT, with HandReport FingerReport;
     ModuleEvent at service::MODULE_EVENT, with Reason;
     Status at service::STATUS, with Percentiles Reason;
+    SensorStatus at service::SENSOR_STATUS, with;
 }
 
 fn describe<T: Payload>(fields: &[(&str, usize, usize)]) -> String {

@@ -29,7 +29,7 @@ fn part(sequence: u64) -> TickInputs {
 
 /// Records so many parts of one run, as far as the budget goes.
 fn recorded(folder: &Path, bounds: Bounds, parts: u64) -> Tally {
-    let mut recording = Recording::create(&folder.join("run.mcap"), bounds).expect("made");
+    let mut recording = Recording::create(&folder.join("run.mcap"), bounds, notes()).expect("made");
     recording.begin_run(Box::default()).expect("begun");
     for sequence in 0..parts {
         recording.inputs(&part(sequence)).expect("written");
@@ -40,20 +40,27 @@ fn recorded(folder: &Path, bounds: Bounds, parts: u64) -> Tally {
     recording.finish().expect("finished")
 }
 
-/// The sequences in a file, which must be whole and introduce its run.
+fn notes() -> BTreeMap<String, String> {
+    BTreeMap::from([("seed".to_owned(), "7".to_owned())])
+}
+
+/// The sequences in a file, which must be whole, introduce its run and hold the notes.
 fn sequences(path: &Path) -> Vec<u64> {
     let mut sequences = Vec::new();
-    let (mut headers, mut origins) = (0, 0);
+    let (mut headers, mut origins, mut noted) = (0, 0, 0);
     for entry in Reader::open(path).expect("opened") {
         match entry.expect("whole") {
             Entry::Message(message) => {
                 headers += u32::from(word::<RunHeader>(&message).is_some());
                 sequences.extend(word::<TickInputs>(&message).map(|part| part.stamp.sequence));
             }
+            Entry::Metadata(metadata) if metadata.name == NOTES => {
+                noted += u32::from(metadata.metadata == notes());
+            }
             Entry::Metadata(metadata) => origins += u32::from(metadata.name == ORIGIN),
         }
     }
-    assert_eq!((headers, origins), (1, 1), "{}", path.display());
+    assert_eq!((headers, origins, noted), (1, 1, 1), "{}", path.display());
     sequences
 }
 
@@ -148,7 +155,7 @@ fn the_disk_budget_ends_the_recording_with_whole_files() {
 fn another_run_goes_into_another_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run.mcap");
-    let mut recording = Recording::create(&out, unbounded()).expect("made");
+    let mut recording = Recording::create(&out, unbounded(), notes()).expect("made");
     for run in 1..=2 {
         recording.begin_run(Box::default()).expect("begun");
         for sequence in 0..3 * run {
