@@ -12,6 +12,7 @@ mod hardness;
 mod intake;
 mod intake_series;
 mod joints;
+mod kinematics;
 mod lift_proof;
 mod mode;
 mod modules;

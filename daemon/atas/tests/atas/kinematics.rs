@@ -1,0 +1,29 @@
+//! Kinematics under a gate that refuses.
+
+use crate::support::{hand_of, home_rad, robot};
+use atas::Wiring;
+use atas::arbitration::Intent;
+use atas::kinematics::Carrier;
+use atas::modules::Verdict;
+use atas::perception::Percept;
+use robot_model::{FINGERS, Side};
+
+#[test]
+fn closing_that_the_gate_refuses_does_not_pile_up() {
+    let hand = robot().hand(Side::Right);
+    let q_rad = hand_of(&home_rad(), Side::Right);
+    let mut carrier = Carrier::at(hand, q_rad, Wiring::default().stiffness_n_m_rad);
+    let open_m = carrier.frame().half_opening_m;
+    let closing = Intent {
+        carry: None,
+        closing_m_s: [0.002; FINGERS],
+        verdict: Verdict::None,
+    };
+    for _ in 0..2000 {
+        let _refused = carrier.follow(hand, &closing, &Percept::default(), 1e-3);
+    }
+    for (now_m, open_m) in carrier.frame().half_opening_m.iter().zip(open_m) {
+        let ahead_m = open_m - now_m;
+        assert!((0.0004..=0.000_51).contains(&ahead_m), "{ahead_m} m");
+    }
+}
