@@ -1,17 +1,20 @@
 //! From sensors to the command across processes, both polling, against a bare ping-pong of the same words.
 
-use std::time::Instant;
+use std::time::Duration;
 
+use anyhow::Context;
 use robot_model::{RobotModel, Side};
-use shm_bus::{Bus, Publisher, Realtime, Subscriber, now_ns};
-use shm_schemas::{HandFrame, JointCommand, JointState, Mode, Percentiles, TickReport, service};
+use shm_bus::{Bus, GoalClient, PendingGoal, Publisher, Realtime, Subscriber, now_ns};
+use shm_schemas::{
+    GoalRequest, HandFrame, JointCommand, JointState, Mode, Percentiles, TickReport, service,
+};
 use sim_backend::{Object, Scene, Sensed, World};
 
 use super::Plan;
 use super::pair::NO_CONFIGURATION;
 use super::punctual::body_ns;
 use super::site::Site;
-use super::transport::{ANSWER_WITHIN, poll, rounds, start_echo};
+use super::transport::{poll, rounds, start_echo};
 use crate::arguments::{HOLD_S, LIFT_MM};
 use crate::client::Session;
 use crate::demo::child::Child;
@@ -24,6 +27,10 @@ const TICKS: usize = 5_000;
 const PATIENCE_TICKS: usize = 2_000;
 /// Most reports taken in one look: all that can wait.
 const AT_ONCE: usize = 256;
+/// How long an answer may take before the sensors say again what they said.
+const GREET_AFTER: Duration = Duration::from_millis(50);
+/// How long the daemon may take to be there, and to answer.
+const DAEMON_WITHIN: Duration = Duration::from_secs(15);
 /// Ticks between two looks at the reports.
 const LOOK_EVERY: usize = 64;
 
@@ -80,6 +87,12 @@ impl Sensors {
         Ok(self.joints.send(joints)?)
     }
 
+    /// What was sent before the daemon was there, it has not heard.
+    fn greet(&self) -> anyhow::Result<()> {
+        self.frames.iter().try_for_each(Publisher::greet)?;
+        Ok(self.joints.greet()?)
+    }
+
     /// Whether the command that answers this joint state is there.
     fn is_answered(&mut self, sequence: u64) -> anyhow::Result<bool> {
         let news = self.commands.newest(&mut self.command)?;
@@ -103,65 +116,15 @@ fn ping_pong(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
 
 /// A daemon in lock-step polls its sensors, which are played by this thread.
 fn daemon(plan: &Plan<'_>) -> anyhow::Result<(Percentiles, Percentiles)> {
-    let robot = RobotModel::two_hand_arm()?;
-    let scene = Scene::grasp(Object::built_in("wood")?, Side::Right);
-    let hint = scene
-        .grasp_hint(0)
-        .ok_or_else(|| anyhow::anyhow!("the scene has no object"))?;
-    let goal = grasp_goal(&hint, Side::Right, LIFT_MM * 1e-3, HOLD_S);
-    let mut world = World::new(&robot, &scene, 1)?;
-    let site = Site::new()?;
-    let session = Session::join(site.bus())?;
-    let mut sensors = Sensors::open(session.bus())?;
-    let mut reports = session
-        .bus()
-        .subscriber::<TickReport>(service::TICK_REPORT)?;
-    let control = [
-        &["--bus", site.bus().as_str(), "--lockstep"],
-        &NO_CONFIGURATION[..],
-    ]
-    .concat();
-    let mut daemon = Child::start("atasd", &control, site.folder())?;
-    let client = session.bus().goal_client()?;
-    let mut pending = None;
-    let mut sensed = Sensed::default();
+    let mut scene = Polled::set()?;
     let (mut durations_ns, mut bodies_ns) = (Vec::new(), Vec::new());
     for tick in 0..TICKS + PATIENCE_TICKS {
-        if pending.is_none() {
-            // Refused as long as the daemon has not opened its door.
-            pending = client.send(&goal).ok();
-        }
-        world.sense(&mut sensed);
-        let [Some(left), Some(right)] = &sensed.frames else {
-            anyhow::bail!("a sensor at full rate sends a frame in every tick");
-        };
-        let sequence = sensed.joints.stamp.sequence;
-        let (begin_ns, begin) = (now_ns(), Instant::now());
-        sensors.send([left, right], &sensed.joints)?;
-        while !poll(super::transport::ANSWER_WITHIN / 100, || {
-            sensors.is_answered(sequence)
-        })? {
-            plan.interrupt.check("the bench waited for the daemon")?;
-            daemon.check()?;
-            if pending.is_none() {
-                pending = client.send(&goal).ok();
-            }
-            // What was sent before the daemon was there, it has not heard.
-            sensors.frames.iter().try_for_each(Publisher::greet)?;
-            sensors.joints.greet()?;
-            anyhow::ensure!(
-                begin.elapsed() < 3 * ANSWER_WITHIN,
-                "the daemon does not answer"
-            );
-        }
-        let duration_ns = now_ns() - begin_ns;
-        let command = sensors.command;
-        if command.mode == Mode::RUN {
+        let duration_ns = scene.exchange(plan)?;
+        if scene.sensors.command.mode == Mode::RUN {
             durations_ns.push(duration_ns);
         }
-        world.advance(Some(&command));
         if tick % LOOK_EVERY == 0 {
-            reports.drain(AT_ONCE, |report| {
+            scene.reports.drain(AT_ONCE, |report| {
                 if report.mode == Mode::RUN {
                     bodies_ns.push(body_ns(report));
                 }
@@ -176,4 +139,76 @@ fn daemon(plan: &Plan<'_>) -> anyhow::Result<(Percentiles, Percentiles)> {
         "the daemon did not run the goal"
     );
     Ok((figures::of(durations_ns), figures::of(bodies_ns)))
+}
+
+/// A world in this process before a daemon in lock-step. The order of the fields is the order of the end.
+struct Polled {
+    world: World,
+    sensed: Sensed,
+    sensors: Sensors,
+    reports: Subscriber<TickReport>,
+    pending: Option<PendingGoal>,
+    client: GoalClient,
+    goal: GoalRequest,
+    _session: Session,
+    daemon: Child,
+    _site: Site,
+}
+
+impl Polled {
+    fn set() -> anyhow::Result<Self> {
+        let robot = RobotModel::two_hand_arm()?;
+        let scene = Scene::grasp(Object::built_in("wood")?, Side::Right);
+        let hint = scene.grasp_hint(0).context("the scene has no object")?;
+        let site = Site::new()?;
+        let session = Session::join(site.bus())?;
+        let sensors = Sensors::open(session.bus())?;
+        let reports = session.bus().subscriber(service::TICK_REPORT)?;
+        let name = ["--bus", site.bus().as_str(), "--lockstep"];
+        let control = [&name, &NO_CONFIGURATION[..]].concat();
+        Ok(Self {
+            world: World::new(&robot, &scene, 1)?,
+            sensed: Sensed::default(),
+            sensors,
+            reports,
+            pending: None,
+            client: session.bus().goal_client()?,
+            goal: grasp_goal(&hint, Side::Right, LIFT_MM * 1e-3, HOLD_S),
+            daemon: Child::start("atasd", &control, site.folder())?,
+            _session: session,
+            _site: site,
+        })
+    }
+
+    /// One tick: from before the sensors write to the command's arrival, ns.
+    fn exchange(&mut self, plan: &Plan<'_>) -> anyhow::Result<u64> {
+        self.ask();
+        self.world.sense(&mut self.sensed);
+        let [Some(left), Some(right)] = self.sensed.frames else {
+            anyhow::bail!("a sensor at full rate sends a frame in every tick");
+        };
+        let sequence = self.sensed.joints.stamp.sequence;
+        let begin_ns = now_ns();
+        self.sensors.send([&left, &right], &self.sensed.joints)?;
+        while !poll(GREET_AFTER, || self.sensors.is_answered(sequence))? {
+            plan.interrupt.check("the bench waited for the daemon")?;
+            self.daemon.check()?;
+            anyhow::ensure!(
+                u128::from(now_ns() - begin_ns) < DAEMON_WITHIN.as_nanos(),
+                "the daemon does not answer"
+            );
+            self.ask();
+            self.sensors.greet()?;
+        }
+        let duration_ns = now_ns() - begin_ns;
+        self.world.advance(Some(&self.sensors.command));
+        Ok(duration_ns)
+    }
+
+    /// Sends the goal, which is refused as long as the daemon has not opened its door.
+    fn ask(&mut self) {
+        if self.pending.is_none() {
+            self.pending = self.client.send(&self.goal).ok();
+        }
+    }
 }

@@ -11,7 +11,6 @@ use super::Plan;
 use super::pair::Pair;
 use super::site::Site;
 use super::tool::{self, Notes};
-use super::transport::beside;
 use crate::demo::child::{Child, beside_this_program};
 
 /// The program with the production tick and a simulated world in one thread.
@@ -62,7 +61,7 @@ pub(super) struct Ticks {
 
 impl Counts {
     pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
-        let Some(helper) = beside(HELPER) else {
+        let Ok(helper) = beside_this_program(HELPER) else {
             notes.add(format!("{HELPER} is not there; {HELPER_CURE}"));
             return Ok(Self {
                 ticks: None,
@@ -185,7 +184,7 @@ fn calls_per_sleep(trace: &str, thread: &str) -> Option<f64> {
     let is_sleep = |call: &&&str| **call == "clock_nanosleep";
     let sleeps = || calls.iter().enumerate().filter(|(_, call)| is_sleep(call));
     let (begin, _) = sleeps().nth(WARM_UP)?;
-    let (end, _) = sleeps().last()?;
+    let (end, _) = sleeps().next_back()?;
     let count = calls[begin..end].iter().filter(is_sleep).count();
     (count > WARM_UP).then(|| (end - begin) as f64 / count as f64)
 }

@@ -3,7 +3,6 @@
 
 use std::io::Write;
 use std::os::unix::net::UnixStream;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -22,7 +21,7 @@ const ROUNDS: u64 = 5_000;
 /// Rounds before, for caches and connections.
 const WARM_UP: u64 = 500;
 /// How long an answer may take, and how long the other process may take to be there.
-pub(super) const ANSWER_WITHIN: Duration = Duration::from_secs(5);
+const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 /// How long the first answer is waited for before the question is asked again: the echo may not have heard it.
 const ASK_AGAIN: Duration = Duration::from_millis(20);
 /// The program of the network middleware, which is no part of the workspace.
@@ -179,11 +178,4 @@ pub(super) fn poll(
         std::hint::spin_loop();
     }
     Ok(true)
-}
-
-/// The path of the program that counts, if it is there.
-pub(super) fn beside(name: &str) -> Option<std::path::PathBuf> {
-    beside_this_program(name)
-        .ok()
-        .filter(|path: &std::path::PathBuf| Path::is_file(path))
 }
