@@ -1,8 +1,8 @@
 //! Pick and place: where the object stands, and when and how high above its place it was let go.
 //!
-//! The latency runs from the moment at which the support truly carries (0.2 N or a tenth of the weight, whichever is more;
-//! a first corner that grazes carries less) to the moment at which the hand begins to open. Until the last fingertip has
-//! left it takes as long as a squeezed hand needs to open, which is measured besides.
+//! The latency runs from the moment at which the support truly carries ([`shm_schemas::ObjectTruth::carried_ns`]: 0.2 N or
+//! a tenth of the weight, and not for an instant only) to the moment at which the hand begins to open. Until the last
+//! fingertip has left it takes as long as a squeezed hand needs to open, which is measured besides.
 
 use shm_schemas::{GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 
