@@ -20,6 +20,8 @@ use crate::figures;
 const LOCKED_WITHIN: Duration = Duration::from_secs(5);
 /// How long the daemon then runs before it is measured.
 const SETTLE: Duration = Duration::from_secs(1);
+/// Free-running daemons per repeat, which share its window: the phase to the frames is another one each time, and stays.
+const FREE_RUNS: u32 = 3;
 /// Most reports taken in one look: all that can wait.
 const AT_ONCE: usize = 256;
 
@@ -28,7 +30,7 @@ pub(super) struct Repeat {
     pub(super) cyclictest: Option<Percentiles>,
     pub(super) bare: Percentiles,
     pub(super) locked: Measured,
-    pub(super) free: Measured,
+    pub(super) free: Vec<Measured>,
     pub(super) answer: Answer,
 }
 
@@ -37,8 +39,8 @@ impl Repeat {
         Ok(Self {
             cyclictest: cyclictest::measure(plan, notes)?,
             bare: bare::measure(plan)?,
-            locked: daemon(plan, true, notes)?,
-            free: daemon(plan, false, notes)?,
+            locked: daemon(plan, plan.window, true, notes)?,
+            free: free(plan, notes)?,
             answer: answer::measure(plan)?,
         })
     }
@@ -60,7 +62,7 @@ impl Loaded {
         Ok(Some(Self {
             cyclictest: cyclictest::measure(plan, notes)?,
             bare: bare::measure(plan)?,
-            locked: daemon(plan, true, notes)?,
+            locked: daemon(plan, plan.window, true, notes)?,
         }))
     }
 }
@@ -85,8 +87,20 @@ pub(super) struct Measured {
     pub(super) is_realtime: bool,
 }
 
+fn free(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Vec<Measured>> {
+    let window = plan.window / FREE_RUNS;
+    (0..FREE_RUNS)
+        .map(|_| daemon(plan, window, false, notes))
+        .collect()
+}
+
 /// Runs the daemon on the plan's core.
-fn daemon(plan: &Plan<'_>, phase_lock: bool, notes: &mut Notes) -> anyhow::Result<Measured> {
+fn daemon(
+    plan: &Plan<'_>,
+    window: Duration,
+    phase_lock: bool,
+    notes: &mut Notes,
+) -> anyhow::Result<Measured> {
     let cpu = format!("realtime.cpu={}", plan.core);
     let lock = format!("realtime.phase_lock={phase_lock}");
     let flags = ["--set", &cpu, "--set", &lock];
@@ -103,8 +117,9 @@ fn daemon(plan: &Plan<'_>, phase_lock: bool, notes: &mut Notes) -> anyhow::Resul
     }
     let mut ticks = Ticks::default();
     // What came before the machine had settled does not count.
-    let _settled = gather(&mut pair, SETTLE, plan, &mut Ticks::default())?;
-    let used = gather(&mut pair, plan.window, plan, &mut ticks)?;
+    let settle = if phase_lock { SETTLE } else { SETTLE / 4 };
+    let _settled = gather(&mut pair, settle, plan, &mut Ticks::default())?;
+    let used = gather(&mut pair, window, plan, &mut ticks)?;
     Ok(Measured {
         wake: figures::of(ticks.wake),
         body: figures::of(ticks.body),

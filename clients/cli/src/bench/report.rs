@@ -68,7 +68,7 @@ impl Report {
                 "ping_pong": of_answer(|repeat| us(repeat.answer.ping_pong.p50_ns)),
                 "tick_body": of_answer(|repeat| us(repeat.answer.body.p50_ns)),
                 "locked": over(self.idle.iter().map(|r| r.locked.sensor_to_command)),
-                "free": over(self.idle.iter().map(|r| r.free.sensor_to_command)),
+                "free": over(self.free().map(|m| m.sensor_to_command)),
             },
             "transports_us": {
                 "iceoryx2": self.transports.iceoryx2,
@@ -106,12 +106,13 @@ impl Report {
         })
     }
 
-    /// The ages that the ticks of all free-running repeats saw: each repeat has another phase, none is the median one.
+    fn free(&self) -> impl Iterator<Item = &Measured> {
+        self.idle.iter().flat_map(|repeat| &repeat.free)
+    }
+
+    /// The ages that the ticks of all free-running daemons saw: each has another phase, none is the median one.
     fn free_frame_age(&self) -> Value {
-        let ages = self
-            .idle
-            .iter()
-            .flat_map(|repeat| &repeat.free.frame_age_ns);
+        let ages = self.free().flat_map(|measured| &measured.frame_age_ns);
         microseconds(&figures::of(ages.copied().collect()))
     }
 }
