@@ -30,6 +30,8 @@ pub enum Unreadable {
         /// Which one.
         name: &'static str,
     },
+    /// Settings contradict each other.
+    Contradiction,
     /// The order is of a kind that this version does not know.
     UnknownOrder {
         /// Its number.
@@ -51,6 +53,9 @@ impl core::fmt::Display for Unreadable {
             Self::SettingOutOfRange { name } => {
                 write!(f, "could not read the settings because {name} is out of its range; is the recording damaged?")
             }
+            Self::Contradiction => f.write_str(
+                "could not read the settings because they contradict each other; is the recording damaged?",
+            ),
             Self::UnknownOrder { kind } => write!(
                 f,
                 "could not read an order because its kind was {kind}, which this version does not know; \
@@ -94,10 +99,12 @@ pub fn read_settings(record: &SettingsRecord) -> Result<Settings, Unreadable> {
     let mut settings = Settings::default();
     for (value, parameter) in record.value.iter().zip(PARAMETERS) {
         let name = parameter.name;
-        settings
-            .set(name, *value)
-            .map_err(|_| Unreadable::SettingOutOfRange { name })?;
+        let checked = parameter.check(*value);
+        checked.map_err(|_| Unreadable::SettingOutOfRange { name })?;
+        // One by one they may contradict each other on the way.
+        (parameter.set)(&mut settings, *value);
     }
+    settings.check().map_err(|_| Unreadable::Contradiction)?;
     Ok(settings)
 }
 
@@ -294,6 +301,14 @@ mod tests {
         let name = PARAMETERS[0].name;
         let out_of_range = Unreadable::SettingOutOfRange { name };
         assert_eq!(read_order(&record), Err(out_of_range));
+        let mut apart = Settings::default();
+        apart.set("intake.reject_age_s", 5.0).expect("in range");
+        apart.set("intake.hold_age_s", 0.3).expect("in range");
+        let order = Some(Order::Configure(apart));
+        assert_eq!(read_order(&write_order(order.as_ref())), Ok(order));
+        apart.intake.reject_age_s = 0.1;
+        let contradicting = write_order(Some(&Order::Configure(apart)));
+        assert_eq!(read_order(&contradicting), Err(Unreadable::Contradiction));
         record.settings.names_hash ^= 1;
         assert_eq!(read_order(&record), Err(Unreadable::OtherParameters));
         let mut start = write_order(None);

@@ -19,7 +19,7 @@ pub struct Parameter {
     /// Reads the value.
     pub get: fn(&Settings) -> f64,
     /// Writes the value without checking it; use [`Settings::set`].
-    set: fn(&mut Settings, f64),
+    pub(crate) set: fn(&mut Settings, f64),
 }
 
 /// Why a value was refused.
@@ -49,7 +49,7 @@ pub enum SettingError {
 
 /// Parameters of which the first must not be greater than the second: thresholds with hysteresis, bounds, and what a later
 /// threshold takes for granted.
-const ORDERED: &[(&str, &str)] = &[
+pub const ORDERED: &[(&str, &str)] = &[
     ("intake.hold_age_s", "intake.reject_age_s"),
     ("perception.touch_off_n", "perception.touch_on_n"),
     ("grasp.keep_n", "grasp.f1_min_n"),

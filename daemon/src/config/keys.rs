@@ -3,7 +3,7 @@
 //! Tunable numbers come from the controller's own table [`PARAMETERS`]; the rest is listed here.
 
 use atas::limits::TICK_RATE_HZ;
-use atas::settings::{PARAMETERS, Parameter, find};
+use atas::settings::{ORDERED, PARAMETERS, Parameter, find};
 
 use super::{Config, Cpu, HandSensor};
 
@@ -140,15 +140,6 @@ const FIXED: &[FixedKey] = &[
 pub(super) const LIKELY: f64 = 0.8;
 const FINGERS: &str = "a whole number from 1 to 4";
 const RATE: &str = "a number from 1 to 10000";
-
-/// Pairs of parameters of which the first must not be above the second.
-const ORDERED: &[(&str, &str)] = &[
-    ("perception.touch_off_n", "perception.touch_on_n"),
-    ("grasp.f1_min_n", "grasp.f1_max_n"),
-    ("grasp.f2_min_n", "grasp.f2_max_n"),
-    ("grasp.slip_off", "grasp.slip_on"),
-    ("intake.hold_age_s", "intake.reject_age_s"),
-];
 
 fn has_layout(hand: &HandSensor) -> bool {
     hand.layout.resolve().is_some()

@@ -155,7 +155,7 @@ fn what_is_wrong_is_said() {
     );
     // Values that contradict each other.
     check(
-        "[grasp]\nslip_off = 0.6\nslip_on = 0.5\n",
+        "[grasp]\nslip_off = 0.6\nslip_on = 0.5\nrelax_below = 0.4\n",
         "0.toml:2: grasp.slip_off is 0.6, needs at most grasp.slip_on, which is 0.5",
     );
     let default = Config::default().perception.touch_off_n;

@@ -291,7 +291,10 @@ fn parameters_are_read_listed_and_set_within_their_range() {
     }
     let (outcome, _, text) = ask(ControlOp::PARAM_SET, "grasp.slip_off", 1.0);
     assert_eq!(outcome, refused);
-    assert!(text.contains("at most grasp.slip_on"), "{text}");
+    assert!(
+        text.contains("grasp.slip_off is 1 and grasp.slip_on is"),
+        "{text}"
+    );
     let (outcome, _, text) = ask(ControlOp::PARAM_GET, "grasp.drn", 0.0);
     assert_eq!(
         (outcome, text.contains("did you mean grasp.dr_n")),
