@@ -14,6 +14,8 @@ use shm_schemas::{Cause, ModuleId, Reason};
 const LOST_AFTER_S: f64 = 0.05;
 /// How long a held object may slip on a finger before a warning, s (ours: twice what Module 2 takes to answer).
 const SLIDES_AFTER_S: f64 = 0.05;
+/// Utilisation of the remembered friction without which nothing slides (ours): a light load on a firm grip reads as noise.
+const SLIDES_ABOVE: f64 = 0.9;
 /// Share of F_2 from which on the fingers have no more force to give (ours: the share at which Module 3 lets go).
 const AT_CEILING: f64 = 0.97;
 /// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
@@ -248,6 +250,7 @@ impl Runner {
         let held = self.step().until == Until::Held && self.grips();
         let slid_s = percept.fingers[..FINGERS]
             .iter()
+            .filter(|finger| finger.utilisation > SLIDES_ABOVE)
             .map(|finger| finger.gross_slip_s)
             .fold(0.0, |most, s| if s > most { s } else { most });
         (held && slid_s > SLIDES_AFTER_S)
@@ -258,7 +261,10 @@ impl Runner {
     fn out_of_force(&self, percept: &Percept) -> Option<Reason> {
         let (_, strongest_n) = force_range_n(percept);
         let f2_n = self.thresholds.f2_n;
-        let spent = self.slides.is_some() && strongest_n > AT_CEILING * f2_n;
+        let everywhere = percept.fingers[..FINGERS]
+            .iter()
+            .all(|finger| finger.gross_slip_s > SLIDES_AFTER_S);
+        let spent = self.slides.is_some() && everywhere && strongest_n > AT_CEILING * f2_n;
         let reason = Reason::limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
         (spent && self.retreat.is_none()).then(|| reason.by(ModuleId::FORCE_LIMIT))
     }
