@@ -11,7 +11,7 @@ use robot_model::{GraspFrame, HandVector, ROBOT_JOINTS, Side, nearest};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
 
 /// What accepted goals keep between the arms, m.
-const CLEARANCE_M: f64 = 0.010;
+const CLEARANCE_M: f64 = 0.006;
 
 /// Everywhere that a task can lead the hand, without an object.
 fn tour() -> Task {
