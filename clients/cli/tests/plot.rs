@@ -1,5 +1,7 @@
 //! Figures: what they show, and the same bytes every time.
 
+use std::path::Path;
+
 use atas_cli::eval::Task;
 use atas_cli::plot::draw;
 use sim_backend::Object;
@@ -72,4 +74,24 @@ fn what_never_happened_cannot_be_drawn() {
     let heavy = Object::built_in("heavy-block").expect("built in");
     let error = draw(Task::PickPlace, &heavy, 1).expect_err("it is refused");
     assert!(error.to_string().contains("never stood"), "{error}");
+}
+
+/// The README shows them, so they must be what its commands draw now.
+#[test]
+fn the_figures_of_the_readme_are_up_to_date() {
+    let check = |file: &str, task: Task, object: &str, seed: u64| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("figures")
+            .join(file);
+        let kept = std::fs::read_to_string(path).expect("readable");
+        assert!(
+            kept == drawn(task, object, seed),
+            "{file} is not what `atas plot {}` draws; draw it again",
+            task.name()
+        );
+    };
+    check("grasp.svg", Task::Grasp, "wood", 1);
+    check("placing.svg", Task::PickPlace, "wood", 1);
+    check("screwing.svg", Task::Screw, "cap", 2);
+    check("assembly.svg", Task::Assembly, "cap", 2);
 }

@@ -42,7 +42,11 @@ impl Journal {
             EventKind::MODE => tracing::info!(tick, mode = %event.mode, "mode"),
             EventKind::GOAL => {
                 let state = GoalState(event.value as u32);
-                tracing::info!(tick, hand = %event.hand, %state, "goal: {reason}");
+                if reason.is_some() {
+                    tracing::info!(tick, hand = %event.hand, "goal {state}: {reason}");
+                } else {
+                    tracing::info!(tick, hand = %event.hand, "goal {state}");
+                }
             }
             EventKind::WARNING => {
                 if let Some(suppressed) = self.is_news(reason.cause.name()) {

@@ -1,18 +1,19 @@
-//! The README's own commands and claims.
+//! The READMEs' own commands and claims.
 
 use std::path::Path;
 use std::process::Command;
 use system_tests::binary;
 
-fn readme() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
-    std::fs::read_to_string(path).expect("readable")
+fn readmes() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let read = |path| std::fs::read_to_string(root.join(path)).expect("readable");
+    ["README.md", "clients/swarm/README.md"].map(read).concat()
 }
 
 #[test]
 fn every_command_of_the_readme_is_known_to_its_program() {
     let mut seen = 0;
-    for line in readme().lines() {
+    for line in readmes().lines() {
         let Some(command) = line.strip_prefix("target/debug/") else {
             continue;
         };
@@ -56,7 +57,7 @@ fn every_test_that_the_readme_names_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("the workspace");
-    let text = readme();
+    let text = readmes();
     let mut named = 0;
     for part in text.split('`').filter(|p| p.contains(".rs::")) {
         let (file, name) = part.split_once("::").expect("a file and a test");

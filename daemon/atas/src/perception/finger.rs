@@ -95,7 +95,7 @@ impl Finger {
         frame: &CheckedFrame<'_>,
         settings: &Settings,
     ) -> FingerPercept {
-        self.filter(finger, frame, settings);
+        let share = self.filter(finger, frame, settings);
         let patch = Patch::of(
             &self.axes,
             &self.filtered_n,
@@ -103,9 +103,11 @@ impl Finger {
             settings.element_floor_n,
         );
         self.touch(&patch, settings);
-        if !self.percept.in_contact {
-            self.noise
-                .listen(&self.filtered_n[..self.axes.count], frame.step_s());
+        if self.percept.in_contact {
+            self.noise.pause();
+        } else {
+            let (elements_n, count) = (&self.filtered_n, self.axes.count);
+            self.noise.listen(elements_n, count, share, frame.step_s());
         }
         let slipping = self.friction.update(&patch, frame.step_s(), settings);
         self.percept = FingerPercept {
@@ -137,10 +139,12 @@ impl Finger {
                 filtered[axis] = 0.0;
             }
         }
+        self.noise.pause();
     }
 
-    /// First-order low-pass on every element; a masked element keeps its last value for the patch to lose it slowly.
-    fn filter(&mut self, finger: usize, frame: &CheckedFrame<'_>, settings: &Settings) {
+    /// First-order low-pass on every element; a masked element keeps its last value for the patch to lose it slowly. Returns
+    /// the share of a reading that it takes over.
+    fn filter(&mut self, finger: usize, frame: &CheckedFrame<'_>, settings: &Settings) -> f64 {
         let step_s = frame.step_s();
         let share = if settings.filter_s > 0.0 {
             step_s / (settings.filter_s + step_s)
@@ -158,6 +162,7 @@ impl Finger {
                 *filtered += (force - bias - *filtered) * share;
             }
         }
+        share
     }
 
     /// Touch with hysteresis: bare crossings of one threshold flicker on real data. A sensor whose own noise would cross

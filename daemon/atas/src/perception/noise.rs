@@ -2,6 +2,10 @@
 //!
 //! Lengths of noisy vectors are overrated, and so would be the friction that is read from them. What the sensor's own
 //! silence says about its noise, after the same filter, takes that bias out again, whatever the sensor and its rate.
+//! Silence is never complete: an offset or a slow load below the touch threshold is no noise, so it is what changes from
+//! frame to frame that counts.
+
+use shm_schemas::capacity::ELEMENTS;
 
 /// Time constant of the measurement, s (ours: a fraction of the slowest approach).
 const FILTER_S: f64 = 0.3;
@@ -10,6 +14,8 @@ const FILTER_S: f64 = 0.3;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Noise {
     variance_n2: Option<f64>,
+    /// The readings of the frame before, N; `None` after a touch.
+    before_n: Option<[[f64; 3]; ELEMENTS]>,
 }
 
 impl Noise {
@@ -18,11 +24,75 @@ impl Noise {
         self.variance_n2.unwrap_or(0.0)
     }
 
-    /// Listens to the filtered elements of a fingertip that touches nothing, N.
-    pub(super) fn listen(&mut self, elements_n: &[[f64; 3]], step_s: f64) {
-        let sum: f64 = elements_n.iter().map(|[_, t1, t2]| t1 * t1 + t2 * t2).sum();
-        let now_n2 = sum / (2 * elements_n.len()) as f64;
-        let before_n2 = self.variance_n2.unwrap_or(now_n2);
-        self.variance_n2 = Some(before_n2 + (now_n2 - before_n2) * step_s / (FILTER_S + step_s));
+    /// Listens to the filtered elements of a fingertip that touches nothing, N. `share` is how much of a reading the filter
+    /// takes over per frame: of white noise it lets through so much that differences between frames have 2·share times its
+    /// variance.
+    pub(super) fn listen(
+        &mut self,
+        elements_n: &[[f64; 3]; ELEMENTS],
+        count: usize,
+        share: f64,
+        step_s: f64,
+    ) {
+        if let Some(before_n) = self.before_n
+            && share > 0.0
+        {
+            let changes = elements_n[..count].iter().zip(&before_n);
+            let sum: f64 = changes
+                .map(|([_, t1, t2], [_, b1, b2])| (t1 - b1).powi(2) + (t2 - b2).powi(2))
+                .sum();
+            let now_n2 = sum / (2 * count) as f64 / (2.0 * share);
+            let old_n2 = self.variance_n2.unwrap_or(now_n2);
+            self.variance_n2 = Some(old_n2 + (now_n2 - old_n2) * step_s / (FILTER_S + step_s));
+        }
+        self.before_n = Some(*elements_n);
+    }
+
+    /// The fingertip touches something: what changes now is no noise.
+    pub(super) fn pause(&mut self) {
+        self.before_n = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Share of a 5 ms filter at 1 kHz.
+    const SHARE: f64 = 1.0 / 6.0;
+
+    /// Standard deviation that is heard in a second of readings, N, given by their index.
+    fn heard_n(reading_n: impl Fn(usize) -> f64) -> f64 {
+        let mut noise = Noise::default();
+        for index in 0..1000 {
+            let elements_n = [[0.0, reading_n(index), -reading_n(index)]; ELEMENTS];
+            noise.listen(&elements_n, 1, SHARE, 1e-3);
+        }
+        noise.variance_n2().sqrt()
+    }
+
+    /// Regression: a real dome that leans on something below its touch threshold counted as so noisy that it heard no touch.
+    #[test]
+    fn offsets_and_slow_loads_are_no_noise() {
+        assert_eq!(heard_n(|_| 5.0), 0.0);
+        let ramp_n = heard_n(|index| 0.01 * index as f64);
+        assert!(ramp_n < 0.02, "{ramp_n} N of a ramp of 10 N/s");
+    }
+
+    #[test]
+    fn what_flickers_is_noise() {
+        let flicker = |index: usize| if index.is_multiple_of(2) { 0.01 } else { -0.01 };
+        let heard = heard_n(flicker);
+        // Differences of 20 mN, each axis, over 2·share.
+        assert!(
+            (heard - 0.02 / (2.0 * SHARE).sqrt()).abs() < 1e-3,
+            "{heard}"
+        );
+        let mut paused = Noise::default();
+        for index in 0..10 {
+            paused.listen(&[[0.0, flicker(index), 0.0]; ELEMENTS], 1, SHARE, 1e-3);
+            paused.pause();
+        }
+        assert_eq!(paused.variance_n2(), 0.0, "touches in between say nothing");
     }
 }
