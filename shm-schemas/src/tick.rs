@@ -80,3 +80,17 @@ word! {
         pub hands: [HandReport; HANDS],
     }
 }
+
+impl TickReport {
+    /// Names of the stages, in the order of [`TickReport::stage_ns`].
+    pub const STAGE_NAMES: [&'static str; STAGES] = [
+        "intake",
+        "perception",
+        "modules",
+        "kinematics",
+        "safety",
+        "publish",
+        "report",
+        "recording",
+    ];
+}

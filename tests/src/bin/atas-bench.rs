@@ -15,6 +15,7 @@ use std::process::ExitCode;
 
 use rustix::mm::MlockAllFlags;
 use serde_json::{Value, json};
+use shm_schemas::TickReport;
 use shm_schemas::capacity::STAGES;
 use system_tests::figures::{median, microseconds};
 use system_tests::loopback::Loopback;
@@ -25,17 +26,6 @@ const WARM_UP: u64 = 500;
 const BLOCK: u64 = 250;
 const USAGE: &str =
     "could not understand the arguments; needs `figures TICKS REPEATS` or `run TICKS`";
-/// Names of the stages of the body, in their order.
-const NAMES: [&str; STAGES] = [
-    "intake",
-    "perception",
-    "modules",
-    "kinematics",
-    "safety",
-    "publish",
-    "report",
-    "recording",
-];
 /// Place of the recording, which comes after the body.
 const RECORDING: usize = STAGES - 1;
 
@@ -160,7 +150,7 @@ fn stages(costs: &[Costs]) -> Value {
         let each = costs.iter().map(|costs| costs.stages_ns[stage].clone());
         medians(each.map(microseconds))
     };
-    let named = NAMES[..RECORDING].iter().enumerate();
+    let named = TickReport::STAGE_NAMES[..RECORDING].iter().enumerate();
     Value::Object(
         named
             .map(|(stage, name)| ((*name).to_owned(), of(stage)))

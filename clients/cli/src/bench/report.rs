@@ -1,7 +1,7 @@
 //! From measurements to figures: medians over the repeats, ratios within each repeat.
 
 use serde_json::{Value, json};
-use shm_schemas::Percentiles;
+use shm_schemas::{Percentiles, TickReport};
 
 use super::counts::Counts;
 use super::punctual::{Loaded, Measured, Repeat};
@@ -10,18 +10,6 @@ use super::transport::Transports;
 use super::{Plan, echo, machine, tables};
 use crate::figures::{self, median};
 use crate::output::Output;
-
-/// Names of the stages, in the order of [`shm_schemas::TickReport::stage_ns`].
-pub(super) const STAGES: [&str; shm_schemas::capacity::STAGES] = [
-    "intake",
-    "perception",
-    "modules",
-    "kinematics",
-    "safety",
-    "publish",
-    "report",
-    "recording",
-];
 
 /// Everything that was measured.
 pub(super) struct Report {
@@ -194,10 +182,13 @@ fn over(repeats: impl Iterator<Item = Percentiles>) -> Value {
 }
 
 fn stages(repeats: Vec<&Measured>) -> Value {
-    let named = STAGES.iter().enumerate().map(|(index, name)| {
-        let figures = over(repeats.iter().map(|measured| measured.stages[index]));
-        ((*name).to_owned(), figures)
-    });
+    let named = TickReport::STAGE_NAMES
+        .iter()
+        .enumerate()
+        .map(|(index, name)| {
+            let figures = over(repeats.iter().map(|measured| measured.stages[index]));
+            ((*name).to_owned(), figures)
+        });
     Value::Object(named.collect())
 }
 

@@ -1,8 +1,8 @@
 //! The figures as tables for people.
 
 use serde_json::Value;
+use shm_schemas::TickReport;
 
-use super::report::STAGES;
 use crate::output::{Output, number, table};
 
 /// What stands for a figure that was not measured.
@@ -63,7 +63,7 @@ fn durations(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
         &figures["tick_us"],
         2,
     ));
-    for name in STAGES {
+    for name in TickReport::STAGE_NAMES {
         let of = &figures["tick_stages_us"][name];
         if !of.is_null() {
             rows.add_row(row(format!("  {name}"), of, 2));

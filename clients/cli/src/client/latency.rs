@@ -18,17 +18,6 @@ use crate::output::{Output, table};
 const WINDOW: Duration = Duration::from_secs(1);
 /// Most reports taken in one look: all that can wait.
 const AT_ONCE: usize = 256;
-/// Names of the stages, in the order of [`TickReport::stage_ns`].
-const STAGE_NAMES: [&str; STAGES] = [
-    "intake",
-    "perception",
-    "modules",
-    "kinematics",
-    "safety",
-    "publish",
-    "report",
-    "recording",
-];
 
 /// `atas latency`.
 pub(crate) fn latency(
@@ -85,7 +74,7 @@ impl Window {
     /// The figures of each stage that was measured.
     fn figures(&self) -> impl Iterator<Item = (&'static str, Percentiles)> {
         let figures = self.stages.iter().map(|stage| percentiles(stage));
-        STAGE_NAMES
+        TickReport::STAGE_NAMES
             .into_iter()
             .zip(figures)
             .filter(|(_, figures)| figures.max_ns > 0)

@@ -133,8 +133,8 @@ impl Controller {
             self.end_hands(&goal);
         } else {
             self.warn(reason);
+            self.hands[side.index()].end(&self.settings);
         }
-        self.hands[side.index()].end(&self.settings);
     }
 
     /// Whether the goal needs the other hand, which still works.

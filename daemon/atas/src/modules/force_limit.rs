@@ -9,7 +9,7 @@ use robot_model::FINGERS;
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Share of F_2 below which the module becomes inactive again (ours: wider than the force noise, so it does not flicker).
-pub(super) const RELEASE_SHARE: f64 = 0.97;
+pub(crate) const RELEASE_SHARE: f64 = 0.97;
 /// Time constant over which gross slip is judged, s (ours: its reading scatters by 3 % from frame to frame).
 const GROSS_FILTER_S: f64 = 0.1;
 

@@ -5,8 +5,7 @@
 //! object that hangs keeps its load; one that still stands gives it back to its support. Then the fingers press harder
 //! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
 
-use super::force_limit::RELEASE_SHARE;
-use super::{Context, Module, Proposal, Verdict, force_range_n};
+use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n};
 use crate::perception::Percept;
 use robot_model::FINGERS;
 use shm_schemas::{Cause, ModuleId, Reason};

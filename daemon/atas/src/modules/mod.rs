@@ -42,6 +42,7 @@ use crate::tasks::Thresholds;
 use carry::Carry;
 use first_touch::FirstTouch;
 use force_limit::ForceLimit;
+pub(crate) use force_limit::RELEASE_SHARE;
 use guard::Guard;
 use lift_proof::LiftProof;
 use nalgebra::Matrix3;

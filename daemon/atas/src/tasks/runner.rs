@@ -2,7 +2,7 @@
 
 use super::plan::plan;
 use super::{BACK_OUT, Motion, RAISE, STAND, Sites, Step, Thresholds, Track, Until, WITHDRAW};
-use crate::modules::{Context, Modules, Verdict, force_range_n};
+use crate::modules::{Context, Modules, RELEASE_SHARE, Verdict, force_range_n};
 use crate::path::Path;
 use crate::perception::{HardnessFit, Percept};
 use crate::settings::Settings;
@@ -16,8 +16,6 @@ const LOST_AFTER_S: f64 = 0.05;
 const SLIDES_AFTER_S: f64 = 0.05;
 /// Utilisation of the remembered friction without which nothing slides (ours): a light load on a firm grip reads as noise.
 const SLIDES_ABOVE: f64 = 0.9;
-/// Share of F_2 from which on the fingers have no more force to give (ours: the share at which Module 3 lets go).
-const AT_CEILING: f64 = 0.97;
 /// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
 const MEET_M: f64 = 0.001;
 
@@ -264,7 +262,7 @@ impl Runner {
         let everywhere = percept.fingers[..FINGERS]
             .iter()
             .all(|finger| finger.gross_slip_s > SLIDES_AFTER_S);
-        let spent = self.slides.is_some() && everywhere && strongest_n > AT_CEILING * f2_n;
+        let spent = self.slides.is_some() && everywhere && strongest_n > RELEASE_SHARE * f2_n;
         let reason = Reason::limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
         (spent && self.retreat.is_none()).then(|| reason.by(ModuleId::FORCE_LIMIT))
     }

@@ -29,16 +29,7 @@ fn names() -> String {
     let mut names = String::from(
         "tick,captured_ns,mode,goal_id,missed_ticks,wake_late_ns,sensor_to_command_ns,joint_sequence,command_crc32",
     );
-    for stage in [
-        "intake",
-        "perception",
-        "modules",
-        "kinematics",
-        "safety",
-        "publish",
-        "report",
-        "recording",
-    ] {
+    for stage in TickReport::STAGE_NAMES {
         push(&mut names, format_args!("{stage}_ns"));
     }
     for hand in ["left", "right"] {
