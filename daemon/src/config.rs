@@ -25,7 +25,7 @@ pub use tasks::{TaskProblem, Tasks};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use atas::{HandWiring, STIFFNESS_N_M_RAD, Settings, Wiring, settings};
+use atas_core::{HandWiring, STIFFNESS_N_M_RAD, Settings, Wiring, settings};
 use robot_model::{HAND_JOINTS, HandVector, ModelError, RobotModel};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};

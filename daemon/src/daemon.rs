@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use atas::Controller;
+use atas_core::Controller;
 use crossbeam::channel::{Sender, bounded};
 use robot_model::ModelError;
 use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, writer_epoch};

@@ -6,7 +6,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use atas::{Controller, Inputs, Outputs, Stage, Tick};
+use atas_core::{Controller, Inputs, Outputs, Stage, Tick};
 use robot_model::Side;
 use shm_schemas::capacity::{HANDS, JOINTS};
 use shm_schemas::{
@@ -230,7 +230,7 @@ impl Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use atas::{Settings, Wiring};
+    use atas_core::{Settings, Wiring};
     use robot_model::RobotModel;
 
     fn guard() -> Guard {

@@ -1,6 +1,6 @@
 //! What comes in on the tick: both hands' frames and the newest joint state, in memory that was set aside at the start.
 
-use atas::{Inputs, Order, Tick};
+use atas_core::{Inputs, Order, Tick};
 use shm_bus::{Bus, BusError, Subscriber};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, JointState, service};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use atas::Order;
+use atas_core::Order;
 use crossbeam::queue::ArrayQueue;
 use robot_model::ROBOT_JOINTS;
 use shm_schemas::{GoalUpdate, ModuleEvent, Status, TickReport};

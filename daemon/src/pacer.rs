@@ -17,7 +17,7 @@ pub use phase::{Arrivals, PhaseLock};
 pub use schedule::{Beat, Schedule};
 pub use spin::SpinMargin;
 
-use atas::Tick;
+use atas_core::Tick;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;

@@ -24,7 +24,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use atas::Order;
+use atas_core::Order;
 use shm_bus::{Bus, BusError};
 use shm_schemas::{Cause, Reason};
 

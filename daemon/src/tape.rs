@@ -6,7 +6,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use atas::{Inputs, record};
+use atas_core::{Inputs, record};
 use crossbeam::queue::ArrayQueue;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
@@ -127,7 +127,7 @@ fn fill(blank: &mut TickInputs, inputs: &Inputs<'_>, part: usize, command: &Join
 #[cfg(test)]
 mod tests {
     use super::*;
-    use atas::{Order, Tick};
+    use atas_core::{Order, Tick};
 
     fn inputs<'a>(index: u64, frames: &'a [HandFrame], order: Option<&'a Order>) -> Inputs<'a> {
         Inputs {

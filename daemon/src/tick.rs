@@ -5,7 +5,7 @@
 //!   log, no system call but the sleep (`tests/allocation.rs`). A tick publishes in every mode, also after a panic.
 //! * **Absent on purpose:** statistics. The tick only writes down what it measured; the supervisor counts.
 
-use atas::{Controller, Order};
+use atas_core::{Controller, Order};
 use robot_model::ROBOT_JOINTS;
 use shm_bus::{Bus, BusError, Publisher, now_ns};
 use shm_schemas::capacity::STAGES;

@@ -11,7 +11,7 @@ use std::cell::Cell;
 use std::io::Write as _;
 use std::sync::Arc;
 
-use atas::{Controller, Goal, Order, Settings, Wiring};
+use atas_core::{Controller, Goal, Order, Settings, Wiring};
 use atasd::figures::Figures;
 use atasd::link::Link;
 use atasd::pacer::{LockStep, Pacer};

@@ -1,7 +1,7 @@
 //! The controller's step by itself: grasp task, both hands, 22 joints.
 
-use atas::{Goal, Order, Settings};
 use atas_cli::rehearsal::{Rehearsal, grasp_goal};
+use atas_core::{Goal, Order, Settings};
 use criterion::{Criterion, criterion_group, criterion_main};
 use robot_model::{RobotModel, Side};
 use sim_backend::{Object, Scene};

@@ -5,8 +5,8 @@
 
 #![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
 
-use atas::Settings;
 use atas_cli::rehearsal::{Rehearsal, grasp_goal};
+use atas_core::Settings;
 use hdrhistogram::Histogram;
 use robot_model::{RobotModel, Side};
 use sim_backend::{Object, Scene};

@@ -3,9 +3,9 @@
 //! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, no clock, no threads: the same arguments give
 //! the same bits as the two processes in lock-step.
 
-use atas::goal;
-use atas::tasks::Task;
-use atas::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use atas_core::goal;
+use atas_core::tasks::Task;
+use atas_core::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::{
     GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, JointCommand, Mode, Reason,

@@ -1,6 +1,6 @@
 //! A goal's story: its updates, condensed to what a user wants to hear at the end.
 
-use atas::tasks::{BACK_OUT, BUILT_IN, Motion, PICK_PLACE, RAISE, RELEASE, Track, WITHDRAW};
+use atas_core::tasks::{BACK_OUT, BUILT_IN, Motion, PICK_PLACE, RAISE, RELEASE, Track, WITHDRAW};
 use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
 
 /// Normal force of a finger that presses, N (ours: above the sensors' noise, below the least grip).

@@ -17,7 +17,7 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
         conditions: vec![task.conditions()[0]],
         baselines: Vec::new(),
         threads,
-        settings: atas::Settings::default(),
+        settings: atas_core::Settings::default(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Objects that no family contains: whole tasks in process, each a regression of something that once went wrong.
 
-use atas::Settings;
 use atas_cli::judge::Outcome;
 use atas_cli::rehearsal::{Rehearsal, Trial, grasp_goal, pick_place_goal};
+use atas_core::Settings;
 use robot_model::{RobotModel, Side};
 use shm_schemas::{Cause, GoalState};
 use sim_backend::{Object, Scene};

@@ -2,8 +2,8 @@
 //!
 //! Tunable numbers come from the controller's own table [`PARAMETERS`]; the rest is listed here.
 
-use atas::limits::TICK_RATE_HZ;
-use atas::settings::{ORDERED, PARAMETERS, Parameter, find};
+use atas_core::limits::TICK_RATE_HZ;
+use atas_core::settings::{ORDERED, PARAMETERS, Parameter, find};
 
 use super::{Config, Cpu, HandSensor};
 

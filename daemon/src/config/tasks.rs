@@ -8,7 +8,7 @@ mod words;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use atas::tasks::{BUILT_IN, Fault, Part, Step, Task, Track, Until};
+use atas_core::tasks::{BUILT_IN, Fault, Part, Step, Task, Track, Until};
 use serde::{Deserialize, Deserializer, de};
 use toml::{Table, Value};
 
@@ -153,7 +153,8 @@ fn read_step(value: &Value) -> Result<Step, String> {
         .as_table()
         .ok_or_else(|| format!("is {value}, needs {{ step = …, motion = …, until = …, … }}"))?;
     check_keys(table, &STEP_KEYS)?;
-    let name = atas::tasks::checked_name(text(table, "step")?).map_err(|rule| rule.to_string())?;
+    let name =
+        atas_core::tasks::checked_name(text(table, "step")?).map_err(|rule| rule.to_string())?;
     let motion = words::motion(text(table, "motion")?, optional_text(table, "site")?)?;
     let until = words::until(text(table, "until")?, table.get("point"))?;
     let modules = words::modules(table.get("modules"))?;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use atas::Tick;
+use atas_core::Tick;
 
 use super::Beat;
 use crate::inlet::Inlet;

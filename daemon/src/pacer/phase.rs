@@ -16,7 +16,7 @@
 //!   frames it does not move: the ticks go on by the timer. No clock is read here.
 //! * **Absent on purpose:** sensors that send faster than the ticks gain nothing, their frames are young anyway.
 
-use atas::Tick;
+use atas_core::Tick;
 use shm_schemas::capacity::HANDS;
 
 /// Largest move of one deadline, ns: half a percent of a 1 kHz period, far below what a motion could show. Ours.

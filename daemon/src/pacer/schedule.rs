@@ -1,6 +1,6 @@
 //! The arithmetic of deadlines, without a clock.
 
-use atas::Tick;
+use atas_core::Tick;
 
 /// A tick that begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use atas::Order;
-use atas::settings::{PARAMETERS, Parameter};
+use atas_core::Order;
+use atas_core::settings::{PARAMETERS, Parameter};
 use shm_bus::{Bus, BusError, ControlCall, ControlServer, now_ns};
 use shm_schemas::{
     Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp, Text,

@@ -1,6 +1,6 @@
 //! Goals: taken, checked, handed to the tick, and told about until they end.
 
-use atas::{Order, goal};
+use atas_core::{Order, goal};
 use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 

@@ -1,7 +1,7 @@
 //! What the supervisor knows, and how the configuration changes while the daemon runs.
 
-use atas::goal::Circumstances;
-use atas::{Order, Settings, Wiring};
+use atas_core::goal::Circumstances;
+use atas_core::{Order, Settings, Wiring};
 use robot_model::{ROBOT_JOINTS, RobotModel};
 use shm_schemas::{Mode, StatusFlags};
 
@@ -95,7 +95,7 @@ impl Knowledge {
         link: &Link,
     ) -> Result<u64, String> {
         let mut settings = self.config.settings();
-        let parameter = &atas::settings::PARAMETERS[index];
+        let parameter = &atas_core::settings::PARAMETERS[index];
         settings
             .set(parameter.name, value)
             .map_err(|e| e.to_string())?;

@@ -50,7 +50,7 @@ fn header(knowledge: &Knowledge) -> Box<RunHeader> {
     header.rate_hz = config.realtime.rate_hz;
     header.flags = knowledge.flags;
     header.config = Text::new(&config.text());
-    atas::record::write_origin(&mut header, &knowledge.wiring, &config.settings());
+    atas_core::record::write_origin(&mut header, &knowledge.wiring, &config.settings());
     header
 }
 

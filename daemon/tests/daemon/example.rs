@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use atas::settings::PARAMETERS;
+use atas_core::settings::PARAMETERS;
 use atasd::config::{Config, Source, known_keys};
 
 fn path() -> PathBuf {

@@ -272,7 +272,7 @@ fn parameters_are_read_listed_and_set_within_their_range() {
         let reply = world.control(op, name, value);
         (reply.outcome, reply.value, reply.text.as_str().to_owned())
     };
-    let default = atas::Settings::default().grasp.dr_n;
+    let default = atas_core::Settings::default().grasp.dr_n;
     let (done, refused, unknown) = (
         ControlOutcome::DONE,
         ControlOutcome::REFUSED,
@@ -302,7 +302,7 @@ fn parameters_are_read_listed_and_set_within_their_range() {
     );
     assert_eq!(
         ask(ControlOp::PARAM_LIST, "", 0.0).2,
-        atas::settings::PARAMETERS[0].name
+        atas_core::settings::PARAMETERS[0].name
     );
     for index in [-1.0, 0.5, 1e9, f64::NAN] {
         assert_eq!(ask(ControlOp::PARAM_LIST, "", index).0, unknown);

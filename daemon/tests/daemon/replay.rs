@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use atas::record::{Replay, ReplayError, read_origin};
+use atas_core::record::{Replay, ReplayError, read_origin};
 use rustix::process::Signal;
 use shm_bus::{FreshBus, GoalClient, Subscriber};
 use shm_schemas::{

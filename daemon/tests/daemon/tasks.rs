@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use atas::tasks::BUILT_IN;
+use atas_core::tasks::BUILT_IN;
 use atasd::config::Tasks;
 use rustix::process::Signal;
 use shm_bus::FreshBus;

@@ -1,6 +1,6 @@
 //! Controller and world, tick by tick.
 
-use atas::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, Mode,

@@ -8,8 +8,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("shm-schemas", &[]),
     ("shm-bus", &["shm-schemas"]),
     ("robot-model", &[]),
-    ("atas", &["shm-schemas", "robot-model"]),
-    ("atasd", &["atas", "shm-bus", "shm-schemas", "robot-model"]),
+    ("atas-core", &["shm-schemas", "robot-model"]),
+    (
+        "atasd",
+        &["atas-core", "shm-bus", "shm-schemas", "robot-model"],
+    ),
     ("field", &[]),
     (
         "sim-backend",
@@ -20,7 +23,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "shm-bus",
             "shm-schemas",
-            "atas",
+            "atas-core",
             "sim-backend",
             "robot-model",
             "ebts",
@@ -31,7 +34,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "system-tests",
         &[
-            "atas",
+            "atas-core",
             "atas-cli",
             "atasd",
             "robot-model",

@@ -1,7 +1,7 @@
 //! The same seed gives the same commands, bit for bit: twice over the bus, and in process.
 
-use atas::{Goal, Order, Settings};
 use atas_cli::rehearsal::{Rehearsal, grasp_goal};
+use atas_core::{Goal, Order, Settings};
 use robot_model::{RobotModel, Side};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalRequest, GoalState, TickReport, service};

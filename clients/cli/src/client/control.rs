@@ -138,5 +138,5 @@ fn parameter(name: &str, reply: &ControlReply) -> serde_json::Value {
 
 /// What a parameter means, as this version knows it; the daemon's protocol carries numbers only.
 fn meaning(name: &str) -> &'static str {
-    atas::settings::find(name).map_or("", |parameter| parameter.doc.trim())
+    atas_core::settings::find(name).map_or("", |parameter| parameter.doc.trim())
 }

@@ -1,6 +1,6 @@
 //! The grasp: held if physics allows it, else put back unharmed.
 
-use atas::Settings;
+use atas_core::Settings;
 use robot_model::FINGERS;
 use serde_json::Value;
 use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};

@@ -1,6 +1,6 @@
 //! Pick and place: within 5 mm of its place, let go when it stands and not above it; what is too heavy is put back.
 
-use atas::Settings;
+use atas_core::Settings;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
 

@@ -58,7 +58,7 @@ fn plan(eval: &Eval) -> anyhow::Result<Plan> {
         conditions: conditions(task, arguments),
         baselines: baselines(task, arguments),
         threads: arguments.threads,
-        settings: atas::Settings::default(),
+        settings: atas_core::Settings::default(),
     })
 }
 

@@ -4,9 +4,9 @@
 //! built-in task has its modules for the grip (hardness probe, modules 1, 2 and 3, what gives force back and what proves
 //! a lift), the baseline has one that knows neither hardness nor F_2. It runs in the same controller, by the same arms.
 
-use atas::Settings;
-use atas::modules::Selection;
-use atas::tasks::{self, Name, Step, Task, Track, Until};
+use atas_core::Settings;
+use atas_core::modules::Selection;
+use atas_core::tasks::{self, Name, Step, Task, Track, Until};
 use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
 /// What the built-in tasks govern the grip with.
@@ -18,7 +18,7 @@ const OURS: [ModuleId; 6] = [
     ModuleId::RELAX,
     ModuleId::LIFT_PROOF,
 ];
-/// Share of F_2 that F_1 never exceeds ([`atas::tasks::Thresholds`]).
+/// Share of F_2 that F_1 never exceeds ([`atas_core::tasks::Thresholds`]).
 const F1_BELOW_F2: f64 = 0.8;
 
 /// Force per finger from which the slip-reactive baseline starts, N: the best of 0.35, 0.6 and 1 N over other seeds.

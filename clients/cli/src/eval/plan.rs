@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::Context;
-use atas::Settings;
+use atas_core::Settings;
 use rayon::prelude::*;
 use robot_model::RobotModel;
 use serde::Serialize;

@@ -47,7 +47,7 @@ impl Task {
     /// # Errors
     /// A built-in object's file is wrong.
     pub fn objects(self) -> Result<Vec<Object>, ObjectError> {
-        let grasp = atas::settings::Grasp::default();
+        let grasp = atas_core::settings::Grasp::default();
         let can_be_held = |object: &Object| Load::of(object, &grasp).is_feasible();
         match self {
             Self::Grasp => Object::names().map(Object::built_in).collect(),

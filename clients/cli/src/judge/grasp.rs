@@ -1,7 +1,7 @@
 //! The grasp: what physics allows for an object, and what became of it.
 
-use atas::settings;
-use atas::tasks::Thresholds;
+use atas_core::settings;
+use atas_core::tasks::Thresholds;
 use shm_schemas::{Cause, GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 use sim_backend::Object;
 

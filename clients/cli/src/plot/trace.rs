@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use anyhow::Context;
-use atas::{Outputs, Settings};
+use atas_core::{Outputs, Settings};
 use nalgebra::Vector3;
 use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{GoalRequest, HandReport, ObjectTruth, WorldTruth};
@@ -110,10 +110,10 @@ impl Trace {
     }
 
     fn name_steps(&mut self, task: Task) {
-        let Some(task) = atas::tasks::of(task.kind()) else {
+        let Some(task) = atas_core::tasks::of(task.kind()) else {
             return;
         };
-        let names = |track: Option<&atas::tasks::Track>| -> Vec<String> {
+        let names = |track: Option<&atas_core::tasks::Track>| -> Vec<String> {
             let steps = track.into_iter().flat_map(|track| track.iter());
             steps.map(|step| step.name.as_str().to_owned()).collect()
         };

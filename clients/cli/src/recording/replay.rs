@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use atas::record::{Replay, read_origin};
+use atas_core::record::{Replay, read_origin};
 use robot_model::RobotModel;
 use serde_json::json;
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};

@@ -1,9 +1,9 @@
 //! Arbitration: rules, not order.
 
-use atas::arbitration::{Arbiter, Intent};
-use atas::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
-use atas::modules::{Carried, Proposal, Verdict};
-use atas::perception::HardnessFit;
+use atas_core::arbitration::{Arbiter, Intent};
+use atas_core::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
+use atas_core::modules::{Carried, Proposal, Verdict};
+use atas_core::perception::HardnessFit;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::GraspFrame;

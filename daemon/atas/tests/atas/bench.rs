@@ -1,10 +1,10 @@
 //! One module on the bench.
 
-use atas::Settings;
-use atas::modules::{Context, IDS, Modules, Proposal, Selection};
-use atas::path::{Path, Speeds};
-use atas::perception::{FingerPercept, Percept};
-use atas::tasks::Thresholds;
+use atas_core::Settings;
+use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
+use atas_core::path::{Path, Speeds};
+use atas_core::perception::{FingerPercept, Percept};
+use atas_core::tasks::Thresholds;
 use nalgebra::Vector3;
 use robot_model::GraspFrame;
 use shm_schemas::ModuleId;

@@ -3,9 +3,9 @@
 
 use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
-use atas::goal::{self, Circumstances};
-use atas::tasks::{self, GRASP, Motion, Site, Step, Task};
-use atas::{Order, Settings};
+use atas_core::goal::{self, Circumstances};
+use atas_core::tasks::{self, GRASP, Motion, Site, Step, Task};
+use atas_core::{Order, Settings};
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandVector, ROBOT_JOINTS, Side, nearest};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
@@ -62,7 +62,7 @@ fn gap_m(q_rad: &[f64; ROBOT_JOINTS]) -> f64 {
     nearest(&bodies(Side::Right), &bodies(Side::Left)).gap_m
 }
 
-fn check(world: &World, request: &GoalRequest) -> Result<atas::Goal, Reason> {
+fn check(world: &World, request: &GoalRequest) -> Result<atas_core::Goal, Reason> {
     goal::check(request, &world.controller.circumstances(robot(), &[tour()]))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::home_rad;
 use crate::world::{World, commanded_gap_m, grasp, start};
-use atas::Order;
+use atas_core::Order;
 use robot_model::ROBOT_JOINTS;
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, Mode, ModuleEvent, Reason,
@@ -317,7 +317,7 @@ fn only_attached_goals_end_with_their_client() {
 #[test]
 fn parameters_take_effect_and_wrong_ones_do_not() {
     let mut world = World::ready();
-    let index = atas::settings::PARAMETERS
+    let index = atas_core::settings::PARAMETERS
         .iter()
         .position(|p| p.name == "motion.reach_m_s")
         .unwrap();

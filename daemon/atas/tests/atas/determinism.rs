@@ -2,7 +2,7 @@
 
 use crate::support::{MS_NS, frame, joints, robot};
 use crate::world::{World, grasp, start};
-use atas::{Inputs, Order, Outputs, Tick};
+use atas_core::{Inputs, Order, Outputs, Tick};
 use proptest::prelude::*;
 use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, HandFrame, JointState, Reason, Stamp};
 use zerocopy::IntoBytes;

@@ -1,7 +1,7 @@
 //! Faults against the whole controller: the bounds of the fault catalogue, in ticks.
 
 use crate::world::{World, commanded_gap_m};
-use atas::{Inputs, Order, Tick};
+use atas_core::{Inputs, Order, Tick};
 use robot_model::ROBOT_JOINTS;
 use shm_schemas::{Cause, GoalState, Mode, Reason};
 

@@ -2,11 +2,11 @@
 
 use crate::rig::{Judge, LOOSE, Rig, positions, velocities};
 use crate::support::{MS_NS, hand_of, home_rad, robot};
-use atas::Tick;
-use atas::kinematics::HandCommand;
-use atas::limits::JOINT_ACCELERATION_RAD_S2;
-use atas::safety::{Gate, GateContext, Grip};
-use atas::settings::Settings;
+use atas_core::Tick;
+use atas_core::kinematics::HandCommand;
+use atas_core::limits::JOINT_ACCELERATION_RAD_S2;
+use atas_core::safety::{Gate, GateContext, Grip};
+use atas_core::settings::Settings;
 use proptest::prelude::*;
 use robot_model::{ROBOT_JOINTS, Side};
 use shm_schemas::{Cause, Mode};

@@ -1,9 +1,9 @@
 //! Goals: every bad field has its cause and its name.
 
 use crate::support::robot;
-use atas::goal::{self, ActiveGoal, Circumstances};
-use atas::tasks::{GRASP, RELEASE, Task};
-use atas::{Goal, Settings, Wiring};
+use atas_core::goal::{self, ActiveGoal, Circumstances};
+use atas_core::tasks::{GRASP, RELEASE, Task};
+use atas_core::{Goal, Settings, Wiring};
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, Text};
 

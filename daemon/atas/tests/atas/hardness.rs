@@ -1,7 +1,7 @@
 //! The hardness fit on synthetic series of closing and force.
 
-use atas::perception::{Hardness, HardnessFit};
-use atas::settings::{Perception as Settings, Settings as All};
+use atas_core::perception::{Hardness, HardnessFit};
+use atas_core::settings::{Perception as Settings, Settings as All};
 
 /// The law that the fit is made for: x = 2·(a·F^p + F/k).
 fn closing_m(normal_n: f64, object_n_m: f64, settings: &Settings) -> f64 {

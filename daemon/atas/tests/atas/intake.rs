@@ -1,9 +1,9 @@
 //! Intake of frames: one faulty frame, row by row (fault catalogue F03 to F14).
 
 use crate::support::{EPOCH, MS_NS, frame};
-use atas::intake::{FrameCounts, FrameIntake};
-use atas::settings::{Intake as Limits, Settings};
-use atas::{HandWiring, Tick};
+use atas_core::intake::{FrameCounts, FrameIntake};
+use atas_core::settings::{Intake as Limits, Settings};
+use atas_core::{HandWiring, Tick};
 use shm_schemas::{Cause, Hand, HandFrame};
 
 /// When tick 0 is, ns.

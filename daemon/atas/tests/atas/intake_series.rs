@@ -2,8 +2,8 @@
 
 use crate::intake::{altered, at, feed, intake, limits, tick, warm};
 use crate::support::{EPOCH, MS_NS};
-use atas::HandWiring;
-use atas::intake::{FrameCounts, FrameIntake};
+use atas_core::HandWiring;
+use atas_core::intake::{FrameCounts, FrameIntake};
 use shm_schemas::{Cause, Hand, HandFrame};
 
 /// F01, F03: silence and age lead to a doubt after `hold_age_s`, and end with the next frame.

@@ -1,9 +1,9 @@
 //! Intake of joint states: faults F40 and F41.
 
 use crate::support::{EPOCH, MS_NS, home_rad, joints, robot};
-use atas::Tick;
-use atas::joints::JointIntake;
-use atas::settings::{Intake as Limits, Settings};
+use atas_core::Tick;
+use atas_core::joints::JointIntake;
+use atas_core::settings::{Intake as Limits, Settings};
 use robot_model::ROBOT_JOINTS;
 use shm_schemas::{Cause, JointState, Reason};
 

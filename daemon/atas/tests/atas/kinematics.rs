@@ -1,11 +1,11 @@
 //! Kinematics under a gate that refuses.
 
 use crate::support::{hand_of, home_rad, robot};
-use atas::Wiring;
-use atas::arbitration::Intent;
-use atas::kinematics::Carrier;
-use atas::modules::Verdict;
-use atas::perception::Percept;
+use atas_core::Wiring;
+use atas_core::arbitration::Intent;
+use atas_core::kinematics::Carrier;
+use atas_core::modules::Verdict;
+use atas_core::perception::Percept;
 use robot_model::{FINGERS, Side};
 
 #[test]

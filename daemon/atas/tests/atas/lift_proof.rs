@@ -1,7 +1,7 @@
 //! The proof of the lift: what hangs keeps its load when the hand tugs back, what stands gives it up.
 
 use crate::bench::{Bench, sliding};
-use atas::modules::{Proposal, Verdict};
+use atas_core::modules::{Proposal, Verdict};
 use shm_schemas::{Cause, ModuleId};
 
 /// Normal forces well below and above F_2 = 4 N.

@@ -1,7 +1,7 @@
 //! The mode machine, transition by transition.
 
-use atas::ModeMachine;
-use atas::limits::REARM_S;
+use atas_core::ModeMachine;
+use atas_core::limits::REARM_S;
 use shm_schemas::{Cause, Mode, Reason};
 
 const STEP_S: f64 = 1e-3;

@@ -1,8 +1,8 @@
 //! The modules one by one: what they feel and know, and what they propose.
 
 use crate::bench::{Bench, finger, path, percept, pressed, sliding};
-use atas::modules::{Proposal, Selection, Verdict, force_range_n};
-use atas::perception::FingerPercept;
+use atas_core::modules::{Proposal, Selection, Verdict, force_range_n};
+use atas_core::perception::FingerPercept;
 use shm_schemas::{Cause, ModuleId};
 
 const FREE: f64 = f64::INFINITY;

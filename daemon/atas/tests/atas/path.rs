@@ -1,7 +1,7 @@
 //! Paths: rest to rest, no faster than allowed, the short way round.
 
 use crate::support::robot;
-use atas::path::{Path, Speeds, reachable_yaw_rad};
+use atas_core::path::{Path, Speeds, reachable_yaw_rad};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::{GraspFrame, Side};

@@ -1,10 +1,10 @@
 //! Perception: patch frame, touch, dF_t, friction utilisation, bias.
 
 use crate::support::{MS_NS, dome, frame, press, spread};
-use atas::intake::FrameIntake;
-use atas::perception::{FingerPercept, Perception};
-use atas::settings::Settings;
-use atas::{HandWiring, Tick};
+use atas_core::intake::FrameIntake;
+use atas_core::perception::{FingerPercept, Perception};
+use atas_core::settings::Settings;
+use atas_core::{HandWiring, Tick};
 use nalgebra::Vector3;
 use shm_schemas::{Hand, HandFrame};
 

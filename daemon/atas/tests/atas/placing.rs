@@ -1,8 +1,8 @@
 //! Modules 0' and 4 of picking and placing.
 
 use crate::bench::{Bench, finger, path, percept, pressed};
-use atas::modules::Verdict;
-use atas::perception::{FingerPercept, Percept};
+use atas_core::modules::Verdict;
+use atas_core::perception::{FingerPercept, Percept};
 use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 

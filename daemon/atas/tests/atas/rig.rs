@@ -1,11 +1,11 @@
 //! A gate on the bench, and a judge of what it lets through.
 
 use crate::support::{MS_NS, hand_of, home_rad, robot};
-use atas::Tick;
-use atas::kinematics::HandCommand;
-use atas::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3};
-use atas::safety::{Gate, GateContext, Grip, SafeCommand};
-use atas::settings::{Safety, Settings};
+use atas_core::Tick;
+use atas_core::kinematics::HandCommand;
+use atas_core::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3};
+use atas_core::safety::{Gate, GateContext, Grip, SafeCommand};
+use atas_core::settings::{Safety, Settings};
 use proptest::prelude::*;
 use robot_model::{Joint, ROBOT_JOINTS, Side};
 use shm_schemas::Mode;

@@ -1,7 +1,7 @@
 //! The rules of a task: the built-in tables keep them, and each way to break one is named.
 
-use atas::modules::Selection;
-use atas::tasks::{
+use atas_core::modules::Selection;
+use atas_core::tasks::{
     BUILT_IN, Fault, GRASP, Motion, Name, PICK_PLACE, Part, Rule, SCREW, STEPS_MAX, Site, Step,
     Task, Until,
 };

@@ -1,8 +1,8 @@
 //! Modules 0 and 4 of cap screwing.
 
 use crate::bench::{Bench, finger, percept, pressed};
-use atas::modules::{Proposal, Verdict};
-use atas::perception::{FingerPercept, Percept};
+use atas_core::modules::{Proposal, Verdict};
+use atas_core::perception::{FingerPercept, Percept};
 use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 

@@ -1,7 +1,7 @@
 //! Settings: one table, no way past its ranges.
 
-use atas::Settings;
-use atas::settings::{PARAMETERS, Parameter, SettingError, find};
+use atas_core::Settings;
+use atas_core::settings::{PARAMETERS, Parameter, SettingError, find};
 use std::collections::HashSet;
 
 #[test]

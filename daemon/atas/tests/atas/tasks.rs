@@ -1,8 +1,8 @@
 //! Tasks as data, and the thresholds of the grasping force.
 
-use atas::Settings;
-use atas::modules::IDS;
-use atas::tasks::{
+use atas_core::Settings;
+use atas_core::modules::IDS;
+use atas_core::tasks::{
     ASSEMBLE, BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Site, Step,
     Thresholds, Until, WITHDRAW,
 };

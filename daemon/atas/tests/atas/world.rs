@@ -1,7 +1,7 @@
 //! A tiny world for the whole controller: joints that follow at once, two sensors, and perhaps one springy object.
 
 use crate::support::{MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
-use atas::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use nalgebra::Vector3;
 use robot_model::{FINGERS, ROBOT_JOINTS, Side};
 use shm_schemas::{
@@ -271,7 +271,7 @@ pub(crate) fn commanded_gap_m(outputs: &Outputs) -> f64 {
     let q_rad = outputs.command.position_rad[..ROBOT_JOINTS]
         .try_into()
         .unwrap();
-    atas::kinematics::gap_m(
+    atas_core::kinematics::gap_m(
         &robot()
             .hand(Side::Right)
             .forward(&hand_of(&q_rad, Side::Right)),

@@ -1,7 +1,7 @@
 //! One word of a step each: known, or refused with the word that was probably meant.
 
-use atas::modules::{IDS, Selection};
-use atas::tasks::{ENDS, MOTIONS, Motion, SITES, Site, Until};
+use atas_core::modules::{IDS, Selection};
+use atas_core::tasks::{ENDS, MOTIONS, Motion, SITES, Site, Until};
 use shm_schemas::ModuleId;
 use toml::Value;
 
