@@ -20,8 +20,8 @@ use crate::contact::Wrench;
 use crate::object::{Neck, Object};
 use crate::scene::{Mount, Placed};
 use crate::support::Rim;
-use crate::thing::Thing;
-use crate::thread::{Thread, Turning};
+use crate::thread::{CapTruth, Thread, Turning};
+use crate::world_object::WorldObject;
 
 /// How far off the axis a cap may be put and still engage, m (issue: 2 mm).
 const CAPTURE_M: f64 = 0.002;
@@ -36,7 +36,7 @@ const CENTRING_RAD: f64 = FRAC_PI_2;
 /// Turn below which a pull takes the cap off again, rad. Ours.
 const LOOSE_RAD: f64 = 0.02;
 
-/// The pair of a cap and a bottle, by their places among the things.
+/// The pair of a cap and a bottle, by their places among the objects.
 #[derive(Clone, Debug)]
 pub(crate) struct Closure {
     cap: usize,
@@ -59,16 +59,6 @@ struct Engaged {
     off_m: Vector3<f64>,
     /// How it leant, as a rotation vector in the bottle's frame, rad.
     lean_rad: Vector3<f64>,
-}
-
-/// What a judge may know of a cap.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CapTruth {
-    pub(crate) engaged: bool,
-    pub(crate) angle_rad: f64,
-    pub(crate) torque_n_m: f64,
-    pub(crate) holding_n_m: f64,
-    pub(crate) thread: Thread,
 }
 
 impl Closure {
@@ -94,30 +84,30 @@ impl Closure {
     }
 
     /// Puts an engaged cap where it belongs when a world begins.
-    pub(crate) fn begin(&mut self, things: &mut [Thing], dt_s: f64) {
+    pub(crate) fn begin(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         if self.engaged.is_some() {
-            self.follow(things, dt_s);
-            things[self.cap].rest();
+            self.follow(objects, dt_s);
+            objects[self.cap].rest();
         }
     }
 
-    /// The rim, for a loose cap to stand on; `None` for every other thing and once the cap is engaged.
-    pub(crate) fn rim_for(&self, index: usize, things: &[Thing]) -> Option<Rim> {
-        (index == self.cap && self.engaged.is_none()).then(|| self.rim(&things[self.bottle].body))
+    /// The rim, for a loose cap to stand on; `None` for every other object and once the cap is engaged.
+    pub(crate) fn rim_for(&self, index: usize, objects: &[WorldObject]) -> Option<Rim> {
+        (index == self.cap && self.engaged.is_none()).then(|| self.rim(&objects[self.bottle].body))
     }
 
-    /// Whether the thing with this index moves as the thread says.
+    /// Whether the object with this index moves as the thread says.
     pub(crate) fn drives(&self, index: usize) -> bool {
         index == self.cap && self.engaged.is_some()
     }
 
     /// Turns an engaged cap by what presses on it and passes the rest on to the bottle. Before the bodies move.
-    pub(crate) fn turn(&mut self, things: &mut [Thing], dt_s: f64) {
+    pub(crate) fn turn(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         let Some(engaged) = &mut self.engaged else {
             return;
         };
-        let cap_load = things[self.cap].body.take_load();
-        let axis = things[self.bottle]
+        let cap_load = objects[self.cap].body.take_load();
+        let axis = objects[self.bottle]
             .body
             .base_from_body
             .column(2)
@@ -136,21 +126,21 @@ impl Closure {
             force_n: cap_load.force_n,
             moment_n_m: cap_load.moment_n_m + axis * (passed_n_m - about_axis_n_m),
         };
-        let at_m = things[self.cap].body.position_m;
-        things[self.bottle].body.apply_at(&at_m, &load);
+        let at_m = objects[self.cap].body.position_m;
+        objects[self.bottle].body.apply_at(&at_m, &load);
     }
 
     /// Moves an engaged cap with its bottle, or lets a loose one engage. After the bodies have moved.
-    pub(crate) fn follow(&mut self, things: &mut [Thing], dt_s: f64) {
+    pub(crate) fn follow(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         if let Some(engaged) = &self.engaged {
-            let motion = self.motion(engaged, &things[self.bottle].body, dt_s);
-            things[self.cap].body.follow(&motion);
+            let motion = self.motion(engaged, &objects[self.bottle].body, dt_s);
+            objects[self.cap].body.follow(&motion);
             return;
         }
-        let rim = self.rim(&things[self.bottle].body);
-        let pressed = things[self.cap].body.take_rim_load();
-        things[self.bottle].body.apply_at(&rim.centre_m, &pressed);
-        self.engaged = self.capture(&things[self.cap].body, &things[self.bottle].body);
+        let rim = self.rim(&objects[self.bottle].body);
+        let pressed = objects[self.cap].body.take_rim_load();
+        objects[self.bottle].body.apply_at(&rim.centre_m, &pressed);
+        self.engaged = self.capture(&objects[self.cap].body, &objects[self.bottle].body);
     }
 
     /// How an engaged cap stands and moves.
@@ -216,7 +206,7 @@ impl Closure {
         })
     }
 
-    /// What a judge may know of the thing with this index, if it is the cap.
+    /// What a judge may know of the object with this index, if it is the cap.
     pub(crate) fn truth(&self, index: usize) -> Option<CapTruth> {
         let turning = self
             .engaged

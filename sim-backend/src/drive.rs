@@ -32,7 +32,7 @@ pub(crate) struct Drive {
     held: Orders,
     /// When the command in force lapses; `None` when there is none.
     valid_until_ns: Option<u64>,
-    lapsed: u32,
+    expired: u32,
 }
 
 impl Drive {
@@ -47,7 +47,7 @@ impl Drive {
             slot: 0,
             held,
             valid_until_ns: None,
-            lapsed: 0,
+            expired: 0,
         }
     }
 
@@ -72,7 +72,7 @@ impl Drive {
             .is_some_and(|until_ns| until_ns < now_ns)
         {
             self.valid_until_ns = None;
-            self.lapsed += 1;
+            self.expired += 1;
         }
         self.held
     }
@@ -90,7 +90,7 @@ impl Drive {
             .all(|value| value.is_finite());
         let whole = command.is_intact() && command.joint_count as usize == ROBOT_JOINTS && finite;
         if !whole {
-            self.lapsed += 1;
+            self.expired += 1;
             return None;
         }
         Some(Accepted {
@@ -99,9 +99,9 @@ impl Drive {
         })
     }
 
-    /// Commands refused, and times that commands lapsed without a successor.
-    pub(crate) fn lapsed(&self) -> u32 {
-        self.lapsed
+    /// Commands refused, and times that commands expired without a successor.
+    pub(crate) fn expired(&self) -> u32 {
+        self.expired
     }
 }
 
@@ -139,7 +139,7 @@ mod tests {
             .map(|orders| (orders.position_rad[3], orders.velocity_rad_s[3]))
             .collect();
         assert_eq!(followed, [(0.0, 0.0), (0.0, 0.0), (1.0, 0.5), (1.0, 0.0)]);
-        assert_eq!(drive.lapsed(), 0);
+        assert_eq!(drive.expired(), 0);
     }
 
     #[test]
@@ -151,7 +151,7 @@ mod tests {
             last.map(|orders| (orders.position_rad[0], orders.velocity_rad_s[0])),
             Some((1.0, 0.0))
         );
-        assert_eq!(drive.lapsed(), 1);
+        assert_eq!(drive.expired(), 1);
     }
 
     #[test]
@@ -160,7 +160,7 @@ mod tests {
         drive.orders(Some(&command(1.0, MS_NS)), 0);
         let orders = (1..5).map(|tick| drive.orders(None, tick * MS_NS)).last();
         assert_eq!(orders.map(|orders| orders.position_rad[0]), Some(0.0));
-        assert_eq!(drive.lapsed(), 1);
+        assert_eq!(drive.expired(), 1);
     }
 
     proptest! {
@@ -190,7 +190,7 @@ mod tests {
             for arrived in [Some(&damaged), None, None, None] {
                 prop_assert_eq!(drive.orders(arrived, MS_NS), before);
             }
-            prop_assert_eq!(drive.lapsed(), 1);
+            prop_assert_eq!(drive.expired(), 1);
         }
     }
 }

@@ -11,8 +11,8 @@ use robot_model::{
 use crate::contact::{Approach, Contact, Wrench};
 use crate::pad::Pad;
 use crate::plant::Plant;
-use crate::thing::Thing;
 use crate::vibration::Vibration;
+use crate::world_object::WorldObject;
 
 /// A fingertip whose dome comes this close to an object's bounding sphere within a millisecond counts as near, m: nothing
 /// of the robot moves 5 mm in a millisecond.
@@ -28,7 +28,7 @@ pub(crate) struct Hand {
     /// Where the command interpolation stands, rad.
     reference_rad: HandVector,
     pub(crate) contacts: [Contact; FINGERS],
-    /// The thing that each fingertip was nearest to.
+    /// The object that each fingertip was nearest to.
     facing: [usize; FINGERS],
     vibration: Vibration,
     contact_n_m: HandVector,
@@ -57,24 +57,24 @@ impl Hand {
     }
 
     /// Looks round at the start of a millisecond of `dt_s`.
-    pub(crate) fn begin(&mut self, things: &[Thing], dt_s: f64) {
+    pub(crate) fn begin(&mut self, objects: &[WorldObject], dt_s: f64) {
         let arm_rad_s = (0..ARM_JOINTS)
             .map(|joint| self.plant.velocity_rad_s[joint].abs())
             .fold(0.0, f64::max);
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
         let pose = self.model.forward(&self.plant.position_rad);
-        self.near = things.iter().any(|thing| {
+        self.near = objects.iter().any(|object| {
             let reach_m =
-                thing.body.shape.bounding_radius_m() + self.model.dome_radius_m()[0] + NEAR_M;
+                object.body.shape.bounding_radius_m() + self.model.dome_radius_m()[0] + NEAR_M;
             let is_near = |finger| {
-                (pose.tip_m(finger) - thing.body.position_m).norm_squared() < reach_m * reach_m
+                (pose.tip_m(finger) - object.body.position_m).norm_squared() < reach_m * reach_m
             };
             (0..FINGERS).any(is_near)
         });
     }
 
-    /// The contacts of one substep: wrenches on the things, torques on the own joints.
-    pub(crate) fn touch(&mut self, pad: &Pad, things: &mut [Thing], dt_s: f64) {
+    /// The contacts of one substep: wrenches on the objects, torques on the own joints.
+    pub(crate) fn touch(&mut self, pad: &Pad, objects: &mut [WorldObject], dt_s: f64) {
         let (tremble_m, tremble_m_s) = self.vibration.step();
         self.contact_n_m = HandVector::zeros();
         if !self.near {
@@ -88,20 +88,20 @@ impl Hand {
             let mut tip = self.tip(&pose, finger);
             tip.base_from_tip.translation_m.z += tremble_m;
             tip.velocity_m_s.z += tremble_m_s;
-            let thing = &mut things[self.face_nearest(finger, &tip, things)];
+            let object = &mut objects[self.face_nearest(finger, &tip, objects)];
             let contact = &mut self.contacts[finger];
-            let wrench = contact.press(pad, &thing.surface(), &tip.approach(thing), dt_s);
+            let wrench = contact.press(pad, &object.surface(), &tip.approach(object), dt_s);
             if contact.is_touching() {
-                thing.feel(&wrench, contact.normal_n);
-                self.react(&pose, finger, &tip.wrench_from(thing, &wrench));
+                object.apply_contact(&wrench, contact.normal_n);
+                self.react(&pose, finger, &tip.wrench_from(object, &wrench));
             }
         }
     }
 
-    /// The thing whose surface is nearest to a fingertip, which touches one thing at a time.
-    fn face_nearest(&mut self, finger: usize, tip: &Tip, things: &[Thing]) -> usize {
-        let gap_m = |index: &usize| things[*index].gap_m(&tip.base_from_tip.translation_m);
-        let nearest = (0..things.len())
+    /// The object whose surface is nearest to a fingertip, which touches one object at a time.
+    fn face_nearest(&mut self, finger: usize, tip: &Tip, objects: &[WorldObject]) -> usize {
+        let gap_m = |index: &usize| objects[*index].gap_m(&tip.base_from_tip.translation_m);
+        let nearest = (0..objects.len())
             .min_by(|a, b| gap_m(a).total_cmp(&gap_m(b)))
             .unwrap_or(0);
         if core::mem::replace(&mut self.facing[finger], nearest) != nearest {
@@ -161,9 +161,9 @@ fn chain(finger: usize) -> impl Iterator<Item = usize> {
 }
 
 impl Tip {
-    /// The same seen from a thing.
-    fn approach(&self, thing: &Thing) -> Approach {
-        let body = &thing.body;
+    /// The same seen from a object.
+    fn approach(&self, object: &WorldObject) -> Approach {
+        let body = &object.body;
         let body_from_base = body.base_from_body.transpose();
         let centre_m = body_from_base * (self.base_from_tip.translation_m - body.position_m);
         let angular = body_from_base * self.angular_rad_s;
@@ -175,15 +175,15 @@ impl Tip {
             angular_rad_s: angular - body_from_base * body.angular_rad_s,
         }
     }
-    /// The wrench of a thing on the tip about the dome's centre, base frame, from the tip's wrench on the thing.
-    fn wrench_from(&self, thing: &Thing, on_thing: &Wrench) -> Wrench {
-        let body = &thing.body;
-        let force_n = -(body.base_from_body * on_thing.force_n);
-        let about_thing_n_m = -(body.base_from_body * on_thing.moment_n_m);
+    /// The wrench of a object on the tip about the dome's centre, base frame, from the tip's wrench on the object.
+    fn wrench_from(&self, object: &WorldObject, on_object: &Wrench) -> Wrench {
+        let body = &object.body;
+        let force_n = -(body.base_from_body * on_object.force_n);
+        let about_object_n_m = -(body.base_from_body * on_object.moment_n_m);
         let arm_m = self.base_from_tip.translation_m - body.position_m;
         Wrench {
             force_n,
-            moment_n_m: about_thing_n_m - arm_m.cross(&force_n),
+            moment_n_m: about_object_n_m - arm_m.cross(&force_n),
         }
     }
 }

@@ -42,10 +42,10 @@ mod sensor;
 mod shape;
 mod support;
 pub mod swarm;
-mod thing;
 mod thread;
 mod vibration;
 mod world;
+mod world_object;
 
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};

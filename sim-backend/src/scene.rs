@@ -10,8 +10,7 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, ROBOT_JOINTS, RobotModel, Side, Unreachable};
 
 use crate::object::Object;
-use crate::support::{Ground, Plate};
-use crate::thing::Thing;
+use crate::support::Plate;
 
 mod family;
 mod tasks;
@@ -247,16 +246,6 @@ impl Scene {
             Some(placed) => Err(SceneError::NoThread(placed.object.name.clone())),
             None => Ok(()),
         }
-    }
-
-    /// The objects in their places.
-    pub(crate) fn things(&self) -> Vec<Thing> {
-        let plates = &self.plates;
-        let ground = Ground { plates, rim: None };
-        self.objects
-            .iter()
-            .map(|placed| Thing::new(placed, &ground))
-            .collect()
     }
 
     /// Joint angles at the start.

@@ -49,6 +49,16 @@ pub struct Thread {
     pub closes: Turn,
 }
 
+/// What a judge may know of a cap.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CapTruth {
+    pub(crate) engaged: bool,
+    pub(crate) angle_rad: f64,
+    pub(crate) torque_n_m: f64,
+    pub(crate) holding_n_m: f64,
+    pub(crate) thread: Thread,
+}
+
 impl Thread {
     /// Torque that it takes to turn a cap at this angle any further, N·m.
     #[must_use]

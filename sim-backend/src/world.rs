@@ -13,8 +13,8 @@ use crate::random::Random;
 use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;
 use crate::support::{Ground, Plate};
-use crate::thing::Thing;
 use crate::vibration::Vibration;
+use crate::world_object::WorldObject;
 
 /// Length of a tick, s: [`crate::TICK_NS`].
 const TICK_S: f64 = 1e-3;
@@ -53,7 +53,7 @@ pub enum WorldFault {
 pub struct World {
     hands: [Hand; 2],
     sensors: [HandSensor; 2],
-    things: Vec<Thing>,
+    objects: Vec<WorldObject>,
     plates: Vec<Plate>,
     closure: Option<Closure>,
     drive: Drive,
@@ -83,15 +83,15 @@ impl World {
             let rate_hz = scene.sensor_rate_hz[side.index()];
             HandSensor::new(side, rate_hz, scene.noise_factor, random)
         };
-        let mut things = scene.things();
+        let mut objects = WorldObject::all(scene);
         let mut closure = Closure::of(&scene.objects);
         if let Some(closure) = &mut closure {
-            closure.begin(&mut things, SUBSTEP_S);
+            closure.begin(&mut objects, SUBSTEP_S);
         }
         Ok(Self {
             hands: Side::BOTH.map(hand),
             sensors: Side::BOTH.map(sensor),
-            things,
+            objects,
             plates: scene.plates.clone(),
             closure,
             drive: Drive::holding(start_rad),
@@ -142,12 +142,12 @@ impl World {
         for force_n in force_n {
             in_range("a pull in newtons", force_n, -PULL_MAX_N, PULL_MAX_N)?;
         }
-        let count = self.things.len();
-        let Some(thing) = self.things.get_mut(object) else {
+        let count = self.objects.len();
+        let Some(pulled) = self.objects.get_mut(object) else {
             let last = count.saturating_sub(1) as f64;
             return in_range("the index of a pulled object", object as f64, 0.0, last);
         };
-        thing.body.pull_n = force_n.into();
+        pulled.body.pull_n = force_n.into();
         Ok(())
     }
 
@@ -156,16 +156,16 @@ impl World {
     pub fn truth(&self) -> WorldTruth {
         let mut truth = WorldTruth {
             stamp: self.clock.stamp(self.clock.tick),
-            object_count: self.things.len() as u32,
-            expired_commands: self.drive.lapsed(),
+            object_count: self.objects.len() as u32,
+            expired_commands: self.drive.expired(),
             ..WorldTruth::default()
         };
-        for (index, (slot, thing)) in truth.objects.iter_mut().zip(&self.things).enumerate() {
+        for (index, (slot, object)) in truth.objects.iter_mut().zip(&self.objects).enumerate() {
             let cap = self
                 .closure
                 .as_ref()
                 .and_then(|closure| closure.truth(index));
-            *slot = thing.truth(cap);
+            *slot = object.truth(cap);
         }
         for (hand, simulated) in self.hands.iter().enumerate() {
             for (finger, contact) in simulated.contacts.iter().enumerate() {
@@ -214,11 +214,11 @@ impl World {
             per_hand(&orders.velocity_rad_s),
         );
         for hand in &mut self.hands {
-            hand.begin(&self.things, TICK_S);
+            hand.begin(&self.objects, TICK_S);
         }
         for substep in 0..SUBSTEPS {
             for hand in &mut self.hands {
-                hand.touch(&self.pad, &mut self.things, SUBSTEP_S);
+                hand.touch(&self.pad, &mut self.objects, SUBSTEP_S);
             }
             for (index, hand) in self.hands.iter_mut().enumerate() {
                 hand.step(
@@ -228,43 +228,43 @@ impl World {
                     SUBSTEP_S,
                 );
             }
-            self.move_things();
+            self.move_objects();
         }
         self.judge();
     }
 
     /// One substep of everything that is not robot.
-    fn move_things(&mut self) {
+    fn move_objects(&mut self) {
         if let Some(closure) = &mut self.closure {
-            closure.turn(&mut self.things, SUBSTEP_S);
+            closure.turn(&mut self.objects, SUBSTEP_S);
         }
-        for index in 0..self.things.len() {
+        for index in 0..self.objects.len() {
             let closure = self.closure.as_ref();
             if closure.is_some_and(|closure| closure.drives(index)) {
                 continue;
             }
-            let rim = closure.and_then(|closure| closure.rim_for(index, &self.things));
+            let rim = closure.and_then(|closure| closure.rim_for(index, &self.objects));
             let plates = &self.plates;
-            self.things[index].step(&Ground { plates, rim }, SUBSTEP_S);
+            self.objects[index].step(&Ground { plates, rim }, SUBSTEP_S);
         }
         if let Some(closure) = &mut self.closure {
-            closure.follow(&mut self.things, SUBSTEP_S);
+            closure.follow(&mut self.objects, SUBSTEP_S);
         }
     }
 
     fn judge(&mut self) {
         let closure = self.closure.as_ref();
         let closed = closure.is_some_and(Closure::is_closed);
-        for index in 0..self.things.len() {
+        for index in 0..self.objects.len() {
             let carried = closure.is_some_and(|closure| closure.drives(index));
-            let rim = closure.and_then(|closure| closure.rim_for(index, &self.things));
+            let rim = closure.and_then(|closure| closure.rim_for(index, &self.objects));
             let ground = Ground {
                 plates: &self.plates,
                 rim,
             };
-            let thing = &mut self.things[index];
-            let open = thing.has_neck() && !closed;
-            thing.judge(&ground, carried, open, self.clock.now_ns);
+            let object = &mut self.objects[index];
+            let open = object.has_neck() && !closed;
+            object.judge(&ground, carried, open, self.clock.now_ns);
         }
     }
 
@@ -272,7 +272,11 @@ impl World {
         let joints = Side::BOTH
             .into_iter()
             .find(|side| !self.hands[side.index()].plant.is_finite());
-        let object = || self.things.iter().position(|thing| !thing.body.is_finite());
+        let object = || {
+            self.objects
+                .iter()
+                .position(|object| !object.body.is_finite())
+        };
         joints
             .map(WorldFault::Joints)
             .or_else(|| object().map(WorldFault::Object))

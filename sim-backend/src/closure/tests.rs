@@ -11,10 +11,10 @@ use robot_model::Side;
 
 const DT_S: f64 = 250e-6;
 
-/// A closure with its things, as a world would step them.
+/// A closure with its objects, as a world would step them.
 struct Bench {
     closure: Closure,
-    things: Vec<Thing>,
+    objects: Vec<WorldObject>,
 }
 
 impl Bench {
@@ -23,10 +23,10 @@ impl Bench {
         let mut scene = Scene::screw(part("cap"), part("open-bottle"), Side::Right);
         scene.objects[0].mount = mount;
         scene.objects[1].mount = Mount::Standing;
-        let mut things = scene.things();
+        let mut objects = WorldObject::all(&scene);
         let mut closure = Closure::of(&scene.objects).expect("a cap and a bottle");
-        closure.begin(&mut things, DT_S);
-        Self { closure, things }
+        closure.begin(&mut objects, DT_S);
+        Self { closure, objects }
     }
 
     /// A loose cap above the rim: off to the side, up, leaning.
@@ -39,7 +39,7 @@ impl Bench {
             velocity_m_s: Vector3::zeros(),
             angular_rad_s: Vector3::zeros(),
         };
-        bench.things[0].body.follow(&motion);
+        bench.objects[0].body.follow(&motion);
         bench
     }
 
@@ -60,24 +60,24 @@ impl Bench {
                 force_n: force_n.into(),
                 moment_n_m: moment_n_m.into(),
             };
-            self.things[0].body.apply_at(&at_m, &wrench);
-            self.closure.turn(&mut self.things, DT_S);
+            self.objects[0].body.apply_at(&at_m, &wrench);
+            self.closure.turn(&mut self.objects, DT_S);
             for index in 0..2 {
-                let rim = self.closure.rim_for(index, &self.things);
+                let rim = self.closure.rim_for(index, &self.objects);
                 if !self.closure.drives(index) {
-                    self.things[index].step(&Ground { plates: &[], rim }, DT_S);
+                    self.objects[index].step(&Ground { plates: &[], rim }, DT_S);
                 }
             }
-            self.closure.follow(&mut self.things, DT_S);
+            self.closure.follow(&mut self.objects, DT_S);
         }
     }
 
     fn cap(&self) -> &Body {
-        &self.things[0].body
+        &self.objects[0].body
     }
 
     fn bottle(&self) -> &Body {
-        &self.things[1].body
+        &self.objects[1].body
     }
 
     fn truth(&self) -> CapTruth {

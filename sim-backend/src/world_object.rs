@@ -4,12 +4,11 @@ use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, Text};
 
 use crate::body::Body;
-use crate::closure::CapTruth;
 use crate::contact::{Surface, Wrench};
 use crate::object::Object;
-use crate::scene::{Mount, Placed};
+use crate::scene::{Mount, Placed, Scene};
 use crate::support::Ground;
-use crate::thread::INERTIA_KG_M2;
+use crate::thread::{CapTruth, INERTIA_KG_M2};
 
 /// Stiffness that remains of a crushed object (tactile design: 5 %).
 const CRUSHED_STIFFNESS: f64 = 0.05;
@@ -33,15 +32,15 @@ const SPILT_RAD: f64 = core::f64::consts::FRAC_PI_6;
 
 /// One object of the world with its history.
 #[derive(Clone, Debug)]
-pub(crate) struct Thing {
-    object: Object,
+pub(crate) struct WorldObject {
+    spec: Object,
     pub(crate) body: Body,
     /// It is clamped to what it stands on.
     clamped: bool,
     /// Height of the centre of mass at the start, m.
     rest_m: f64,
     max_force_n: f64,
-    /// Fingertips that pressed since the last [`Thing::judge`].
+    /// Fingertips that pressed since the last [`WorldObject::judge`].
     touched: bool,
     crushed: bool,
     lifted: bool,
@@ -67,19 +66,27 @@ struct Landing {
     held: bool,
 }
 
-impl Thing {
+impl WorldObject {
+    /// The objects of a scene in their places.
+    pub(crate) fn all(scene: &Scene) -> Vec<Self> {
+        let plates = &scene.plates;
+        let ground = Ground { plates, rim: None };
+        let objects = scene.objects.iter();
+        objects.map(|placed| Self::new(placed, &ground)).collect()
+    }
+
     /// An object as a scene places it.
     pub(crate) fn new(placed: &Placed, ground: &Ground<'_>) -> Self {
-        let object = placed.object.clone();
+        let spec = placed.object.clone();
         let [x, y] = placed.position_m;
         let foot_m = ground.under(&Vector3::new(x, y, f64::MAX)).height_m;
-        let mut body = Body::standing(object.shape, object.mass_kg, [x, y, foot_m], placed.yaw_rad);
-        if object.thread.is_some() {
+        let mut body = Body::standing(spec.shape, spec.mass_kg, [x, y, foot_m], placed.yaw_rad);
+        if spec.thread.is_some() {
             body = body.with_inertia_of(INERTIA_KG_M2);
         }
         let rest_m = body.position_m.z;
         Self {
-            object,
+            spec,
             body,
             clamped: placed.mount == Mount::Clamped,
             rest_m,
@@ -112,19 +119,19 @@ impl Thing {
     pub(crate) fn surface(&self) -> Surface {
         let remaining = if self.crushed { CRUSHED_STIFFNESS } else { 1.0 };
         Surface {
-            shape: self.object.shape,
-            friction: self.object.friction,
-            mass_kg: self.object.mass_kg,
-            stiffness_n_m: self.object.stiffness_n_m * remaining,
+            shape: self.spec.shape,
+            friction: self.spec.friction,
+            mass_kg: self.spec.mass_kg,
+            stiffness_n_m: self.spec.stiffness_n_m * remaining,
         }
     }
 
     /// Takes a fingertip's wrench, body frame, and its normal force.
-    pub(crate) fn feel(&mut self, wrench: &Wrench, normal_n: f64) {
+    pub(crate) fn apply_contact(&mut self, wrench: &Wrench, normal_n: f64) {
         self.body.apply(wrench);
         self.touched = true;
         self.max_force_n = self.max_force_n.max(normal_n);
-        self.crushed |= normal_n > self.object.crush_n;
+        self.crushed |= normal_n > self.spec.crush_n;
     }
 
     /// Distance from its surface to a point, m, by its faces' planes; negative inside.
@@ -133,7 +140,7 @@ impl Thing {
             .body
             .base_from_body
             .tr_mul(&(point_m - self.body.position_m));
-        let face = self.object.shape.face_towards(&local_m);
+        let face = self.spec.shape.face_towards(&local_m);
         face.normal.dot(&local_m) - face.offset_m
     }
 
@@ -167,13 +174,13 @@ impl Thing {
     pub(crate) fn truth(&self, cap: Option<CapTruth>) -> ObjectTruth {
         let body = &self.body;
         let mut truth = ObjectTruth {
-            name: Text::new(&self.object.name),
+            name: Text::new(&self.spec.name),
             position_m: body.position_m.into(),
             orientation: body.orientation(),
             lifted_m: body.position_m.z - self.rest_m,
             tilt_rad: body.tilt_rad(),
-            needed_n: self.object.needed_n(),
-            crush_n: self.object.crush_n,
+            needed_n: self.spec.needed_n(),
+            crush_n: self.spec.crush_n,
             max_force_n: self.max_force_n,
             table_n: body.table_n,
             crushed: self.crushed.into(),
@@ -200,7 +207,7 @@ impl Thing {
 
     /// Whether it is a bottle.
     pub(crate) fn has_neck(&self) -> bool {
-        self.object.neck.is_some()
+        self.spec.neck.is_some()
     }
 }
 

@@ -5,19 +5,19 @@ use crate::body::{Motion, turned};
 
 const TICK_NS: u64 = 1_000_000;
 
-fn thing(name: &str) -> Thing {
+fn object(name: &str) -> WorldObject {
     let object = Object::built_in(name).expect("built in");
-    Thing::new(&Placed::new(object, [0.3, 0.0], 0.0), &Ground::default())
+    WorldObject::new(&Placed::new(object, [0.3, 0.0], 0.0), &Ground::default())
 }
 
 /// Puts an object at rest in the air, leaning.
-fn pose(thing: &mut Thing, up_m: f64, lean_rad: f64) {
+fn pose(object: &mut WorldObject, up_m: f64, lean_rad: f64) {
     let mut orientation = [1.0, 0.0, 0.0, 0.0];
     for _ in 0..100 {
         orientation = turned(orientation, &Vector3::new(lean_rad / 100.0, 0.0, 0.0));
     }
-    thing.body.follow(&Motion {
-        position_m: Vector3::new(0.3, 0.0, up_m + thing.rest_m),
+    object.body.follow(&Motion {
+        position_m: Vector3::new(0.3, 0.0, up_m + object.rest_m),
         orientation,
         velocity_m_s: Vector3::zeros(),
         angular_rad_s: Vector3::zeros(),
@@ -27,7 +27,7 @@ fn pose(thing: &mut Thing, up_m: f64, lean_rad: f64) {
 #[test]
 fn only_an_open_bottle_that_tilts_far_enough_spills() {
     let check = |lean_deg: f64, open: bool, spilt: u32, tipped: u32| {
-        let mut bottle = thing("open-bottle");
+        let mut bottle = object("open-bottle");
         pose(&mut bottle, 0.05, lean_deg.to_radians());
         bottle.touched = true;
         bottle.judge(&Ground::default(), false, open, TICK_NS);
@@ -43,7 +43,7 @@ fn only_an_open_bottle_that_tilts_far_enough_spills() {
 /// Ticks of an object: height, whether a fingertip presses, the force of what it stands on.
 #[test]
 fn the_release_that_counts_is_the_first_after_landing() {
-    let mut wood = thing("wood");
+    let mut wood = object("wood");
     let history = [
         (0.010, true, 0.0),
         (0.010, true, 0.0),
@@ -70,7 +70,7 @@ fn the_release_that_counts_is_the_first_after_landing() {
 
 #[test]
 fn an_object_let_go_in_the_air_is_dropped_from_where_it_was() {
-    let mut wood = thing("wood");
+    let mut wood = object("wood");
     for (tick, held) in (1..).zip([true, false]) {
         pose(&mut wood, 0.010, 0.0);
         wood.touched = held;
