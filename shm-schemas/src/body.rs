@@ -1,6 +1,6 @@
 //! Names of the robot's bodies: what a [`crate::Reason`] says about two that would collide.
 
-use crate::Hand;
+use crate::stamp::Hand;
 use core::fmt;
 
 /// Names of the bodies of one arm with its hand, by the joint that moves them (robot design).

@@ -1,4 +1,4 @@
-//! Codes: open `u32` words with known values.
+//! Codes: open `u32` numbers with known values.
 //!
 //! A Rust `enum` must never be read from foreign memory, because an unknown value is undefined behaviour. A code is
 //! a `u32` with named constants; an unknown value stays readable and prints as such.

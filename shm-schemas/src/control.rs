@@ -1,8 +1,9 @@
 //! Control: everything a person or a service manager asks of the daemon besides goals.
 
 use crate::code::code;
-use crate::service::word;
-use crate::{Stamp, Text};
+use crate::payload::payload;
+use crate::stamp::Stamp;
+use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
@@ -37,7 +38,7 @@ code! {
     }
 }
 
-word! {
+payload! {
     /// One request.
     ControlRequest as "atas.ControlRequest.v1" {
         /// `captured_ns` is when the client sent it.
@@ -53,7 +54,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// The answer: exactly one per request, given after the request took effect.
     ControlReply as "atas.ControlReply.v1" {
         /// `captured_ns` is when the daemon answered.

@@ -1,12 +1,12 @@
 //! What one hand's fingertips feel.
 
 use crate::capacity::{ELEMENTS, FINGERS};
-use crate::service::word;
-use crate::{Hand, Stamp};
+use crate::payload::payload;
+use crate::stamp::{Hand, Stamp};
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
-word! {
+payload! {
     /// One reading of all fingertips of one hand.
     ///
     /// Forces are those of the object **on** the tip, resolved along each element's own axes: `f_n = −F·d` (positive

@@ -2,8 +2,10 @@
 
 use crate::capacity::FINGERS;
 use crate::code::code;
-use crate::service::word;
-use crate::{Hand, Reason, Stamp, Text};
+use crate::payload::payload;
+use crate::reason::Reason;
+use crate::stamp::{Hand, Stamp};
+use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
@@ -84,7 +86,7 @@ impl GoalState {
     }
 }
 
-word! {
+payload! {
     /// One goal. Frame: base of the robot (x forward, y left, z up, origin on the table top under the torso).
     GoalRequest as "atas.GoalRequest.v2" {
         /// `captured_ns` is when the client sent it.
@@ -160,7 +162,7 @@ impl GoalRequest {
     }
 }
 
-word! {
+payload! {
     /// What the hand learnt about the object, SI units, zero where not (yet) known.
     GraspFigures as "atas.GraspFigures.v1" {
         /// Normal force per finger, N.
@@ -182,7 +184,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// One step of a goal's story.
     GoalUpdate as "atas.GoalUpdate.v1" {
         /// `captured_ns` is the tick's time.

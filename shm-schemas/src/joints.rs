@@ -1,13 +1,13 @@
 //! What the robot's joints do and what they are told.
 
-use crate::Stamp;
 use crate::capacity::JOINTS;
 use crate::code::code;
-use crate::service::word;
+use crate::payload::payload;
+use crate::stamp::Stamp;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
-word! {
+payload! {
     /// Measured joints, left 11 then right 11 for the built-in robot.
     JointState as "atas.JointState.v1" {
         /// `captured_ns` is when the encoders were read.
@@ -25,7 +25,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What the joints shall do now. Published every tick, also in HOLD: the command is the heartbeat.
     ///
     /// The consumer enforces [`JointCommand::valid_until_ns`]: on expiry it holds the last commanded positions with

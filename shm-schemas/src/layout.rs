@@ -5,6 +5,8 @@
 //! layout's hash; a reader with another layout refuses it.
 
 use crate::capacity::ELEMENTS;
+use core::hash::Hasher;
+use fnv::FnvHasher;
 
 /// One fingertip's elements. The first `count` entries of each array are used.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,9 +122,9 @@ pub const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 /// Continues an FNV-1a 64 hash over more bytes.
 #[must_use]
 pub fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(hash, |h, &b| {
-        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    let mut hasher = FnvHasher::with_key(hash);
+    hasher.write(bytes);
+    hasher.finish()
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -1,4 +1,4 @@
-//! The words on the bus.
+//! The payloads on the bus.
 //!
 //! Every payload that crosses a process boundary is declared here, with its units, its capacity and its place
 //! in the [service table](service). A sensor driver, a robot driver, the daemon and every client agree on this
@@ -11,7 +11,7 @@
 //! * **Conventions:** SI units, stated last in each name. Times are nanoseconds of `CLOCK_MONOTONIC` (of virtual
 //!   time in lock-step). Hand 0 is left, hand 1 is right. Joints: left 11, then right 11, in the order of the URDF.
 //! * **Absent on purpose:** transport (that is `shm-bus`), allocation, clocks, and any behaviour beyond checking
-//!   and printing the words themselves.
+//!   and printing the payloads themselves.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -28,8 +28,11 @@ mod frame;
 mod goal;
 mod joints;
 pub mod layout;
+mod module;
+mod payload;
 mod reason;
 mod record;
+mod sentence;
 pub mod service;
 mod stamp;
 mod status;
@@ -40,17 +43,18 @@ mod truth;
 
 pub use body::{Body, BodyPair};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
-pub use event::{EventKind, ModuleEvent, ModuleId};
+pub use event::{EventKind, ModuleEvent};
 pub use frame::HandFrame;
 pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFigures, Turn};
 pub use joints::{JointCommand, JointState, Mode};
 pub use layout::Layout;
+pub use module::ModuleId;
+pub use payload::Payload;
 pub use reason::{Cause, Reason};
 pub use record::{
     HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, StepRecord, TaskRecord,
     TickInputs, TrackRecord,
 };
-pub use service::Payload;
 pub use stamp::{Hand, Stamp};
 pub use status::{HandStatus, JointStatus, Percentiles, SensorStatus, Status, StatusFlags};
 pub use swarm::{AgentSensors, WheelCommands};

@@ -5,8 +5,13 @@
 
 use crate::capacity::{ELEMENTS, HANDS, JOINTS, SETTINGS, STEPS};
 use crate::code::code;
-use crate::service::word;
-use crate::{GoalRequest, HandFrame, JointCommand, JointState, Reason, Stamp, Text};
+use crate::frame::HandFrame;
+use crate::goal::GoalRequest;
+use crate::joints::{JointCommand, JointState};
+use crate::payload::payload;
+use crate::reason::Reason;
+use crate::stamp::Stamp;
+use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
@@ -33,7 +38,7 @@ code! {
     }
 }
 
-word! {
+payload! {
     /// Every tunable number, in the order of the daemon's table of parameters.
     SettingsRecord as "atas.SettingsRecord.v1" {
         /// FNV-1a 64 of the names: values of another table mean something else.
@@ -47,7 +52,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// One step of a task. The numbers are those of the daemon's words for tasks (crate `atas`, `tasks::words`).
     StepRecord as "atas.StepRecord.v1" {
         /// Name, as users see it.
@@ -69,7 +74,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// The steps of one hand.
     TrackRecord as "atas.TrackRecord.v1" {
         /// Steps that are used, at most [`STEPS`]; 0 for a hand that does nothing.
@@ -81,7 +86,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What a goal made the hands do: a built-in task or a user's own.
     TaskRecord as "atas.TaskRecord.v1" {
         /// Name, as users see it.
@@ -93,7 +98,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// One order; only what its kind names is used, the rest is zero.
     OrderRecord as "atas.OrderRecord.v3" {
         /// What is ordered.
@@ -115,7 +120,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
     /// several parts, one after the other.
     TickInputs as "atas.TickInputs.v3" {
@@ -144,7 +149,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// One hand's sensor, as the controller is wired to it.
     HandWiringRecord as "atas.HandWiringRecord.v1" {
         /// Fingers that carry sensors.
@@ -170,7 +175,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// How a run began: what the controller was made from.
     RunHeader as "atas.RunHeader.v1" {
         /// `captured_ns` is when the daemon started; the epoch is that of its commands.

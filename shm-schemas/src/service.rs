@@ -2,17 +2,6 @@
 //!
 //! Service names carry a version, as type names do, because a live observer keeps an old service alive.
 
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
-use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
-
-/// What every payload is: plain bytes without padding that any process may read at any time.
-pub trait Payload:
-    ZeroCopySend + FromBytes + IntoBytes + Immutable + KnownLayout + Copy + core::fmt::Debug + 'static
-{
-    /// The versioned type name that iceoryx2 compares when a peer opens a service.
-    const TYPE_NAME: &'static str;
-}
-
 /// Publish-subscribe, per hand: [`crate::HandFrame`], one publisher, at the sensor's rate.
 pub const HAND_FRAME: [&str; 2] = ["atas/v1/hand-frame/left", "atas/v1/hand-frame/right"];
 /// Publish-subscribe: [`crate::JointState`], one publisher, 1 kHz.
@@ -41,40 +30,3 @@ pub const WORLD_TRUTH: &str = "atas/v3/world-truth";
 pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 /// Publish-subscribe: [`crate::WheelCommands`], one per field frame, from the agents process.
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
-
-/// Declares a payload: `#[repr(C)]`, versioned, without padding (checked when it compiles), zero by default.
-macro_rules! word {
-    ($(#[$doc:meta])* $name:ident as $wire:literal {
-        $($(#[$fdoc:meta])* pub $field:ident: $type:ty,)*
-    }) => {
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(
-            Clone, Copy, Debug, PartialEq,
-            iceoryx2_bb_derive_macros::ZeroCopySend,
-            zerocopy::FromBytes, zerocopy::IntoBytes, zerocopy::Immutable, zerocopy::KnownLayout,
-        )]
-        #[type_name($wire)]
-        pub struct $name {
-            $($(#[$fdoc])* pub $field: $type,)*
-        }
-
-        impl Default for $name {
-            fn default() -> Self {
-                <Self as zerocopy::FromZeros>::new_zeroed()
-            }
-        }
-
-        impl $crate::service::Payload for $name {
-            const TYPE_NAME: &'static str = $wire;
-        }
-
-        impl $name {
-            /// Every field's name, offset and size in bytes, in order: what the golden layout test pins.
-            pub const FIELDS: &'static [(&'static str, usize, usize)] = &[
-                $((stringify!($field), core::mem::offset_of!($name, $field), core::mem::size_of::<$type>()),)*
-            ];
-        }
-    };
-}
-pub(crate) use word;

@@ -1,10 +1,11 @@
-//! The stamp at the beginning of every payload, and which hand a payload speaks of.
+//! The stamp at the beginning of every payload (what ROS calls the stamp and the sequence of a header), and which hand
+//! a payload speaks of.
 
 use crate::code::code;
-use crate::service::word;
+use crate::payload::payload;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-word! {
+payload! {
     /// Who wrote a payload, when, and as which in its series.
     Stamp as "atas.Stamp.v1" {
         /// Counts the payloads of this writer, from 0, without gaps: a gap means that payloads were lost.

@@ -1,11 +1,15 @@
 //! How everybody is.
 
 use crate::capacity::{FINGERS, HANDS};
-use crate::service::word;
-use crate::{GoalKind, GoalState, Hand, Mode, Reason, Stamp, Text};
+use crate::goal::{GoalKind, GoalState};
+use crate::joints::Mode;
+use crate::payload::payload;
+use crate::reason::Reason;
+use crate::stamp::{Hand, Stamp};
+use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-word! {
+payload! {
     /// A distribution of durations since the start, ns.
     Percentiles as "atas.Percentiles.v1" {
         /// Median.
@@ -21,7 +25,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What the daemon thinks of one hand's sensor. All counts since the daemon's start.
     HandStatus as "atas.HandStatus.v1" {
         /// Frames accepted.
@@ -61,7 +65,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What the daemon thinks of the joint feedback.
     JointStatus as "atas.JointStatus.v1" {
         /// States accepted.
@@ -92,7 +96,7 @@ impl StatusFlags {
     pub const PHASE_LOCKED: u32 = 1 << 4;
 }
 
-word! {
+payload! {
     /// The daemon's state, 50 Hz.
     Status as "atas.Status.v1" {
         /// `captured_ns` is when the snapshot was taken.
@@ -144,7 +148,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What a sensor process says of its device, about 10 Hz and once more at its end.
     SensorStatus as "atas.SensorStatus.v1" {
         /// `captured_ns` is when the snapshot was taken.

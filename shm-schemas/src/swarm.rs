@@ -1,11 +1,11 @@
-//! The swarm's words: what the agents of methodology 2 sense and what they do (paper III).
+//! The swarm: what the agents of methodology 2 sense and what they do (paper III).
 
-use crate::Stamp;
 use crate::capacity::AGENTS;
-use crate::service::word;
+use crate::payload::payload;
+use crate::stamp::Stamp;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-word! {
+payload! {
     /// What every agent senses at the start of one field frame.
     AgentSensors as "atas.AgentSensors.v1" {
         /// `captured_ns` is the frame's time.
@@ -21,7 +21,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What every agent does in that field frame.
     WheelCommands as "atas.WheelCommands.v1" {
         /// `captured_ns` is copied from the sensors that it answers.

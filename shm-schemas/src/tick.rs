@@ -1,11 +1,12 @@
 //! One record per tick, for those who look closely.
 
 use crate::capacity::{FINGERS, HANDS, STAGES};
-use crate::service::word;
-use crate::{Mode, Stamp};
+use crate::joints::Mode;
+use crate::payload::payload;
+use crate::stamp::Stamp;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-word! {
+payload! {
     /// What one fingertip felt, after perception.
     FingerReport as "atas.FingerReport.v1" {
         /// F_n in the contact-patch frame, N.
@@ -27,7 +28,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What one hand felt and wanted.
     HandReport as "atas.HandReport.v1" {
         /// Sequence of the newest frame that the tick used.
@@ -53,7 +54,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// What one tick did.
     TickReport as "atas.TickReport.v1" {
         /// `captured_ns` is the tick's time.

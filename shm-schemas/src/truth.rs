@@ -1,11 +1,12 @@
 //! What the simulator knows and the robot does not: the judge's view. The daemon never opens this service.
 
 use crate::capacity::{FINGERS, HANDS};
-use crate::service::word;
-use crate::{Stamp, Text};
+use crate::payload::payload;
+use crate::stamp::Stamp;
+use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-word! {
+payload! {
     /// The true state of one simulated object.
     ObjectTruth as "atas.ObjectTruth.v3" {
         /// Name of the object, as in its data file.
@@ -62,7 +63,7 @@ word! {
     }
 }
 
-word! {
+payload! {
     /// The true state of the simulated world.
     WorldTruth as "atas.WorldTruth.v3" {
         /// `captured_ns` is the simulated time.

@@ -1,6 +1,6 @@
 //! The golden layout: size, alignment and every field of every payload.
 
-use shm_schemas::service::Payload;
+use shm_schemas::Payload;
 use shm_schemas::*;
 use std::collections::HashSet;
 use std::fmt::Write;

@@ -1,0 +1,334 @@
+//! A [`Reason`] as one sentence: could not X because Y was A, needs B; do C.
+
+use crate::body::BodyPair;
+use crate::goal::GoalRequest;
+use crate::joints::Mode;
+use crate::module::ModuleId;
+use crate::reason::{Cause, Reason};
+use crate::stamp::Hand;
+use core::fmt::{self, Formatter};
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.cause.0 {
+            0..=9 | 19 => self.write_goal(f),
+            10..=19 | 29 => self.write_task(f),
+            20..=29 => self.write_frames(f),
+            30..=39 => self.write_joints(f),
+            _ => self.write_daemon(f),
+        }?;
+        if self.module != ModuleId::NONE {
+            write!(f, " ({})", self.module)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The sentences, by tens of the cause's number.
+impl Reason {
+    /// Why a goal was not begun.
+    fn write_goal(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            value,
+            limit,
+            index,
+            ..
+        } = *self;
+        match self.cause {
+            Cause::NONE => f.write_str("nothing to report"),
+            Cause::NOT_FINITE => write!(
+                f,
+                "{} of the goal is not finite; send finite numbers",
+                goal_value(index)
+            ),
+            Cause::OUT_OF_RANGE => {
+                write!(
+                    f,
+                    "{} of the goal is {value:.4}, the limit is {limit:.4}; choose a value within it",
+                    goal_value(index)
+                )
+            }
+            // No limit of one number is at fault: the arm has no posture for all of them together.
+            Cause::UNREACHABLE if limit == 0.0 => write!(
+                f,
+                "the arm has no posture for the place {:?} with this yaw, width and lift: the fingertips stay {:.1} mm off; move \
+                 the place or turn the closing axis",
+                goal_place(index),
+                value * 1e3
+            ),
+            Cause::UNREACHABLE if goal_value(index) == "lift" => write!(
+                f,
+                "the hand cannot lift it so high: the place and the lift together are {value:.4} m high, the limit is {limit:.4} m; \
+                 lift less"
+            ),
+            Cause::UNREACHABLE => write!(
+                f,
+                "the hand cannot reach it: {} is {value:.4}, the limit is {limit:.4}; {}",
+                goal_value(index),
+                if goal_place(index).is_empty() {
+                    "choose a value within it"
+                } else {
+                    "move the object nearer"
+                }
+            ),
+            Cause::UNKNOWN_GOAL => write!(
+                f,
+                "field {index} of the goal has the unknown code {value}; update the client"
+            ),
+            Cause::BUSY => f.write_str("another goal is active; wait for it or cancel it"),
+            Cause::NOT_READY => write!(
+                f,
+                "the daemon is in mode {}, needs ready; see `atas status`",
+                Mode(value as u32)
+            ),
+            Cause::HAND_FULL => {
+                write!(
+                    f,
+                    "the {0} hand still holds an object; release it first with `atas release --hand {0}`",
+                    Hand(index)
+                )
+            }
+            Cause::ARMS_COLLIDE if index != 0 => {
+                let [ours, theirs] = BodyPair::read(index).0;
+                let (value_mm, limit_mm) = (value * 1e3, limit * 1e3);
+                write!(
+                    f,
+                    "the {ours} would come within {value_mm:.1} mm of the {theirs}, needs {limit_mm:.1} mm; move the places apart, \
+                     or the other arm away"
+                )
+            }
+            Cause::ARMS_COLLIDE => write!(
+                f,
+                "the arms would come within {:.1} mm of each other, needs {:.1} mm; move the places apart",
+                value * 1e3,
+                limit * 1e3
+            ),
+            Cause::NO_SENSOR => {
+                write!(
+                    f,
+                    "the {} hand has no tactile sensor in the configuration; use the other hand",
+                    Hand(index)
+                )
+            }
+            Cause::UNKNOWN_TASK => f.write_str(
+                "the daemon's configuration has no task of this name; `atasd --check-config` prints those that it has",
+            ),
+            _ => self.write_unknown(f),
+        }
+    }
+
+    /// Why a task ended.
+    fn write_task(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { value, limit, .. } = *self;
+        match self.cause {
+            Cause::NOTHING_TOUCHED => {
+                write!(
+                    f,
+                    "closed to {:.1} mm and touched nothing; is the object there?",
+                    value * 1e3
+                )
+            }
+            Cause::TOO_HEAVY => {
+                write!(
+                    f,
+                    "needs more than {value:.2} N, F_2 is {limit:.2} N: object too heavy for its hardness"
+                )
+            }
+            Cause::LOST_OBJECT => write!(
+                f,
+                "the object slipped out: normal force {value:.2} N, needs {limit:.2} N"
+            ),
+            Cause::OUT_OF_FORCE => {
+                write!(
+                    f,
+                    "still slipping at {value:.2} N, F_2 is {limit:.2} N: the load grew beyond what the object bears"
+                )
+            }
+            Cause::TIMED_OUT => write!(f, "took {value:.1} s, allowed {limit:.1} s"),
+            Cause::CANCELLED => f.write_str("cancelled by the client"),
+            Cause::CLIENT_GONE => f.write_str("the client of this attached goal went away"),
+            Cause::NO_SUPPORT => write!(
+                f,
+                "lowered to {:.1} mm and felt no support, expected it at {:.1} mm; the hand keeps the object",
+                value * 1e3,
+                limit * 1e3
+            ),
+            Cause::SLIDING => write!(
+                f,
+                "the object slides through the fingers, for {value:.2} s by now, allowed {limit:.2} s"
+            ),
+            Cause::OBSTRUCTED => write!(
+                f,
+                "finger {} touched something at {value:.2} N on its way, the limit is {limit:.2} N; clear the way or grasp \
+                 nearer to the object's top",
+                self.index + 1
+            ),
+            _ => self.write_unknown(f),
+        }
+    }
+
+    /// What is wrong with the tactile frames.
+    fn write_frames(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            value,
+            limit,
+            index,
+            ..
+        } = *self;
+        match self.cause {
+            Cause::FRAMES_STOPPED if !value.is_finite() => {
+                let hand = Hand(index);
+                write!(
+                    f,
+                    "no tactile frame of hand {hand} yet; is the sensor process running?"
+                )
+            }
+            Cause::FRAMES_STOPPED => write!(
+                f,
+                "no tactile frame of hand {} for {:.1} ms, allowed {:.1} ms; is the sensor process running?",
+                Hand(index),
+                value * 1e-6,
+                limit * 1e-6
+            ),
+            Cause::FRAME_STALE => write!(
+                f,
+                "the newest frame of hand {} is {:.1} ms old, allowed {:.1} ms",
+                Hand(index),
+                value * 1e-6,
+                limit * 1e-6
+            ),
+            Cause::FRAME_FUTURE => write!(
+                f,
+                "a frame of hand {} is stamped {:.1} ms ahead, allowed {:.1} ms; use CLOCK_MONOTONIC of this machine",
+                Hand(index),
+                value * 1e-6,
+                limit * 1e-6
+            ),
+            Cause::FRAMES_LOST => write!(
+                f,
+                "{value} frames of hand {} lost in a row, allowed {limit}",
+                Hand(index)
+            ),
+            Cause::FRAME_CORRUPT => write!(
+                f,
+                "{value} frames of hand {} failed their checksum",
+                Hand(index)
+            ),
+            Cause::FRAME_FOREIGN => write!(
+                f,
+                "a frame of hand {} comes from another writer or follows another layout than configured",
+                Hand(index)
+            ),
+            Cause::ELEMENTS_INVALID => write!(
+                f,
+                "{:.0} % of the elements of hand {} are invalid, allowed {:.0} %",
+                value * 100.0,
+                Hand(index),
+                limit * 100.0
+            ),
+            Cause::FRAMES_FROZEN => write!(
+                f,
+                "the readings of hand {} have not changed for {value} frames, allowed {limit}",
+                Hand(index)
+            ),
+            Cause::SENSOR_RESTARTED => {
+                write!(f, "the sensor process of hand {} restarted", Hand(index))
+            }
+            _ => self.write_unknown(f),
+        }
+    }
+
+    /// What is wrong with joints and commands.
+    fn write_joints(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            value,
+            limit,
+            index,
+            ..
+        } = *self;
+        match self.cause {
+            Cause::JOINTS_STOPPED if !value.is_finite() => {
+                f.write_str("no joint state yet; is the robot process running?")
+            }
+            Cause::JOINTS_STOPPED => write!(
+                f,
+                "no joint state for {:.1} ms, allowed {:.1} ms; is the robot process running?",
+                value * 1e-6,
+                limit * 1e-6
+            ),
+            Cause::JOINTS_INVALID => {
+                write!(
+                    f,
+                    "joint {index} reports {value:.4} rad, last trusted position {limit:.4} rad"
+                )
+            }
+            Cause::FOLLOWING_ERROR => {
+                write!(
+                    f,
+                    "joint {index} is {value:.4} rad off its command, allowed {limit:.4} rad; is it blocked?"
+                )
+            }
+            Cause::COMMAND_NOT_FINITE => write!(f, "the command for joint {index} was not finite"),
+            Cause::COMMAND_STEP => {
+                write!(
+                    f,
+                    "the command for joint {index} jumped by {value:.4} rad, allowed {limit:.4} rad"
+                )
+            }
+            Cause::GRIP_CEILING => {
+                write!(
+                    f,
+                    "grip force {value:.2} N of finger {index} is above its ceiling {limit:.2} N"
+                )
+            }
+            _ => self.write_unknown(f),
+        }
+    }
+
+    /// What became of the daemon.
+    fn write_daemon(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { value, limit, .. } = *self;
+        match self.cause {
+            Cause::MODULE_PANICKED => {
+                f.write_str("a module panicked; restart the daemon and report this")
+            }
+            Cause::LOOP_STALLED => {
+                write!(
+                    f,
+                    "the loop stood still for {:.1} ms, allowed {:.1} ms",
+                    value * 1e-6,
+                    limit * 1e-6
+                )
+            }
+            Cause::ESTOP => f.write_str("stopped by `atas estop`; `atas recover` re-arms"),
+            Cause::SHUTDOWN => f.write_str("the daemon is shutting down"),
+            _ => self.write_unknown(f),
+        }
+    }
+
+    fn write_unknown(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            cause,
+            value,
+            limit,
+            ..
+        } = *self;
+        write!(f, "{cause}: value {value}, limit {limit}")
+    }
+}
+
+/// The place that a value of the goal belongs to; empty if it is no place's.
+fn goal_place(index: u32) -> &'static str {
+    match goal_value(index).split_once(' ') {
+        Some((place @ ("from" | "to"), _)) => place,
+        _ => "",
+    }
+}
+
+fn goal_value(index: u32) -> &'static str {
+    GoalRequest::VALUE_NAMES
+        .get(index as usize)
+        .copied()
+        .unwrap_or("a value")
+}
