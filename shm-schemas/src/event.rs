@@ -26,8 +26,8 @@ code! {
         STEP = 6, "step";
         /// The mode changed; `reason` says why.
         MODE = 7, "mode";
-        /// The hardness probe ended; `value` is N/m, `text` is F_2.
-        HARDNESS = 8, "hardness";
+        /// The stiffness probe ended; `value` is N/m, `text` is F_2.
+        STIFFNESS = 8, "stiffness";
         /// Something is wrong but was tolerated; `reason` says what.
         WARNING = 9, "warning";
     }

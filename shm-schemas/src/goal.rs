@@ -173,10 +173,10 @@ payload! {
         pub f1_n: f32,
         /// F_2, the maximum grasping force, N.
         pub f2_n: f32,
-        /// Object stiffness from the hardness probe, N/m.
-        pub hardness_n_m: f32,
-        /// How far the hardness may be trusted, 0 to 1.
-        pub hardness_confidence: f32,
+        /// Object stiffness from the stiffness probe, N/m.
+        pub stiffness_n_m: f32,
+        /// How far the stiffness may be trusted, 0 to 1.
+        pub stiffness_confidence: f32,
         /// Estimated friction coefficient, the lowest of the fingers.
         pub friction: f32,
         /// How far the hand has lifted the object, m.

@@ -22,16 +22,16 @@ code! {
         TERMINATE_SCREW = 6, "module 4, screw end";
         /// Module 4: releases on upward tangential force (paper II.b (3)).
         RELEASE_PLACED = 7, "module 4, release";
-        /// Hardness probe, 100 ms after the first touch (paper II.b (1)).
-        PROBE = 8, "hardness probe";
+        /// Stiffness probe, 100 ms after the first touch (paper II.b (1)).
+        PROBE = 8, "stiffness probe";
         /// Carries the hand along a planned path.
         CARRY = 9, "carry";
         /// Gives back force that friction does not need.
         RELAX = 10, "relax";
         /// Turns the hand back when it touches something while it moves freely.
-        GUARD = 11, "touch guard";
+        CONTACT_GUARD = 11, "contact guard";
         /// Tugs back once in a lift, to tell what hangs from what still stands.
-        LIFT_PROOF = 12, "lift proof";
+        LOAD_TEST = 12, "load test";
         /// Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
         SLIP_REACTION = 13, "slip reaction";
     }

@@ -59,12 +59,12 @@ payload! {
         pub name: Text<16>,
         /// How the hand moves.
         pub motion: u32,
-        /// Where to, for a motion that has a site.
-        pub site: u32,
+        /// Where to, for a motion that has a waypoint.
+        pub waypoint: u32,
         /// Which modules work: bit n stands for the module with the number n.
         pub modules: u32,
         /// When the step is done.
-        pub until: u32,
+        pub transition: u32,
         /// Meeting point, for a step that ends at one.
         pub point: u32,
         /// Written as zero.

@@ -46,7 +46,7 @@ payload! {
         /// F_2, N.
         pub f2_n: f32,
         /// Object stiffness, N/m.
-        pub hardness_n_m: f32,
+        pub stiffness_n_m: f32,
         /// Commanded position of the hand's centre, base frame, m.
         pub centre_m: [f64; 3],
         /// Per finger.

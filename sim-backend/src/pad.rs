@@ -2,7 +2,7 @@
 //!
 //! Every element of the layout carries seven bristles, one at its centre and six around it. A single bristle per
 //! element is wrong: new elements then enter the contact in jumps, and the force rises too slowly with the indentation
-//! (slope 524 instead of 844 N/m in the hardness probe).
+//! (slope 524 instead of 844 N/m in the stiffness probe).
 
 use nalgebra::Vector3;
 use shm_schemas::Layout;

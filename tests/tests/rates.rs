@@ -1,7 +1,7 @@
 //! The tick rate is the user's choice: with sensors and joints at 1 kHz, tasks come out the same from 100 Hz to 10 kHz.
 
 use atas_cli::rehearsal::{grasp_goal, pick_place_goal};
-use atas_core::goal;
+use atas_core::check;
 use atas_core::{Controller, Inputs, Order, Settings, Tick, Wiring};
 use robot_model::{ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate, HandFrame, JointCommand, JointState, Mode};
@@ -102,7 +102,7 @@ impl<'a> Fast<'a> {
             self.millisecond(None);
         }
         let now = self.controller.circumstances(self.robot, &[]);
-        let goal = goal::check(request, &now).expect("reachable");
+        let goal = check::check(request, &now).expect("reachable");
         let mut order = Some(Order::Start(goal));
         for _ in 0..LONGEST_MS {
             let update = self.millisecond(order.take());

@@ -28,8 +28,8 @@ fn figures(figures: &GraspFigures) -> Value {
         "tangential_n": figures.tangential_n[..robot_model::FINGERS],
         "f1_n": figures.f1_n,
         "f2_n": figures.f2_n,
-        "hardness_n_m": figures.hardness_n_m,
-        "hardness_confidence": figures.hardness_confidence,
+        "stiffness_n_m": figures.stiffness_n_m,
+        "stiffness_confidence": figures.stiffness_confidence,
         "friction": figures.friction,
         "lifted_m": figures.lifted_m,
     })

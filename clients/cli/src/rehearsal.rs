@@ -3,7 +3,7 @@
 //! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, no clock, no threads: the same arguments give
 //! the same bits as the two processes in lock-step.
 
-use atas_core::goal;
+use atas_core::check;
 use atas_core::tasks::Task;
 use atas_core::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
@@ -137,7 +137,7 @@ impl Rehearsal {
         let now = self
             .controller
             .circumstances(&self.robot, self.task.as_slice());
-        let checked = match goal::check(goal, &now) {
+        let checked = match check::check(goal, &now) {
             Ok(checked) => checked,
             Err(reason) => {
                 return Trial::ended(GoalState::REJECTED, reason, self.world.truth(), 0.0);

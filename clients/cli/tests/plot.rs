@@ -33,7 +33,12 @@ fn every_task_has_a_figure() {
         );
         assert!(svg.len() < 400_000, "{} bytes", svg.len());
     };
-    let modules = ["1 first touch", "2 slip", "3 force limit", "hardness probe"];
+    let modules = [
+        "1 first touch",
+        "2 slip",
+        "3 force limit",
+        "stiffness probe",
+    ];
     let forces = ["F_n", "F_t", "F_1, F_2", "force, N", "lift, mm", "time, s"];
     check(
         Task::Grasp,

@@ -4,19 +4,19 @@
 //!    that any wants,
 //! 2. but no faster than the lowest ceiling that any module sets; a negative ceiling opens.
 //! 3. The hand goes where the carrying module wants it, at the lowest speed factor that any module tolerates.
-//! 4. A refusal outweighs every other verdict, and the end of a step outweighs a hardness.
+//! 4. A refusal outweighs every other verdict, and the end of a step outweighs a stiffness.
 //!
 //! Speeds are slewed so that switching modules does not jerk the joints: slowly up, quickly down.
 
 use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
-use crate::modules::{Carried, Proposal, Verdict};
+use crate::modules::{PoseCommand, Proposal, Verdict};
 use robot_model::FINGERS;
 
 /// What one hand shall do in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intent {
     /// Where the hand shall be; `None` keeps it.
-    pub carry: Option<Carried>,
+    pub pose: Option<PoseCommand>,
     /// Closing speed of each finger, m/s, negative opens; not used while the path includes the fingers.
     pub closing_m_s: [f64; FINGERS],
     /// What the modules conclude.
@@ -60,7 +60,7 @@ impl Arbiter {
         let tolerated = lowest(proposals.iter().map(|p| p.carry_ceiling), 1.0);
         self.carry_scale = approach(self.carry_scale, tolerated, CARRY_SCALE_PER_S * step_s);
         Intent {
-            carry: proposals.iter().find_map(|p| p.carry),
+            pose: proposals.iter().find_map(|p| p.pose),
             closing_m_s: self.closing_m_s,
             verdict: weightiest(proposals),
         }
@@ -123,7 +123,7 @@ fn weightiest(proposals: &[Proposal]) -> Verdict {
 fn weight(verdict: &Verdict) -> u32 {
     match verdict {
         Verdict::None => 0,
-        Verdict::Hardness(_) => 1,
+        Verdict::Stiffness(_) => 1,
         Verdict::Done => 2,
         Verdict::Refuse(_) => 3,
     }

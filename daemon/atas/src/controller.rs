@@ -4,7 +4,8 @@
 mod goals;
 mod modes;
 
-use crate::goal::{ActiveGoal, Circumstances};
+use crate::check::Circumstances;
+use crate::goal::ActiveGoal;
 use crate::hand::HandControl;
 use crate::io::{Events, Inputs, Order, Outputs};
 use crate::joints::JointIntake;
@@ -12,9 +13,9 @@ use crate::mode::ModeMachine;
 use crate::safety::{Gate, GateContext, SafeCommand};
 use crate::settings::{PARAMETERS, Settings};
 use crate::tasks::Task;
-use crate::tick::StallWatch;
+use crate::tick::{Stage, StallWatch, Tick};
 use crate::wiring::Wiring;
-use crate::{Stage, Tick};
+
 use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
@@ -81,10 +82,10 @@ impl Controller {
         self.begin(inputs.tick);
         self.joints
             .take(inputs.joints, self.tick, &self.settings.intake);
-        self.obey(inputs.order);
+        self.apply(inputs.order);
         passed(Stage::Intake);
         for (hand, frames) in self.hands.iter_mut().zip(inputs.frames) {
-            hand.feel(frames, self.tick, &self.settings, &mut self.outputs.events);
+            hand.update(frames, self.tick, &self.settings, &mut self.outputs.events);
         }
         passed(Stage::Perception);
         self.update_mode();
@@ -181,7 +182,7 @@ impl Controller {
         self.outputs.goal_update = None;
     }
 
-    fn obey(&mut self, order: Option<&Order>) {
+    fn apply(&mut self, order: Option<&Order>) {
         match order {
             None => {}
             Some(Order::Start(goal)) => self.start(goal),

@@ -1,17 +1,10 @@
-//! Goals: what is asked is checked here, before anything moves.
+//! Goals: what is asked, and what of it is being pursued.
 //!
 //! A [`GoalRequest`] is whatever a client sent. A [`Goal`] has a known hand, policy and turn, and its task with it: it can
 //! be started whatever becomes of the configuration, and recorded as it was.
 
-mod check;
-mod clearance;
-
-pub use check::check;
-
-use crate::settings::Settings;
 use crate::tasks::{self, Demands, Task};
-use crate::wiring::Wiring;
-use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
 
 /// A goal that can be started.
@@ -25,7 +18,7 @@ pub struct Goal {
 
 impl Goal {
     /// Looks up the codes of a request, and its task among the built-in ones or, for [`GoalKind::CUSTOM`], among the
-    /// user's own. Says nothing about numbers and reach: that is [`check`]'s.
+    /// user's own. Says nothing about numbers and reach: that is [`crate::check`]'s.
     ///
     /// # Errors
     /// The [`Reason`] for the refusal.
@@ -142,30 +135,5 @@ impl ActiveGoal {
     #[must_use]
     pub fn is_attached(&self) -> bool {
         self.request.policy == GoalPolicy::ATTACHED
-    }
-}
-
-/// What a goal is checked against.
-#[derive(Clone, Copy, Debug)]
-pub struct Circumstances<'a> {
-    /// The robot.
-    pub robot: &'a RobotModel,
-    /// Its sensors.
-    pub wiring: &'a Wiring,
-    /// The numbers in force: how far the hand opens, how high it comes from.
-    pub settings: &'a Settings,
-    /// The user's own tasks.
-    pub tasks: &'a [Task],
-    /// Where the joints were commanded last, rad; `None` before the first command.
-    pub commanded_rad: Option<&'a [f64; ROBOT_JOINTS]>,
-}
-
-impl Circumstances<'_> {
-    /// Where the joints of one hand are, rad; before the first command, where they would rest.
-    fn hand_rad(&self, side: Side) -> HandVector {
-        self.commanded_rad
-            .map_or(*self.robot.hand(side).reference_rad(), |q_rad| {
-                HandVector::from_row_slice(&q_rad[side.joint_range()])
-            })
     }
 }

@@ -1,16 +1,18 @@
 //! One hand: everything between its frames and its joint positions, in the order in which data flows.
 
-use crate::Tick;
 use crate::arbitration::{Arbiter, Intent};
 use crate::goal::Goal;
 use crate::intake::FrameIntake;
 use crate::io::Events;
-use crate::kinematics::{Carrier, HandCommand, gap_m};
+use crate::kinematics::{HandCommand, HandServo, gap_m};
 use crate::modules::{self, Modules, Proposal, Selection};
 use crate::perception::{Percept, Perception};
+use crate::planning::Waypoints;
+use crate::runner::{HandMotion, Outcome, Runner};
 use crate::safety::Grip;
 use crate::settings::Settings;
-use crate::tasks::{HandMotion, Outcome, Runner, Sites, Step};
+use crate::tasks::Step;
+use crate::tick::Tick;
 use crate::wiring::Wiring;
 use nalgebra::Matrix3;
 use robot_model::{FINGERS, HandModel, HandPose, HandVector};
@@ -30,7 +32,7 @@ pub(crate) struct HandControl {
     perception: Perception,
     modules: Modules,
     arbiter: Arbiter,
-    carrier: Option<Carrier>,
+    servo: Option<HandServo>,
     runner: Option<Runner>,
     intent: Option<Intent>,
     active: u32,
@@ -53,7 +55,7 @@ impl HandControl {
             perception: Perception::new(own),
             modules: Modules::default(),
             arbiter: Arbiter::default(),
-            carrier: None,
+            servo: None,
             runner: None,
             intent: None,
             active: 0,
@@ -64,7 +66,7 @@ impl HandControl {
     }
 
     /// Takes in this tick's frames.
-    pub(crate) fn feel(
+    pub(crate) fn update(
         &mut self,
         frames: &[HandFrame],
         tick: Tick,
@@ -78,10 +80,10 @@ impl HandControl {
         self.frames = frames.len() as u32;
         for frame in frames {
             if let Some(checked) = self.intake.check(frame, tick, &settings.intake) {
-                self.perception.feel(&checked, &settings.perception);
+                self.perception.update(&checked, &settings.perception);
             }
         }
-        self.tell_touches(&before, settings, events);
+        self.publish_touches(&before, settings, events);
         if self.intake.warning().is_some() {
             events.push(ModuleEvent {
                 reason: self.intake.warning(),
@@ -92,8 +94,8 @@ impl HandControl {
 
     /// What the hand must be held for.
     #[must_use]
-    pub(crate) fn doubt(&self, tick: Tick, settings: &Settings) -> Reason {
-        self.intake.doubt(tick, &settings.intake)
+    pub(crate) fn hold_reason(&self, tick: Tick, settings: &Settings) -> Reason {
+        self.intake.hold_reason(tick, &settings.intake)
     }
 
     /// Takes in where the joints are.
@@ -104,7 +106,7 @@ impl HandControl {
 
     /// Stands at these joint positions, rad, at rest.
     pub(crate) fn anchor(&mut self, q_rad: HandVector, wiring: &Wiring) {
-        self.carrier = Some(Carrier::at(&self.model, q_rad, wiring.stiffness_n_m_rad));
+        self.servo = Some(HandServo::at(&self.model, q_rad, wiring.stiffness_n_m_rad));
         self.arbiter.rest();
     }
 
@@ -115,14 +117,14 @@ impl HandControl {
         step_s: f64,
         events: &mut Events,
     ) -> Option<Outcome> {
-        let (runner, carrier) = (self.runner.as_mut()?, self.carrier.as_mut()?);
+        let (runner, servo) = (self.runner.as_mut()?, self.servo.as_mut()?);
         let percept = self.perception.percept();
         let slid = runner.slides().is_some();
-        runner.observe(percept, self.measured_gap_m, carrier.frame(), step_s);
+        runner.observe(percept, self.measured_gap_m, servo.frame(), step_s);
         let motion = HandMotion {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
-            frame: carrier.frame(),
+            frame: servo.frame(),
             base_from_tip: &self.base_from_tip,
         };
         let context = runner.context(settings, step_s, motion);
@@ -130,8 +132,8 @@ impl HandControl {
             .modules
             .evaluate(runner.step().modules, percept, &context);
         let intent = self.arbiter.merge(&proposals, step_s);
-        let arrived = intent.carry.is_some_and(|c| c.arrived);
-        let now = *carrier.frame();
+        let arrived = intent.pose.is_some_and(|c| c.arrived);
+        let now = *servo.frame();
         let gave_up = runner.retreats().is_some();
         let slides = runner.slides().filter(|_| !slid);
         let outcome = runner.conclude(
@@ -146,14 +148,14 @@ impl HandControl {
         let gives_up = self.runner.as_ref().and_then(Runner::retreats);
         self.warn(slides, events);
         self.warn(gives_up.filter(|_| !gave_up), events);
-        self.tell_modules(runner_selection(&self.runner), &proposals, events);
-        self.tell_outcome(outcome, events);
+        self.publish_modules(runner_selection(&self.runner), &proposals, events);
+        self.publish_outcome(outcome, events);
         Some(outcome)
     }
 
     /// Where the joints shall go: towards this tick's intent if the hand moves, else where they are.
     pub(crate) fn follow(&mut self, moves: bool, step_s: f64) -> HandCommand {
-        let Some(carrier) = self.carrier.as_mut() else {
+        let Some(servo) = self.servo.as_mut() else {
             return HandCommand {
                 q_rad: HandVector::zeros(),
                 closing_m_s: [0.0; FINGERS],
@@ -161,16 +163,16 @@ impl HandControl {
         };
         match self.intent {
             Some(intent) if moves => {
-                carrier.follow(&self.model, &intent, self.perception.percept(), step_s)
+                servo.follow(&self.model, &intent, self.perception.percept(), step_s)
             }
-            _ => carrier.rest(),
+            _ => servo.rest(),
         }
     }
 
     /// Takes over what the safety gate let through.
     pub(crate) fn adopt(&mut self, q_rad: HandVector) {
-        if let Some(carrier) = self.carrier.as_mut() {
-            carrier.adopt(q_rad);
+        if let Some(servo) = self.servo.as_mut() {
+            servo.adopt(q_rad);
         }
     }
 
@@ -183,15 +185,15 @@ impl HandControl {
         } else {
             task.helping
         };
-        let (Some(carrier), Some(track)) = (self.carrier.as_ref(), track) else {
+        let (Some(servo), Some(track)) = (self.servo.as_ref(), track) else {
             return;
         };
-        let now = *carrier.frame();
-        let (sites, width_m) = Sites::of(&self.model, &now, goal, settings);
+        let now = *servo.frame();
+        let (waypoints, width_m) = Waypoints::of(&self.model, &now, goal, settings);
         self.modules.reset();
         self.arbiter.rest();
         let wishes = (width_m, request.hold_s);
-        self.runner = Some(Runner::start(track, sites, &now, wishes, settings));
+        self.runner = Some(Runner::start(track, waypoints, &now, wishes, settings));
     }
 
     /// The meeting point that this hand has come to; a hand without a task keeps nobody waiting.
@@ -200,18 +202,18 @@ impl HandControl {
         self.runner.as_ref().map_or(u8::MAX, Runner::reached)
     }
 
-    /// Hears which meeting point the other hand has come to.
-    pub(crate) fn hear(&mut self, peer_reached: u8) {
+    /// Takes in which meeting point the other hand has come to.
+    pub(crate) fn receive_peer(&mut self, peer_reached: u8) {
         if let Some(runner) = self.runner.as_mut() {
-            runner.hear(peer_reached);
+            runner.receive_peer(peer_reached);
         }
     }
 
     /// Ends the task; what the hand holds, it keeps holding and watching.
     pub(crate) fn end(&mut self, settings: &Settings) {
-        match (self.runner.as_mut(), self.carrier.as_ref()) {
-            (Some(runner), Some(carrier)) if runner.grips() => {
-                runner.stand(carrier.frame(), settings, &mut self.modules);
+        match (self.runner.as_mut(), self.servo.as_ref()) {
+            (Some(runner), Some(servo)) if runner.grips() => {
+                runner.stand(servo.frame(), settings, &mut self.modules);
             }
             _ => self.abandon(),
         }
@@ -251,7 +253,7 @@ impl HandControl {
             f2_n: self
                 .runner
                 .as_ref()
-                .filter(|r| r.hardness().is_some())
+                .filter(|r| r.stiffness().is_some())
                 .map(|r| r.thresholds().f2_n),
         }
     }
@@ -285,9 +287,9 @@ impl HandControl {
             figures.f1_n = runner.thresholds().f1_n as f32;
             figures.f2_n = runner.thresholds().f2_n as f32;
             figures.lifted_m = runner.carried_m() as f32;
-            if let Some(fit) = runner.hardness() {
-                figures.hardness_n_m = fit.object_n_m as f32;
-                figures.hardness_confidence = fit.confidence as f32;
+            if let Some(fit) = runner.stiffness() {
+                figures.stiffness_n_m = fit.object_n_m as f32;
+                figures.stiffness_confidence = fit.confidence as f32;
             }
         }
         figures
@@ -304,7 +306,7 @@ impl HandControl {
             frames: self.frames,
             modules_active: self.active,
             centre_m: self
-                .carrier
+                .servo
                 .as_ref()
                 .map_or([0.0; 3], |c| c.frame().centre_m.into()),
             ..HandReport::default()
@@ -313,7 +315,7 @@ impl HandControl {
             report.step = runner.index() as u32;
             report.f1_n = runner.thresholds().f1_n as f32;
             report.f2_n = runner.thresholds().f2_n as f32;
-            report.hardness_n_m = runner.hardness().map_or(0.0, |h| h.object_n_m as f32);
+            report.stiffness_n_m = runner.stiffness().map_or(0.0, |h| h.object_n_m as f32);
         }
         for (i, finger) in percept.fingers.iter().enumerate() {
             report.fingers[i] = FingerReport {
@@ -368,7 +370,7 @@ impl HandControl {
         }
     }
 
-    fn tell_touches(&self, before: &Percept, settings: &Settings, events: &mut Events) {
+    fn publish_touches(&self, before: &Percept, settings: &Settings, events: &mut Events) {
         for (i, (was, is)) in before
             .fingers
             .iter()
@@ -392,7 +394,12 @@ impl HandControl {
         }
     }
 
-    fn tell_modules(&mut self, selection: Selection, proposals: &[Proposal], events: &mut Events) {
+    fn publish_modules(
+        &mut self,
+        selection: Selection,
+        proposals: &[Proposal],
+        events: &mut Events,
+    ) {
         let before = self.active;
         self.active = 0;
         for (id, proposal) in modules::IDS.iter().zip(proposals) {
@@ -423,7 +430,7 @@ impl HandControl {
         }
     }
 
-    fn tell_outcome(&self, outcome: Outcome, events: &mut Events) {
+    fn publish_outcome(&self, outcome: Outcome, events: &mut Events) {
         let Some(runner) = self
             .runner
             .as_ref()
@@ -432,8 +439,8 @@ impl HandControl {
             return;
         };
         events.push(self.step_event(runner.step()));
-        if let (Some(fit), "grip") = (runner.hardness(), runner.step().name.as_str()) {
-            let mut event = self.event(EventKind::HARDNESS);
+        if let (Some(fit), "grip") = (runner.stiffness(), runner.step().name.as_str()) {
+            let mut event = self.event(EventKind::STIFFNESS);
             event.value = fit.object_n_m;
             event.threshold = runner.thresholds().f2_n;
             events.push(event);

@@ -3,9 +3,9 @@
 //! A [`CheckedFrame`] can only be made here. Every refusal is counted, and what matters for safety becomes a
 //! [`Reason`]; nothing is ever repaired silently.
 
-use crate::Tick;
 use crate::limits;
 use crate::settings::Intake as Limits;
+use crate::tick::Tick;
 use crate::tick::{nanoseconds, seconds_between};
 use crate::wiring::HandWiring;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
@@ -89,7 +89,7 @@ pub struct FrameIntake {
     /// A new writer that is on probation.
     candidate: Option<Candidate>,
     /// What of this tick's frames the robot must hold for.
-    doubt: Reason,
+    hold_reason: Reason,
     /// What of this tick's frames was refused but needs no reaction.
     warning: Reason,
     identical: u32,
@@ -125,7 +125,7 @@ impl FrameIntake {
             counts: FrameCounts::default(),
             pinned: None,
             candidate: None,
-            doubt: Reason::default(),
+            hold_reason: Reason::default(),
             warning: Reason::default(),
             identical: 0,
         }
@@ -158,7 +158,7 @@ impl FrameIntake {
 
     /// Begins a tick.
     pub fn begin(&mut self) {
-        self.doubt = Reason::default();
+        self.hold_reason = Reason::default();
         self.warning = Reason::default();
     }
 
@@ -168,7 +168,7 @@ impl FrameIntake {
         self.warning
     }
 
-    /// Checks one frame. `None` if it is not believed; the counts and [`FrameIntake::doubt`] say why.
+    /// Checks one frame. `None` if it is not believed; the counts and [`FrameIntake::hold_reason`] say why.
     pub fn check<'a>(
         &mut self,
         frame: &'a HandFrame,
@@ -186,9 +186,9 @@ impl FrameIntake {
 
     /// What the robot must hold for, if anything: the worst doubt of this tick, or silence.
     #[must_use]
-    pub fn doubt(&self, tick: Tick, limits: &Limits) -> Reason {
-        if !self.required || self.doubt.is_some() {
-            return self.doubt;
+    pub fn hold_reason(&self, tick: Tick, limits: &Limits) -> Reason {
+        if !self.required || self.hold_reason.is_some() {
+            return self.hold_reason;
         }
         let allowed_s = limits.hold_age_s.max(self.longest_silence_s());
         let index = self.hand.0 as usize;
@@ -394,8 +394,8 @@ impl FrameIntake {
 
     /// Keeps the first doubt of a tick: it is the one that explains the others.
     fn worsen(&mut self, reason: Reason) {
-        if !self.doubt.is_some() {
-            self.doubt = reason.about(self.hand.0 as usize);
+        if !self.hold_reason.is_some() {
+            self.hold_reason = reason.about(self.hand.0 as usize);
         }
     }
 

@@ -1,7 +1,8 @@
 //! What one tick takes in and gives out.
 
 use crate::goal::Goal;
-use crate::{Settings, Tick};
+use crate::settings::Settings;
+use crate::tick::Tick;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
     GoalUpdate, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,

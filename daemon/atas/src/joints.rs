@@ -1,8 +1,8 @@
 //! Joint feedback: decides which joint states are believed.
 
-use crate::Tick;
 use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD};
 use crate::settings::Intake as Limits;
+use crate::tick::Tick;
 use crate::tick::seconds_between;
 use robot_model::{Joint, ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{Cause, JointState, JointStatus, Reason};
@@ -91,7 +91,7 @@ impl JointIntake {
 
     /// What needs HOLD: feedback that is missing.
     #[must_use]
-    pub fn doubt(&self, tick: Tick, limits: &Limits) -> Reason {
+    pub fn hold_reason(&self, tick: Tick, limits: &Limits) -> Reason {
         if !self.required {
             return Reason::default();
         }

@@ -39,7 +39,7 @@ impl HandCommand {
 
 /// The commanded pose of one hand.
 #[derive(Clone, Debug)]
-pub struct Carrier {
+pub struct HandServo {
     frame: GraspFrame,
     q_rad: HandVector,
     /// Low-passed force of the squeeze: the mean over the fingers, N.
@@ -49,7 +49,7 @@ pub struct Carrier {
     stiffness_n_m_rad: HandVector,
 }
 
-impl Carrier {
+impl HandServo {
     /// A hand that stands at these joint positions, rad.
     #[must_use]
     pub fn at(hand: &HandModel, q_rad: HandVector, stiffness_n_m_rad: HandVector) -> Self {
@@ -98,7 +98,7 @@ impl Carrier {
     ) -> HandCommand {
         let closing_m_s = self.integrate(intent, step_s);
         let pose = hand.forward(&self.q_rad);
-        if intent.carry.is_none_or(|carried| !carried.with_fingers) {
+        if intent.pose.is_none_or(|carried| !carried.with_fingers) {
             self.unwind(hand, &pose);
         }
         let jacobian = hand.jacobian(&pose);
@@ -184,7 +184,7 @@ impl Carrier {
     /// Moves the commanded pose; returns the closing speed it stands for.
     fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; FINGERS] {
         let before_m = self.frame.half_opening_m;
-        let carried_fingers = match intent.carry {
+        let carried_fingers = match intent.pose {
             Some(carried) => {
                 self.frame = carried.frame;
                 carried.with_fingers

@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod arbitration;
+pub mod check;
 mod controller;
 pub mod goal;
 mod hand;
@@ -31,10 +32,13 @@ mod mode;
 pub mod modules;
 pub mod path;
 pub mod perception;
+pub mod planning;
 pub mod record;
+pub mod runner;
 pub mod safety;
 pub mod settings;
 pub mod tasks;
+pub mod thresholds;
 mod tick;
 mod wiring;
 
@@ -43,20 +47,5 @@ pub use goal::Goal;
 pub use io::{Events, Inputs, Order, Outputs};
 pub use mode::ModeMachine;
 pub use settings::Settings;
-pub use tick::Tick;
+pub use tick::{Stage, Tick};
 pub use wiring::{HandWiring, STIFFNESS_N_M_RAD, Wiring};
-
-/// Stages of a tick, in order; their durations are [`shm_schemas::TickReport::stage_ns`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Joint state, orders.
-    Intake,
-    /// Frames, both hands.
-    Perception,
-    /// Mode, modules, arbitration.
-    Modules,
-    /// Inverse kinematics, both hands.
-    Kinematics,
-    /// The last gate.
-    Safety,
-}

@@ -47,16 +47,16 @@ impl ModeMachine {
         self.reason
     }
 
-    /// One tick of `step_s`: `doubt` is what must be held for, `has_goal` whether a goal is active or paused.
-    pub fn update(&mut self, doubt: Reason, has_goal: bool, step_s: f64) {
-        self.calm_ticks = if doubt.is_some() {
+    /// One tick of `step_s`: `hold_reason` is what must be held for, `has_goal` whether a goal is active or paused.
+    pub fn update(&mut self, hold_reason: Reason, has_goal: bool, step_s: f64) {
+        self.calm_ticks = if hold_reason.is_some() {
             0
         } else {
             self.calm_ticks.saturating_add(1)
         };
         match self.mode {
-            Mode::INIT if doubt.is_some() => self.reason = doubt,
-            Mode::READY | Mode::RUN if doubt.is_some() => self.enter(Mode::HOLD, doubt),
+            Mode::INIT if hold_reason.is_some() => self.reason = hold_reason,
+            Mode::READY | Mode::RUN if hold_reason.is_some() => self.enter(Mode::HOLD, hold_reason),
             Mode::READY if has_goal => self.enter(Mode::RUN, Reason::default()),
             Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::default()),
             Mode::INIT | Mode::HOLD if f64::from(self.calm_ticks) * step_s >= REARM_S => {

@@ -11,8 +11,11 @@ mod task;
 
 pub use replay::{Replay, ReplayError, Replayed};
 
-use crate::settings::PARAMETERS;
-use crate::{Controller, Goal, HandWiring, Order, Settings, Wiring};
+use crate::controller::Controller;
+use crate::goal::Goal;
+use crate::io::Order;
+use crate::settings::{PARAMETERS, Settings};
+use crate::wiring::{HandWiring, Wiring};
 use robot_model::{HAND_JOINTS, HandVector, RobotModel, Side};
 use shm_schemas::capacity::{ELEMENTS, JOINTS, SETTINGS};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};

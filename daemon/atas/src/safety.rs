@@ -4,10 +4,10 @@
 //! braking distance, following error, stamp and seal. Every check comes before any arithmetic that could swallow a NaN.
 //! The gate publishes something in every mode: the command is the robot's heartbeat.
 
-use crate::Tick;
 use crate::kinematics::HandCommand;
 use crate::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3, STEP_FACTOR};
 use crate::settings::Safety as Settings;
+use crate::tick::Tick;
 use crate::tick::nanoseconds;
 use robot_model::{
     ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, Joint, ROBOT_JOINTS, RobotModel,

@@ -174,7 +174,7 @@ settings! {
     grasp: Grasp {
         /// Closing speed of each finger on approach, m/s (paper: 2 mm/s).
         approach_m_s = 0.002 in 0.0001..0.02;
-        /// Duration of the hardness probe, s (paper: 100 ms).
+        /// Duration of the stiffness probe, s (paper: 100 ms).
         probe_s = 0.1 in 0.02..1.0;
         /// Closing speed of each finger while Module 2 is active, m/s.
         enhance_m_s = 0.002 in 0.0001..0.02;
@@ -219,9 +219,9 @@ settings! {
         /// Multiple of F_2 above which Module 3 opens.
         relieve_at = 1.15 in 1.0..2.0;
         /// Travel of a lift after which the hand tugs back to see whether the object hangs, m; half of it before it tries again.
-        proof_travel_m = 0.002 in 0.0008..0.1;
+        load_test_travel_m = 0.002 in 0.0008..0.1;
         /// Multiple of its force to which the hand presses an object that still stands.
-        proof_press = 1.2 in 1.01..3.0;
+        load_test_press = 1.2 in 1.01..3.0;
         /// Momentary utilisation that means sliding out of the hand at F_2.
         too_heavy_gross = 0.975 in 0.5..1.2;
         /// How long it must last, s.

@@ -58,6 +58,21 @@ impl StallWatch {
     }
 }
 
+/// Stages of a tick, in order; their durations are [`shm_schemas::TickReport::stage_ns`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Joint state, orders.
+    Intake,
+    /// Frames, both hands.
+    Perception,
+    /// Mode, modules, arbitration.
+    Modules,
+    /// Inverse kinematics, both hands.
+    Kinematics,
+    /// The last gate.
+    Safety,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ mod words;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use atas_core::tasks::{BUILT_IN, Fault, Part, Step, Task, Track, Until};
+use atas_core::tasks::{BUILT_IN, Fault, Part, Step, Task, Track, Transition};
 use serde::{Deserialize, Deserializer, de};
 use toml::{Table, Value};
 
@@ -19,9 +19,9 @@ const TASK_KEYS: [&str; 2] = ["acting", "helping"];
 const STEP_KEYS: [&str; 7] = [
     "step",
     "motion",
-    "site",
+    "waypoint",
     "modules",
-    "until",
+    "transition",
     "point",
     "timeout_s",
 ];
@@ -136,7 +136,7 @@ fn part_word(part: Part) -> &'static str {
 fn read_steps(value: Option<&Value>, part: Part) -> Result<Vec<Step>, TaskProblem> {
     let list = value.and_then(Value::as_array).ok_or_else(|| TaskProblem {
         at: part_word(part).trim_end().to_owned(),
-        why: "needs a list of steps, { step = …, motion = …, until = …, … }".to_owned(),
+        why: "needs a list of steps, { step = …, motion = …, transition = …, … }".to_owned(),
     })?;
     let read = |(index, value): (usize, &Value)| {
         let name = value.get("step").and_then(Value::as_str).unwrap_or("?");
@@ -149,14 +149,14 @@ fn read_steps(value: Option<&Value>, part: Part) -> Result<Vec<Step>, TaskProble
 }
 
 fn read_step(value: &Value) -> Result<Step, String> {
-    let table = value
-        .as_table()
-        .ok_or_else(|| format!("is {value}, needs {{ step = …, motion = …, until = …, … }}"))?;
+    let table = value.as_table().ok_or_else(|| {
+        format!("is {value}, needs {{ step = …, motion = …, transition = …, … }}")
+    })?;
     check_keys(table, &STEP_KEYS)?;
     let name =
         atas_core::tasks::checked_name(text(table, "step")?).map_err(|rule| rule.to_string())?;
-    let motion = words::motion(text(table, "motion")?, optional_text(table, "site")?)?;
-    let until = words::until(text(table, "until")?, table.get("point"))?;
+    let motion = words::motion(text(table, "motion")?, optional_text(table, "waypoint")?)?;
+    let until = words::transition(text(table, "transition")?, table.get("point"))?;
     let modules = words::modules(table.get("modules"))?;
     let timeout_s = match table.get("timeout_s") {
         None => f64::INFINITY,
@@ -209,15 +209,15 @@ fn written(step: &Step) -> String {
         step.name,
         step.motion.word()
     );
-    if let Some(site) = step.motion.site() {
-        let _ = write!(text, ", site = \"{}\"", site.word());
+    if let Some(waypoint) = step.motion.waypoint() {
+        let _ = write!(text, ", waypoint = \"{}\"", waypoint.word());
     }
     let modules: Vec<_> = step.modules.ids().map(|id| format!("\"{id}\"")).collect();
     if !modules.is_empty() {
         let _ = write!(text, ", modules = [{}]", modules.join(", "));
     }
-    let _ = write!(text, ", until = \"{}\"", step.until.word());
-    if let Until::Met(point) = step.until {
+    let _ = write!(text, ", transition = \"{}\"", step.transition.word());
+    if let Transition::Met(point) = step.transition {
         let _ = write!(text, ", point = {point}");
     }
     if step.timeout_s.is_finite() {

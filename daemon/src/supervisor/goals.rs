@@ -1,6 +1,6 @@
 //! Goals: taken, checked, handed to the tick, and told about until they end.
 
-use atas_core::{Order, goal};
+use atas_core::{Order, check};
 use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
@@ -86,7 +86,7 @@ impl GoalDesk {
         knowledge: &Knowledge,
         link: &Link,
     ) -> Result<(), Reason> {
-        let goal = goal::check(request, &knowledge.circumstances())?;
+        let goal = check::check(request, &knowledge.circumstances())?;
         let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
         if id_in_use || self.open.len() >= OPEN_MAX {
             return Err(Reason::of(Cause::BUSY));

@@ -1,6 +1,6 @@
 //! What the supervisor knows, and how the configuration changes while the daemon runs.
 
-use atas_core::goal::Circumstances;
+use atas_core::check::Circumstances;
 use atas_core::{Order, Settings, Wiring};
 use robot_model::{ROBOT_JOINTS, RobotModel};
 use shm_schemas::{Mode, StatusFlags};

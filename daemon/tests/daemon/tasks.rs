@@ -16,8 +16,8 @@ use crate::support::Daemon;
 fn nod(step: &str) -> String {
     format!(
         "[tasks.nod]\nacting = [\n\
-         {{ step = \"{step}\", motion = \"reach\", site = \"before-source\", modules = [\"carry\"], until = \"arrived\", timeout_s = 20.0 }},\n\
-         {{ step = \"up\", motion = \"reach\", site = \"above\", modules = [\"carry\"], until = \"arrived\", timeout_s = 20 }},\n\
+         {{ step = \"{step}\", motion = \"reach\", waypoint = \"before-source\", modules = [\"carry\"], transition = \"arrived\", timeout_s = 20.0 }},\n\
+         {{ step = \"up\", motion = \"reach\", waypoint = \"above\", modules = [\"carry\"], transition = \"arrived\", timeout_s = 20 }},\n\
          ]\n"
     )
 }
@@ -67,7 +67,7 @@ fn later_tasks_win_and_short_names_are_enough() {
     let grip = |modules: &str| {
         let text = format!(
             "[tasks.squeeze]\nacting = [{{ step = \"grip\", motion = \"stay\", modules = [{modules}], \
-             until = \"gripped\", timeout_s = 5.0 }}]"
+             transition = \"gripped\", timeout_s = 5.0 }}]"
         );
         let (_folder, source) = crate::config::source(&[&text], &[]);
         source.load().expect("valid").tasks
@@ -83,28 +83,28 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     };
     let step = |rest: &str| format!("{{ step = \"go\", {rest} }}");
     let with = |motion: &str, rest: &str| step(&format!("motion = \"{motion}\", {rest}"));
-    let ends = "until = \"arrived\", timeout_s = 5.0";
+    let ends = "transition = \"arrived\", timeout_s = 5.0";
     // Words.
     check(
         &with("reech", ends),
         "step 1 (go): \"reech\" is no motion; did you mean \"reach\"?",
     );
     check(
-        &with("reach", &format!("site = \"befor-source\", {ends}")),
-        "step 1 (go): \"befor-source\" is no site; did you mean \"before-source\"?",
+        &with("reach", &format!("waypoint = \"befor-source\", {ends}")),
+        "step 1 (go): \"befor-source\" is no waypoint; did you mean \"before-source\"?",
     );
     check(
         &with("reach", ends),
-        "step 1 (go): motion \"reach\" has no site, needs one of tilted, before-source, around, source, lifted, \
+        "step 1 (go): motion \"reach\" has no waypoint, needs one of tilted, before-source, around, source, lifted, \
          over-target, turn-start, above, home",
     );
     check(
-        &with("stay", &format!("site = \"home\", {ends}")),
-        "step 1 (go): motion \"stay\" goes to no site; leave site out",
+        &with("stay", &format!("waypoint = \"home\", {ends}")),
+        "step 1 (go): motion \"stay\" goes to no waypoint; leave waypoint out",
     );
     check(
-        &with("stay", "until = \"arived\""),
-        "step 1 (go): \"arived\" is no until; did you mean \"arrived\"?",
+        &with("stay", "transition = \"arived\""),
+        "step 1 (go): \"arived\" is no transition; did you mean \"arrived\"?",
     );
     check(
         &with("stay", &format!("modules = [\"module 2, slips\"], {ends}")),
@@ -122,22 +122,22 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     check("{ motion = \"stay\" }", "step 1 (?): has no step");
     check(
         "5",
-        "step 1 (?): is 5, needs { step = …, motion = …, until = …, … }",
+        "step 1 (?): is 5, needs { step = …, motion = …, transition = …, … }",
     );
     // Meeting points and times.
     check(
-        &with("stay", "until = \"met\""),
-        "step 1 (go): until \"met\" has no point, needs 1 to 254",
+        &with("stay", "transition = \"met\""),
+        "step 1 (go): transition \"met\" has no point, needs 1 to 254",
     );
     check(
-        &with("stay", "until = \"met\", point = 255"),
+        &with("stay", "transition = \"met\", point = 255"),
         "step 1 (go): point is 255, needs a whole number from 1 to 254",
     );
     check(
-        &with("stay", "until = \"met\", point = 1"),
+        &with("stay", "transition = \"met\", point = 1"),
         "step 1 (go): waits for the other hand, which has no steps",
     );
-    let carry = "site = \"home\", modules = [\"carry\"], until = \"arrived\"";
+    let carry = "waypoint = \"home\", modules = [\"carry\"], transition = \"arrived\"";
     for (timeout, said) in [("0", "0"), ("-2.5", "-2.5"), ("4000", "4000")] {
         check(
             &with("reach", &format!("{carry}, timeout_s = {timeout}")),
@@ -164,7 +164,7 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     check(
         &with(
             "stay",
-            "modules = [\"first touch\"], until = \"gripped\", timeout_s = 5.0",
+            "modules = [\"first touch\"], transition = \"gripped\", timeout_s = 5.0",
         ),
         "step 1 (go): presses an object, needs \"module 3, force limit\" among its modules",
     );
@@ -178,9 +178,9 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     check(
         &with(
             "lower",
-            "modules = [\"transfer\", \"force limit\"], until = \"concluded\", timeout_s = 5.0",
+            "modules = [\"transfer\", \"force limit\"], transition = \"concluded\", timeout_s = 5.0",
         ),
-        "step 1 (go): needs \"module 4, release\" and until = \"concluded\": it has no other end",
+        "step 1 (go): needs \"module 4, release\" and transition = \"concluded\": it has no other end",
     );
     check(
         &with("reach", &format!("{carry}, timeout_s = 5.0"))
@@ -193,7 +193,7 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
         &[],
         "0.toml:1: tasks.grasp: is the name of a built-in task; choose another one",
     );
-    let wait = with("stay", "until = \"met\", point = 2");
+    let wait = with("stay", "transition = \"met\", point = 2");
     let text = format!("[tasks.two]\nacting = [{wait}]\nhelping = [{good}]");
     check_refused(
         &[&text],

@@ -147,8 +147,8 @@ fn sentence(event: &ModuleEvent) -> String {
             )
         }
         EventKind::STEP => format!("{hand:5}  step {}", event.text),
-        EventKind::HARDNESS => {
-            format!("{hand:5}  hardness {value:.0} N/m, F_2 is {threshold:.2} N")
+        EventKind::STIFFNESS => {
+            format!("{hand:5}  stiffness {value:.0} N/m, F_2 is {threshold:.2} N")
         }
         EventKind::GOAL => format!("{hand:5}  goal {}{}", event.text, because(event)),
         EventKind::MODE => format!("       mode {}{}", event.mode, because(event)),
@@ -219,9 +219,9 @@ mod tests {
             ModuleEvent {
                 value: 1512.3,
                 threshold: 0.756,
-                ..right(EventKind::HARDNESS)
+                ..right(EventKind::STIFFNESS)
             },
-            "right  hardness 1512 N/m, F_2 is 0.76 N",
+            "right  stiffness 1512 N/m, F_2 is 0.76 N",
         );
         check(
             ModuleEvent {

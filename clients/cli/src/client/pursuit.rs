@@ -151,16 +151,16 @@ fn success(goal: &GoalRequest, story: &Story) -> String {
     let [first, second, ..] = figures.normal_n;
     match goal.kind {
         GoalKind::GRASP => format!(
-            "holds with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), hardness {:.0} N/m, lifted {:.1} mm",
+            "holds with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m, lifted {:.1} mm",
             figures.f1_n,
             figures.f2_n,
-            figures.hardness_n_m,
+            figures.stiffness_n_m,
             figures.lifted_m * 1e3
         ),
         GoalKind::PICK_PLACE => format!(
-            "set down and let go; carried with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), hardness {:.0} N/m; \
+            "set down and let go; carried with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m; \
              the hand is at home",
-            figures.f1_n, figures.f2_n, figures.hardness_n_m,
+            figures.f1_n, figures.f2_n, figures.stiffness_n_m,
         ),
         GoalKind::SCREW => "the cap is tight; the hand is at home".into(),
         GoalKind::ASSEMBLE => "the cap is on the bottle and tight; both hands are at home".into(),

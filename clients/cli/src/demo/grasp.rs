@@ -100,6 +100,6 @@ pub(super) fn gripped(figures: &GraspFigures) -> Vec<Figure> {
         },
         Figure::hidden("f1_n", figures.f1_n),
         shown("F_2 N", "f2_n", figures.f2_n, 2),
-        shown("hardness N/m", "hardness_n_m", figures.hardness_n_m, 0),
+        shown("stiffness N/m", "stiffness_n_m", figures.stiffness_n_m, 0),
     ]
 }

@@ -110,7 +110,7 @@ fn grasped(trial: &Trial, load: Load) -> Grasped {
     let slips_m = truth.slip_m[hand][fingers].iter();
     let slip_m = slips_m.fold(0.0, |farthest: f64, slip_m| farthest.max(*slip_m));
     let is_held = outcome == Outcome::Held;
-    let measured_f2 = end.figures.hardness_n_m > 0.0;
+    let measured_f2 = end.figures.stiffness_n_m > 0.0;
     let unexpected = !outcome.is_expected(load.is_feasible());
     Grasped {
         load,

@@ -1,12 +1,12 @@
 //! What governs the grip: our modules, or a baseline to beat.
 //!
 //! A baseline is a task made of the built-in one: the same motions, the same guard, the same Module 4; but where the
-//! built-in task has its modules for the grip (hardness probe, modules 1, 2 and 3, what gives force back and what proves
-//! a lift), the baseline has one that knows neither hardness nor F_2. It runs in the same controller, by the same arms.
+//! built-in task has its modules for the grip (stiffness probe, modules 1, 2 and 3, what gives force back and what proves
+//! a lift), the baseline has one that knows neither stiffness nor F_2. It runs in the same controller, by the same arms.
 
 use atas_core::Settings;
 use atas_core::modules::Selection;
-use atas_core::tasks::{self, Name, Step, Task, Track, Until};
+use atas_core::tasks::{self, Name, Step, Task, Track, Transition};
 use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
 /// What the built-in tasks govern the grip with.
@@ -16,9 +16,9 @@ const OURS: [ModuleId; 6] = [
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
     ModuleId::RELAX,
-    ModuleId::LIFT_PROOF,
+    ModuleId::LOAD_TEST,
 ];
-/// Share of F_2 that F_1 never exceeds ([`atas_core::tasks::Thresholds`]).
+/// Share of F_2 that F_1 never exceeds ([`atas_core::thresholds::Thresholds`]).
 const F1_BELOW_F2: f64 = 0.8;
 
 /// Force per finger from which the slip-reactive baseline starts, N: the best of 0.35, 0.6 and 1 N over other seeds.
@@ -27,7 +27,7 @@ const START_N: f64 = 0.6;
 /// A law of the grip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
-    /// Modules 1, 2, 3, the hardness probe and relaxing, as the built-in tasks have them.
+    /// Modules 1, 2, 3, the stiffness probe and relaxing, as the built-in tasks have them.
     Ours,
     /// A gripper that closes until it presses with this force per finger, N, and keeps it: Module 1 alone, F_1 being the
     /// force.
@@ -97,16 +97,18 @@ impl Law {
     }
 }
 
-/// The same steps with another module for the grip, without those that feel hardness.
+/// The same steps with another module for the grip, without those that feel stiffness.
 fn governed(track: &Track, module: ModuleId) -> Track {
-    let felt = track.iter().filter(|s| s.until != Until::HardnessKnown);
+    let felt = track
+        .iter()
+        .filter(|s| s.transition != Transition::StiffnessKnown);
     let steps: Vec<Step> = felt
         .map(|step| Step {
             modules: replaced(step.modules, module),
             ..*step
         })
         .collect();
-    // It has no more steps than before, and not all of them feel hardness.
+    // It has no more steps than before, and not all of them feel stiffness.
     Track::checked(&steps).unwrap_or(*track)
 }
 
@@ -146,8 +148,10 @@ mod tests {
             );
             assert_eq!(task.demands(), ours.demands());
             let motions = |track: &Track| -> Vec<_> {
-                let felt = track.iter().filter(|s| s.until != Until::HardnessKnown);
-                felt.map(|step| (step.name, step.motion, step.until))
+                let felt = track
+                    .iter()
+                    .filter(|s| s.transition != Transition::StiffnessKnown);
+                felt.map(|step| (step.name, step.motion, step.transition))
                     .collect()
             };
             assert_eq!(motions(&task.acting), motions(&ours.acting));
@@ -166,7 +170,7 @@ mod tests {
     #[test]
     fn a_fixed_force_is_f1() {
         let settings = Law::FixedForce(3.0).settings(&Settings::default());
-        let thresholds = tasks::Thresholds::unknown(&settings.grasp);
+        let thresholds = atas_core::thresholds::Thresholds::unknown(&settings.grasp);
         assert!((thresholds.f1_n - 3.0).abs() < 1e-12, "{thresholds:?}");
         assert_eq!(settings.check(), Ok(()));
     }

@@ -1,7 +1,7 @@
 //! The grasp: what physics allows for an object, and what became of it.
 
 use atas_core::settings;
-use atas_core::tasks::Thresholds;
+use atas_core::thresholds::Thresholds;
 use shm_schemas::{Cause, GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 use sim_backend::Object;
 
@@ -11,7 +11,7 @@ const LIFTED_SHARE: f64 = 0.5;
 /// Normal force of a finger that still presses, N (ours: half of the controller's own touch threshold).
 const PRESSED_N: f64 = 0.03;
 /// An object is borderline if the force it needs is within this share of F_2. Measured with `atas eval grasp --seeds 25`:
-/// of soft objects the hardness probe finds F_2 too high by 5 to 9 %, with a standard deviation of 4 %.
+/// of soft objects the stiffness probe finds F_2 too high by 5 to 9 %, with a standard deviation of 4 %.
 const BORDERLINE_SHARE: f64 = 0.15;
 
 /// The forces that decide whether an object can be held. All per finger, N.
@@ -53,7 +53,7 @@ impl Load {
         self.needed_n < self.f2_n && self.needed_n < self.crush_n
     }
 
-    /// Borderline: so near to F_2 that the measured hardness may rightly decide either way. Reported beside the counts,
+    /// Borderline: so near to F_2 that the measured stiffness may rightly decide either way. Reported beside the counts,
     /// never taken out of them.
     #[must_use]
     pub fn is_borderline(&self) -> bool {

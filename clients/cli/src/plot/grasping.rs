@@ -10,11 +10,11 @@ use crate::eval::SIDE;
 /// Modules with their colours, as lanes from top to bottom.
 const LANES: [(ModuleId, &str, RGBColor); 7] = [
     (ModuleId::FIRST_TOUCH, "1 first touch", BLUE),
-    (ModuleId::PROBE, "hardness probe", PINK),
+    (ModuleId::PROBE, "stiffness probe", PINK),
     (ModuleId::SLIP, "2 slip", RED),
     (ModuleId::FORCE_LIMIT, "3 force limit", ORANGE),
     (ModuleId::RELAX, "relax", SKY),
-    (ModuleId::LIFT_PROOF, "lift proof", GREEN),
+    (ModuleId::LOAD_TEST, "load test", GREEN),
     (ModuleId::CARRY, "carry", GREY),
 ];
 

@@ -1,9 +1,9 @@
-//! The room of the goal: how it begins, what the hands do for it, what its client hears, how it ends.
+//! The room of the goal: how it begins, what the hands do for it, what its client is told, how it ends.
 
 use super::Controller;
 use crate::goal::{ActiveGoal, Goal};
 use crate::hand::HandControl;
-use crate::tasks::Outcome;
+use crate::runner::Outcome;
 use robot_model::Side;
 use shm_schemas::{
     Cause, EventKind, GoalState, GoalUpdate, Mode, ModuleEvent, Reason, Stamp, Text,
@@ -96,7 +96,7 @@ impl Controller {
     pub(super) fn pursue(&mut self) {
         let reached = self.hands.each_ref().map(HandControl::reached);
         for side in Side::BOTH {
-            self.hands[side.index()].hear(reached[1 - side.index()]);
+            self.hands[side.index()].receive_peer(reached[1 - side.index()]);
             let outcome =
                 self.hands[side.index()].act(&self.settings, self.step_s, &mut self.outputs.events);
             let Some(outcome) = outcome else { continue };

@@ -31,23 +31,26 @@ impl Controller {
         if fault.is_some() && self.gate.is_anchored() {
             self.stop(fault);
         }
-        let (doubt, step_s) = (self.doubt(), self.step_s);
+        let (hold_reason, step_s) = (self.hold_reason(), self.step_s);
         let has_task = self.hands.iter().any(HandControl::is_busy);
-        self.mode_change(|mode| mode.update(doubt, has_task, step_s));
+        self.mode_change(|mode| mode.update(hold_reason, has_task, step_s));
         self.locate();
         self.watch_pause();
     }
 
     /// What the robot must be held for, if anything.
-    fn doubt(&self) -> Reason {
-        let doubts = [
+    fn hold_reason(&self) -> Reason {
+        let reasons = [
             self.stall,
-            self.hands[0].doubt(self.tick, &self.settings),
-            self.hands[1].doubt(self.tick, &self.settings),
-            self.joints.doubt(self.tick, &self.settings.intake),
+            self.hands[0].hold_reason(self.tick, &self.settings),
+            self.hands[1].hold_reason(self.tick, &self.settings),
+            self.joints.hold_reason(self.tick, &self.settings.intake),
         ];
         if self.wiring.joints_required {
-            doubts.into_iter().find(Reason::is_some).unwrap_or_default()
+            reasons
+                .into_iter()
+                .find(Reason::is_some)
+                .unwrap_or_default()
         } else {
             Reason::of(Cause::JOINTS_STOPPED)
         }

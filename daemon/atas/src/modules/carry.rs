@@ -3,7 +3,7 @@
 //! The paper's robot lifts, conveys and lowers between its tactile behaviours without naming a module for it; here it
 //! is one proposal among the others, so that slip can slow it down.
 
-use super::{Carried, Context, Module, Proposal};
+use super::{Context, Module, PoseCommand, Proposal};
 use crate::perception::Percept;
 
 /// How far along its path the hand is, s of path time.
@@ -19,7 +19,7 @@ impl Module for Carry {
         let frame = context.path.at(self.path_s);
         Proposal {
             active: !arrived,
-            carry: Some(Carried {
+            pose: Some(PoseCommand {
                 frame,
                 with_fingers: context.path.moves_fingers(),
                 arrived,

@@ -1,7 +1,7 @@
 //! Module 1, first touch (paper II.b (1)): "if the grasping force reaches threshold of minimum grasping force F_1 when
 //! it first touches the object, the grasping force enhancement behavior is stopped (F_n > F_1)".
 //!
-//! Until every finger has touched, each finger closes at the approach speed (paper: 2 mm/s), stops at its own first
+//! Transition every finger has touched, each finger closes at the approach speed (paper: 2 mm/s), stops at its own first
 //! touch and waits for the other. Then all fingers close until the weakest presses more than F_1. An object that the
 //! hand carries already is not touched for the first time: what is left to do is to keep in touch with it. The module is
 //! active while it enhances.

@@ -11,48 +11,48 @@
 //! | `slip` | 2: enhance while slipping, dF_t > dr | II.b (1) |
 //! | `force_limit` | 3: never enhance above F_2 | II.b (1) |
 //! | `relax` | gives back force that friction does not need | ours |
-//! | `lift_proof` | tugs back once in a lift: does the object hang? | ours |
-//! | `probe` | hardness within 100 ms of the first touch, refined while the force grows | II.b (1) |
-//! | `guard` | turns back what touches something on its way | ours |
+//! | `load_test` | tugs back once in a lift: does the object hang? | ours |
+//! | `probe` | stiffness within 100 ms of the first touch, refined while the force grows | II.b (1) |
+//! | `contact_guard` | turns back what touches something on its way | ours |
 //! | `carry` | moves the hand along the step's path | II.b (1), (3) |
 //! | `trajectory` | 0: the square trajectory, and what contact makes of it | II.b (2) |
 //! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
 //! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
-//! | `react` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
+//! | `slip_reaction` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
 
 mod carry;
+mod contact_guard;
 mod first_touch;
 mod force_limit;
-mod guard;
-mod lift_proof;
+mod load_test;
 mod probe;
-mod react;
 mod relax;
 mod release_placed;
 mod slip;
+mod slip_reaction;
 mod terminate_screw;
 mod trajectory;
 mod transfer;
 
 use crate::path::Path;
-use crate::perception::{HardnessFit, Percept};
+use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
-use crate::tasks::Thresholds;
+use crate::thresholds::Thresholds;
 use carry::Carry;
+use contact_guard::ContactGuard;
 use first_touch::FirstTouch;
 use force_limit::ForceLimit;
 pub(crate) use force_limit::RELEASE_SHARE;
-use guard::Guard;
-use lift_proof::LiftProof;
+use load_test::LoadTest;
 use nalgebra::Matrix3;
 use probe::Probe;
-use react::React;
 use relax::Relax;
 use release_placed::ReleasePlaced;
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{ModuleId, Reason};
 use slip::Slip;
+use slip_reaction::SlipReaction;
 use terminate_screw::TerminateScrew;
 use trajectory::Trajectory;
 use transfer::Transfer;
@@ -102,14 +102,14 @@ pub struct Proposal {
     /// Highest factor on the hand's speed along its path that the module tolerates, −1 (back) to 1.
     pub carry_ceiling: f64,
     /// Where the module wants the hand to be.
-    pub carry: Option<Carried>,
+    pub pose: Option<PoseCommand>,
     /// What the module concludes.
     pub verdict: Verdict,
 }
 
 /// A wanted pose of the hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carried {
+pub struct PoseCommand {
     /// The pose.
     pub frame: GraspFrame,
     /// Whether the pose includes the opening of the fingers; otherwise they keep what the closing speeds made.
@@ -124,8 +124,8 @@ pub enum Verdict {
     /// Nothing to conclude.
     #[default]
     None,
-    /// The hardness of the object.
-    Hardness(HardnessFit),
+    /// The stiffness of the object.
+    Stiffness(StiffnessFit),
     /// What the step is for has happened.
     Done,
     /// The object cannot be handled, because of this.
@@ -139,7 +139,7 @@ impl Default for Proposal {
             closing_m_s: [0.0; FINGERS],
             closing_ceiling_m_s: [f64::INFINITY; FINGERS],
             carry_ceiling: 1.0,
-            carry: None,
+            pose: None,
             verdict: Verdict::None,
         }
     }
@@ -200,9 +200,9 @@ pub struct Modules {
     release_placed: ReleasePlaced,
     trajectory: Trajectory,
     terminate_screw: TerminateScrew,
-    guard: Guard,
-    lift_proof: LiftProof,
-    react: React,
+    contact_guard: ContactGuard,
+    load_test: LoadTest,
+    slip_reaction: SlipReaction,
 }
 
 /// The modules in the order of their proposals. The order carries no meaning.
@@ -217,8 +217,8 @@ pub const IDS: [ModuleId; COUNT] = [
     ModuleId::RELEASE_PLACED,
     ModuleId::TRAJECTORY,
     ModuleId::TERMINATE_SCREW,
-    ModuleId::GUARD,
-    ModuleId::LIFT_PROOF,
+    ModuleId::CONTACT_GUARD,
+    ModuleId::LOAD_TEST,
     ModuleId::SLIP_REACTION,
 ];
 
@@ -241,9 +241,9 @@ impl Modules {
             &mut self.release_placed,
             &mut self.trajectory,
             &mut self.terminate_screw,
-            &mut self.guard,
-            &mut self.lift_proof,
-            &mut self.react,
+            &mut self.contact_guard,
+            &mut self.load_test,
+            &mut self.slip_reaction,
         ];
         let mut proposals = [Proposal::default(); COUNT];
         for ((module, id), proposal) in list.into_iter().zip(IDS).zip(&mut proposals) {

@@ -1,4 +1,4 @@
-//! Hardness probe (paper II.b (1)): "After the first touch during 100 msec, the robot measures the object's hardness.
+//! Stiffness probe (paper II.b (1)): "After the first touch during 100 msec, the robot measures the object's hardness.
 //! Based on the hardness, threshold F_2 is specified."
 //!
 //! All fingers close at the approach speed for the probe's duration; the verdict is the fit, or, when the forces tell
@@ -7,15 +7,15 @@
 //! before, the fit is refined and F_2 with it. What slips tells nothing: its faces move by more than they give.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
-use crate::perception::{Hardness, HardnessFit, Percept};
+use crate::perception::{Percept, StiffnessEstimate, StiffnessFit};
 use robot_model::FINGERS;
 
 /// The samples so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Probe {
     elapsed_s: f64,
-    hardness: Hardness,
-    fit: Option<HardnessFit>,
+    stiffness: StiffnessEstimate,
+    fit: Option<StiffnessFit>,
 }
 
 impl Module for Probe {
@@ -33,7 +33,7 @@ impl Module for Probe {
             verdict: self
                 .fit
                 .filter(|_| done)
-                .map_or(Verdict::None, Verdict::Hardness),
+                .map_or(Verdict::None, Verdict::Stiffness),
             ..Proposal::default()
         }
     }
@@ -55,7 +55,7 @@ impl Probe {
             / FINGERS as f64;
         let settings = &context.settings.perception;
         let news = self
-            .hardness
+            .stiffness
             .add(context.closing_m, mean_n, percept.step_s, settings);
         self.fit = news.or(self.fit);
     }

@@ -12,7 +12,7 @@
 //! Two reflexes keep the square on the cap: a finger that presses harder than the other gives way, and the hand presses
 //! lightly down, so that it follows the cap along its thread.
 
-use super::{Carried, Context, Module, Proposal, force_range_n, force_up_n};
+use super::{Context, Module, PoseCommand, Proposal, force_range_n, force_up_n};
 use crate::perception::Percept;
 use robot_model::{FINGERS, GraspFrame};
 
@@ -97,7 +97,7 @@ impl Module for Trajectory {
         Proposal {
             active: true,
             closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; FINGERS],
-            carry: Some(Carried {
+            pose: Some(PoseCommand {
                 frame: self.frame(context),
                 with_fingers: self.edge != Edge::Grip,
                 arrived: false,

@@ -5,7 +5,7 @@
 //! `place.lower_m_s` from where the path ends. It does not know how high the support lies: it stops when Module 4 ends
 //! the step, or, having arrived, at the step's bound.
 
-use super::{Carried, Context, Module, Proposal};
+use super::{Context, Module, PoseCommand, Proposal};
 use crate::limits::LOWERING_ACCELERATION_M_S2;
 use crate::perception::Percept;
 use nalgebra::Vector3;
@@ -37,7 +37,7 @@ impl Module for Transfer {
         let arrived = conveyed && self.lowered_m >= depth_max_m;
         Proposal {
             active: !arrived,
-            carry: Some(Carried {
+            pose: Some(PoseCommand {
                 frame,
                 with_fingers: context.path.moves_fingers(),
                 arrived,

@@ -89,7 +89,7 @@ impl Finger {
     }
 
     /// Takes in this finger's part of one frame.
-    pub fn feel(
+    pub fn update(
         &mut self,
         finger: usize,
         frame: &CheckedFrame<'_>,

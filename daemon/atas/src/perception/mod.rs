@@ -9,13 +9,13 @@
 
 mod finger;
 mod friction;
-mod hardness;
 mod increment;
 mod noise;
 mod patch;
+mod stiffness;
 
 pub use finger::{Finger, FingerPercept};
-pub use hardness::{Hardness, HardnessFit};
+pub use stiffness::{StiffnessEstimate, StiffnessFit};
 
 use crate::intake::CheckedFrame;
 use crate::settings::Perception as Settings;
@@ -58,9 +58,9 @@ impl Perception {
     }
 
     /// Takes in one frame.
-    pub fn feel(&mut self, frame: &CheckedFrame<'_>, settings: &Settings) {
+    pub fn update(&mut self, frame: &CheckedFrame<'_>, settings: &Settings) {
         for (index, finger) in self.fingers[..self.count].iter_mut().enumerate() {
-            self.percept.fingers[index] = finger.feel(index, frame, settings);
+            self.percept.fingers[index] = finger.update(index, frame, settings);
         }
         self.percept.captured_ns = frame.captured_ns();
         self.percept.step_s += frame.step_s();

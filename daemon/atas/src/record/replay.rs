@@ -1,7 +1,9 @@
 //! The controller on recorded inputs.
 
 use super::{Unreadable, read_order};
-use crate::{Controller, Inputs, Outputs, Tick};
+use crate::controller::Controller;
+use crate::io::{Inputs, Outputs};
+use crate::tick::Tick;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, Mode, TickInputs};
 use zerocopy::IntoBytes;

@@ -1,7 +1,7 @@
 //! A task as words for the bus, and back.
 
 use crate::modules::{IDS, Selection};
-use crate::tasks::{ENDS, MOTIONS, Name, SITES, Step, Task, Track, Until};
+use crate::tasks::{MOTIONS, Name, Step, TRANSITIONS, Task, Track, Transition, WAYPOINTS};
 use shm_schemas::{StepRecord, TaskRecord, Text, TrackRecord};
 
 /// A task as a record.
@@ -53,13 +53,17 @@ fn write_step(step: &Step) -> StepRecord {
     StepRecord {
         name: Text::new(&step.name),
         motion: place(MOTIONS.iter().position(|m| m.word() == motion.word())),
-        site: place(motion.site().map_or(Some(0), |site| {
-            SITES.iter().position(|known| *known == site)
+        waypoint: place(motion.waypoint().map_or(Some(0), |waypoint| {
+            WAYPOINTS.iter().position(|known| *known == waypoint)
         })),
         modules: bits(step.modules),
-        until: place(ENDS.iter().position(|u| u.word() == step.until.word())),
-        point: match step.until {
-            Until::Met(point) => u32::from(point),
+        transition: place(
+            TRANSITIONS
+                .iter()
+                .position(|u| u.word() == step.transition.word()),
+        ),
+        point: match step.transition {
+            Transition::Met(point) => u32::from(point),
             _ => 0,
         },
         pad: 0,
@@ -69,9 +73,9 @@ fn write_step(step: &Step) -> StepRecord {
 
 fn read_step(record: &StepRecord) -> Option<Step> {
     let motion = MOTIONS.get(record.motion as usize)?;
-    let site = SITES.get(record.site as usize)?;
-    let until = match ENDS.get(record.until as usize)? {
-        Until::Met(_) => Until::Met(u8::try_from(record.point).ok()?),
+    let waypoint = WAYPOINTS.get(record.waypoint as usize)?;
+    let until = match TRANSITIONS.get(record.transition as usize)? {
+        Transition::Met(_) => Transition::Met(u8::try_from(record.point).ok()?),
         until => *until,
     };
     let modules = IDS
@@ -81,7 +85,7 @@ fn read_step(record: &StepRecord) -> Option<Step> {
     if bits(modules) != record.modules {
         return None;
     }
-    let (name, motion) = (record.name.as_str(), motion.to(*site));
+    let (name, motion) = (record.name.as_str(), motion.to(*waypoint));
     Some(Step::new(name, motion, modules, until, record.timeout_s))
 }
 

@@ -8,9 +8,11 @@
 //! | 2 | | 2 | lets go, goes home |
 
 use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
+use super::name::Name;
 use super::pick_place::{CONVEY_IT, LIFT_IT, PLACE_IT};
 use super::screw::SCREW_IT;
-use super::{Motion, Name, Site, Step, Task, Track, Until};
+use super::step::{Motion, Step, Transition, Waypoint};
+use super::track::{Task, Track};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
@@ -21,8 +23,14 @@ const CLOSED: u8 = 2;
 
 const REGRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::FORCE_LIMIT]);
 
-const fn reach(name: &str, site: Site) -> Step {
-    Step::new(name, Motion::Reach(site), CARRY, Until::Arrived, 20.0)
+const fn reach(name: &str, waypoint: Waypoint) -> Step {
+    Step::new(
+        name,
+        Motion::Reach(waypoint),
+        CARRY,
+        Transition::Arrived,
+        20.0,
+    )
 }
 
 const fn meet(name: &str, modules: Selection, point: u8) -> Step {
@@ -30,7 +38,7 @@ const fn meet(name: &str, modules: Selection, point: u8) -> Step {
         name,
         Motion::Stay,
         modules,
-        Until::Met(point),
+        Transition::Met(point),
         f64::INFINITY,
     )
 }
@@ -49,9 +57,9 @@ pub static ASSEMBLE: Task = Task {
         CONVEY_IT,
         PLACE_IT,
         OPEN,
-        reach("line up", Site::TurnStart),
+        reach("line up", Waypoint::TurnStart),
         APPROACH,
-        Step::new("regrip", Motion::Stay, REGRIP, Until::Gripped, 5.0),
+        Step::new("regrip", Motion::Stay, REGRIP, Transition::Gripped, 5.0),
         SCREW_IT,
         OPEN,
         LEAVE,
@@ -59,16 +67,16 @@ pub static ASSEMBLE: Task = Task {
         meet("rest", Selection::NONE, CLOSED),
     ]),
     helping: Some(Track::of(&[
-        reach("tilt", Site::Tilted),
+        reach("tilt", Waypoint::Tilted),
         REACH,
-        reach("insert", Site::Around),
+        reach("insert", Waypoint::Around),
         DESCEND,
         APPROACH,
         FEEL,
         GRASP_IT,
         meet("hold", SECURE, CLOSED),
         OPEN,
-        reach("back out", Site::BeforeSource),
+        reach("back out", Waypoint::BeforeSource),
         GO_HOME,
     ])),
 };

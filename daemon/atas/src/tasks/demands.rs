@@ -1,6 +1,7 @@
 //! What a task asks of its goal and of the hands, read off its steps.
 
-use super::{Motion, Site, Step, Task, Track};
+use super::step::{Motion, Step, Waypoint};
+use super::track::{Task, Track};
 
 /// What must be checked before a task begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,24 +18,30 @@ pub struct Demands {
     pub both_hands: bool,
 }
 
-impl Demands {
-    /// Of a task.
-    pub(super) fn of(task: &Task) -> Self {
-        let track = &task.acting;
-        let visits = |sites: &[Site]| {
+impl Task {
+    /// What the task asks of its goal.
+    #[must_use]
+    pub fn demands(&self) -> Demands {
+        let track = &self.acting;
+        let visits = |waypoints: &[Waypoint]| {
             track
                 .iter()
-                .filter_map(|step| step.motion.site())
-                .any(|site| sites.contains(&site))
+                .filter_map(|step| step.motion.waypoint())
+                .any(|waypoint| waypoints.contains(&waypoint))
         };
-        Self {
-            visits_source: visits(&[Site::BeforeSource, Site::Around, Site::Source, Site::Lifted]),
-            visits_target: visits(&[Site::OverTarget]) || does(track, Motion::Lower),
-            grasps_to_turn: does(track, Motion::Square) && !visits(&[Site::TurnStart]),
+        Demands {
+            visits_source: visits(&[
+                Waypoint::BeforeSource,
+                Waypoint::Around,
+                Waypoint::Source,
+                Waypoint::Lifted,
+            ]),
+            visits_target: visits(&[Waypoint::OverTarget]) || does(track, Motion::Lower),
+            grasps_to_turn: does(track, Motion::Square) && !visits(&[Waypoint::TurnStart]),
             lets_go_first: track
                 .first()
                 .is_some_and(|s| matches!(s.motion, Motion::Open | Motion::LetGo)),
-            both_hands: task.helping.is_some(),
+            both_hands: self.helping.is_some(),
         }
     }
 }

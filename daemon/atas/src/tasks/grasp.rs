@@ -1,12 +1,13 @@
 //! The grasp (paper II.b (1), Fig. 4): modules 1, 2 and 3.
 
-use super::{Motion, Site, Step, Task, Track, Until};
+use super::step::{Motion, Step, Transition, Waypoint};
+use super::track::{Task, Track};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
 pub(super) const CARRY: Selection = Selection::of(&[ModuleId::CARRY]);
 /// Moves freely, and expects to touch nothing.
-const FREE: Selection = CARRY.and(Selection::of(&[ModuleId::GUARD]));
+const FREE: Selection = CARRY.and(Selection::of(&[ModuleId::CONTACT_GUARD]));
 pub(super) const TOUCH: Selection = Selection::of(&[ModuleId::FIRST_TOUCH]);
 pub(super) const PROBE: Selection = Selection::of(&[ModuleId::PROBE]);
 pub(super) const GRIP: Selection = Selection::of(&[
@@ -24,49 +25,60 @@ pub(super) const SECURE: Selection = Selection::of(&[
 ]);
 /// The same, with no more force than needed.
 const HOLD: Selection = SECURE.and(Selection::of(&[ModuleId::RELAX]));
-const LIFT: Selection = HOLD.and(Selection::of(&[ModuleId::CARRY, ModuleId::LIFT_PROOF]));
+const LIFT: Selection = HOLD.and(Selection::of(&[ModuleId::CARRY, ModuleId::LOAD_TEST]));
 
 pub(super) const REACH: Step = Step::new(
     "reach",
-    Motion::Reach(Site::BeforeSource),
+    Motion::Reach(Waypoint::BeforeSource),
     FREE,
-    Until::Arrived,
+    Transition::Arrived,
     20.0,
 );
 pub(super) const DESCEND: Step = Step::new(
     "descend",
-    Motion::Reach(Site::Source),
+    Motion::Reach(Waypoint::Source),
     FREE,
-    Until::Arrived,
+    Transition::Arrived,
     10.0,
 );
-pub(super) const APPROACH: Step =
-    Step::new("approach", Motion::Stay, TOUCH, Until::AllTouched, 20.0);
-pub(super) const FEEL: Step = Step::new("probe", Motion::Stay, PROBE, Until::HardnessKnown, 3.0);
-pub(super) const GRASP_IT: Step = Step::new("grip", Motion::Stay, GRIP, Until::Gripped, 5.0);
+pub(super) const APPROACH: Step = Step::new(
+    "approach",
+    Motion::Stay,
+    TOUCH,
+    Transition::AllTouched,
+    20.0,
+);
+pub(super) const FEEL: Step = Step::new(
+    "probe",
+    Motion::Stay,
+    PROBE,
+    Transition::StiffnessKnown,
+    3.0,
+);
+pub(super) const GRASP_IT: Step = Step::new("grip", Motion::Stay, GRIP, Transition::Gripped, 5.0);
 const LIFT_IT: Step = Step::new(
     "lift",
-    Motion::Carry(Site::Lifted),
+    Motion::Carry(Waypoint::Lifted),
     LIFT,
-    Until::Arrived,
+    Transition::Arrived,
     120.0,
 );
-pub(super) const OPEN: Step = Step::new("open", Motion::Open, CARRY, Until::Arrived, 10.0);
+pub(super) const OPEN: Step = Step::new("open", Motion::Open, CARRY, Transition::Arrived, 10.0);
 pub(super) const LEAVE: Step = Step::new(
     "leave",
-    Motion::Reach(Site::Above),
+    Motion::Reach(Waypoint::Above),
     CARRY,
-    Until::Arrived,
+    Transition::Arrived,
     10.0,
 );
 pub(super) const GO_HOME: Step = Step::new(
     "home",
-    Motion::Reach(Site::Home),
+    Motion::Reach(Waypoint::Home),
     CARRY,
-    Until::Arrived,
+    Transition::Arrived,
     20.0,
 );
-const HOLD_IT: Step = Step::new("hold", Motion::Stay, HOLD, Until::Held, f64::INFINITY);
+const HOLD_IT: Step = Step::new("hold", Motion::Stay, HOLD, Transition::Held, f64::INFINITY);
 
 /// Grasp, lift and hold. The last step stays in force after the goal is reached: the hand keeps watching what it holds.
 pub static GRASP: Task = Task::of(
@@ -81,17 +93,17 @@ pub const STAND: Track = Track::of(&[HOLD_IT]);
 pub const BACK_OUT: Track = Track::of(&[
     Step::new(
         "lower",
-        Motion::Carry(Site::Source),
+        Motion::Carry(Waypoint::Source),
         LOWER,
-        Until::Arrived,
+        Transition::Arrived,
         60.0,
     ),
     OPEN,
     Step::new(
         "leave",
-        Motion::Reach(Site::BeforeSource),
+        Motion::Reach(Waypoint::BeforeSource),
         CARRY,
-        Until::Arrived,
+        Transition::Arrived,
         10.0,
     ),
 ]);
@@ -101,7 +113,7 @@ pub const WITHDRAW: Track = Track::of(&[Step::new(
     "withdraw",
     Motion::Withdraw,
     CARRY,
-    Until::Arrived,
+    Transition::Arrived,
     20.0,
 )]);
 

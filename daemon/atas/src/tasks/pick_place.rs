@@ -4,31 +4,33 @@
 //! edge of slipping.
 
 use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
-use super::{Motion, Site, Step, Task, Track, Until};
+use super::step::{Motion, Step, Transition, Waypoint};
+use super::track::{Task, Track};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
-const LIFT: Selection = SECURE.and(Selection::of(&[ModuleId::CARRY, ModuleId::LIFT_PROOF]));
+const LIFT: Selection = SECURE.and(Selection::of(&[ModuleId::CARRY, ModuleId::LOAD_TEST]));
 const CONVEY: Selection = SECURE.and(Selection::of(&[ModuleId::TRANSFER]));
 const PLACE: Selection = CONVEY.and(Selection::of(&[ModuleId::RELEASE_PLACED]));
 
 pub(super) const LIFT_IT: Step = Step::new(
     "lift",
-    Motion::Carry(Site::Lifted),
+    Motion::Carry(Waypoint::Lifted),
     LIFT,
-    Until::Arrived,
+    Transition::Arrived,
     120.0,
 );
 pub(super) const CONVEY_IT: Step = Step::new(
     "convey",
-    Motion::Convey(Site::OverTarget),
+    Motion::Convey(Waypoint::OverTarget),
     CONVEY,
-    Until::Arrived,
+    Transition::Arrived,
     60.0,
 );
-pub(super) const PLACE_IT: Step = Step::new("place", Motion::Lower, PLACE, Until::Concluded, 60.0);
+pub(super) const PLACE_IT: Step =
+    Step::new("place", Motion::Lower, PLACE, Transition::Concluded, 60.0);
 
-const LET_GO: Step = Step::new("let go", Motion::LetGo, CARRY, Until::Arrived, 5.0);
+const LET_GO: Step = Step::new("let go", Motion::LetGo, CARRY, Transition::Arrived, 5.0);
 
 /// Grasp at the source, convey, set down at the target, let go.
 pub static PICK_PLACE: Task = Task::of(
@@ -42,8 +44,8 @@ pub static PICK_PLACE: Task = Task::of(
 /// Lifts again what found no support.
 pub const RAISE: Track = Track::of(&[Step::new(
     "raise",
-    Motion::Carry(Site::OverTarget),
+    Motion::Carry(Waypoint::OverTarget),
     LIFT,
-    Until::Arrived,
+    Transition::Arrived,
     60.0,
 )]);

@@ -3,7 +3,9 @@
 //! A task that keeps them can be followed to its end, never presses without Module 3, never lets go of an object by
 //! moving on, and never leaves both hands waiting for each other. Whether it does anything useful is the user's matter.
 
-use super::{Motion, Name, STEPS_MAX, Step, Task, Track, Until};
+use super::name::Name;
+use super::step::{Motion, Step, Transition};
+use super::track::{STEPS_MAX, Task, Track};
 use crate::modules::Selection;
 use core::fmt;
 use shm_schemas::ModuleId;
@@ -11,7 +13,7 @@ use shm_schemas::ModuleId;
 /// Longest time that a step may be given, s (ours, as for a goal's holding time).
 pub const TIMEOUT_MAX_S: f64 = 3600.0;
 /// Modules that say where the hand goes.
-const CARRIERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
+const MOVERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
 /// Modules that close fingers.
 const CLOSERS: [ModuleId; 5] = [
     ModuleId::FIRST_TOUCH,
@@ -59,9 +61,9 @@ pub enum Rule {
     /// A step that nothing but the hand decides about has no timeout.
     NoTimeout,
     /// A step has not the module that moves the hand.
-    NoCarrier(ModuleId),
+    NoMover(ModuleId),
     /// A step has a module that would move the hand otherwise.
-    WrongCarrier(ModuleId),
+    WrongMover(ModuleId),
     /// Fingers press and Module 3 does not watch.
     NoForceLimit,
     /// A step ends by what a module says, and has no such module.
@@ -107,8 +109,8 @@ impl fmt::Display for Rule {
             Self::NoTimeout => {
                 f.write_str("has no timeout_s; only steps until held or met may do without")
             }
-            Self::NoCarrier(id) => write!(f, "moves the hand, needs \"{id}\" among its modules"),
-            Self::WrongCarrier(id) => {
+            Self::NoMover(id) => write!(f, "moves the hand, needs \"{id}\" among its modules"),
+            Self::WrongMover(id) => {
                 write!(f, "has \"{id}\", which moves the hand otherwise; leave it out")
             }
             Self::NoForceLimit => write!(
@@ -117,7 +119,7 @@ impl fmt::Display for Rule {
                 ModuleId::FORCE_LIMIT
             ),
             Self::NoModule(id) => write!(f, "ends by what \"{id}\" says, needs it among its modules"),
-            Self::NoEnd(id) => write!(f, "needs \"{id}\" and until = \"concluded\": it has no other end"),
+            Self::NoEnd(id) => write!(f, "needs \"{id}\" and transition = \"concluded\": it has no other end"),
             Self::NeverArrives => f.write_str("stays where it is and cannot arrive; choose another until"),
             Self::NothingGripped => {
                 f.write_str("moves an object, needs a step until gripped before it")
@@ -177,7 +179,10 @@ fn checked_task_name(name: &str) -> Result<Name, Rule> {
     if name.contains(' ') {
         return Err(Rule::TaskName);
     }
-    if super::BUILT_IN.iter().any(|task| task.name == name) {
+    if super::built_in::BUILT_IN
+        .iter()
+        .any(|task| task.name == name)
+    {
         return Err(Rule::BuiltIn);
     }
     Ok(checked)
@@ -199,9 +204,9 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
             .and_then(|_| check_step(step))
             .and_then(|()| check_grip(step, grips));
         check.map_err(|rule| fault(Some(index), rule))?;
-        grips = match (step.motion, step.until) {
+        grips = match (step.motion, step.transition) {
             (Motion::Open | Motion::LetGo, _) => false,
-            (_, Until::Gripped) => true,
+            (_, Transition::Gripped) => true,
             _ => grips,
         };
     }
@@ -210,7 +215,7 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
 
 fn check_step(step: &Step) -> Result<(), Rule> {
     check_timeout(step)?;
-    check_carrier(step)?;
+    check_mover(step)?;
     check_end(step)?;
     if presses(step) && !step.modules.contains(ModuleId::FORCE_LIMIT) {
         return Err(Rule::NoForceLimit);
@@ -221,7 +226,7 @@ fn check_step(step: &Step) -> Result<(), Rule> {
 fn check_timeout(step: &Step) -> Result<(), Rule> {
     let s = step.timeout_s;
     if s == f64::INFINITY {
-        return if step.until.is_open_ended() {
+        return if step.transition.is_open_ended() {
             Ok(())
         } else {
             Err(Rule::NoTimeout)
@@ -235,7 +240,7 @@ fn check_timeout(step: &Step) -> Result<(), Rule> {
 }
 
 /// The hand goes where one module says; two would contradict each other.
-fn check_carrier(step: &Step) -> Result<(), Rule> {
+fn check_mover(step: &Step) -> Result<(), Rule> {
     let needed = match step.motion {
         Motion::Stay => None,
         Motion::Reach(_) | Motion::Carry(_) | Motion::Open | Motion::LetGo => Some(ModuleId::CARRY),
@@ -245,10 +250,10 @@ fn check_carrier(step: &Step) -> Result<(), Rule> {
     };
     let has = |id: &ModuleId| step.modules.contains(*id);
     if let Some(id) = needed.filter(|id| !has(id)) {
-        return Err(Rule::NoCarrier(id));
+        return Err(Rule::NoMover(id));
     }
-    let other = CARRIERS.iter().find(|id| has(id) && Some(**id) != needed);
-    other.map_or(Ok(()), |id| Err(Rule::WrongCarrier(*id)))
+    let other = MOVERS.iter().find(|id| has(id) && Some(**id) != needed);
+    other.map_or(Ok(()), |id| Err(Rule::WrongMover(*id)))
 }
 
 fn check_end(step: &Step) -> Result<(), Rule> {
@@ -260,18 +265,18 @@ fn check_end(step: &Step) -> Result<(), Rule> {
         }
     };
     let ends = Selection::of(&[ModuleId::RELEASE_PLACED, ModuleId::TERMINATE_SCREW]);
-    let concludes = step.until == Until::Concluded;
-    match (step.motion, step.until) {
+    let concludes = step.transition == Transition::Concluded;
+    match (step.motion, step.transition) {
         (Motion::Lower, _) if !concludes || !step.modules.contains(ModuleId::RELEASE_PLACED) => {
             Err(Rule::NoEnd(ModuleId::RELEASE_PLACED))
         }
         (Motion::Square, _) if !concludes || !step.modules.contains(ModuleId::TERMINATE_SCREW) => {
             Err(Rule::NoEnd(ModuleId::TERMINATE_SCREW))
         }
-        (Motion::Stay, Until::Arrived) => Err(Rule::NeverArrives),
-        (_, Until::AllTouched | Until::Gripped) => needs(ModuleId::FIRST_TOUCH),
-        (_, Until::HardnessKnown) => needs(ModuleId::PROBE),
-        (_, Until::Concluded) if !step.modules.ids().any(|id| ends.contains(id)) => {
+        (Motion::Stay, Transition::Arrived) => Err(Rule::NeverArrives),
+        (_, Transition::AllTouched | Transition::Gripped) => needs(ModuleId::FIRST_TOUCH),
+        (_, Transition::StiffnessKnown) => needs(ModuleId::PROBE),
+        (_, Transition::Concluded) if !step.modules.ids().any(|id| ends.contains(id)) => {
             Err(Rule::NoModule(ModuleId::RELEASE_PLACED))
         }
         _ => Ok(()),
@@ -280,9 +285,9 @@ fn check_end(step: &Step) -> Result<(), Rule> {
 
 /// Whether fingers press on an object; searching it and probing it have bounds of their own.
 fn presses(step: &Step) -> bool {
-    let searches = match step.until {
-        Until::AllTouched => Some(ModuleId::FIRST_TOUCH),
-        Until::HardnessKnown => Some(ModuleId::PROBE),
+    let searches = match step.transition {
+        Transition::AllTouched => Some(ModuleId::FIRST_TOUCH),
+        Transition::StiffnessKnown => Some(ModuleId::PROBE),
         _ => None,
     };
     let closes = |id: ModuleId| CLOSERS.contains(&id) && Some(id) != searches;
@@ -334,8 +339,8 @@ fn check_meetings(task: &Task) -> Result<(), Fault> {
 
 /// The steps of a track at which it waits, with their points.
 fn meetings(track: &Track) -> impl Iterator<Item = (usize, u8)> + '_ {
-    let point = |(index, step): (usize, &Step)| match step.until {
-        Until::Met(point) => Some((index, point)),
+    let point = |(index, step): (usize, &Step)| match step.transition {
+        Transition::Met(point) => Some((index, point)),
         _ => None,
     };
     track.iter().enumerate().filter_map(point)

@@ -1,7 +1,8 @@
 //! Cap screwing (paper II.b (2), Fig. 5 and 6): modules 0, 1, 2, 3 and 4.
 
 use super::grasp::{APPROACH, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH};
-use super::{Motion, Step, Task, Until};
+use super::step::{Motion, Step, Transition};
+use super::track::Task;
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
@@ -13,7 +14,8 @@ const TURN: Selection = Selection::of(&[
     ModuleId::TERMINATE_SCREW,
 ]);
 
-pub(super) const SCREW_IT: Step = Step::new("screw", Motion::Square, TURN, Until::Concluded, 180.0);
+pub(super) const SCREW_IT: Step =
+    Step::new("screw", Motion::Square, TURN, Transition::Concluded, 180.0);
 
 /// Grasp the cap where a turn begins, turn it again and again until it is tight, let go.
 pub static SCREW: Task = Task::of(

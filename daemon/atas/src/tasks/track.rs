@@ -1,6 +1,7 @@
 //! Tasks of fixed capacity, so that a user's task can be handed to the tick without the heap.
 
-use super::{Demands, Motion, Name, Step, Until};
+use super::name::Name;
+use super::step::{Motion, Step, Transition};
 use crate::modules::Selection;
 use core::ops::Deref;
 
@@ -16,7 +17,8 @@ pub struct Track {
 
 impl Step {
     /// What stands in the unused places of a track.
-    pub(crate) const NONE: Self = Self::new("", Motion::Stay, Selection::NONE, Until::Arrived, 0.0);
+    pub(crate) const NONE: Self =
+        Self::new("", Motion::Stay, Selection::NONE, Transition::Arrived, 0.0);
 }
 
 impl Track {
@@ -79,11 +81,5 @@ impl Task {
             acting: Track::of(steps),
             helping: None,
         }
-    }
-
-    /// What the task asks of its goal.
-    #[must_use]
-    pub fn demands(&self) -> Demands {
-        Demands::of(self)
     }
 }

@@ -2,16 +2,16 @@
 //!
 //! Both are read off the same lists. A number is a place in its list, so what is new comes last.
 
-use super::{Motion, Site, Until};
+use super::step::{Motion, Transition, Waypoint};
 use crate::modules::{IDS, Selection};
 use shm_schemas::ModuleId;
 
-/// The motions. A motion that goes to a site stands here with any site.
+/// The motions. A motion that goes to a waypoint stands here with any waypoint.
 pub const MOTIONS: [Motion; 9] = [
     Motion::Stay,
-    Motion::Reach(Site::Home),
-    Motion::Carry(Site::Home),
-    Motion::Convey(Site::Home),
+    Motion::Reach(Waypoint::Home),
+    Motion::Carry(Waypoint::Home),
+    Motion::Convey(Waypoint::Home),
     Motion::Lower,
     Motion::Square,
     Motion::Open,
@@ -19,32 +19,32 @@ pub const MOTIONS: [Motion; 9] = [
     Motion::Withdraw,
 ];
 
-/// The sites.
-pub const SITES: [Site; 9] = [
-    Site::Tilted,
-    Site::BeforeSource,
-    Site::Around,
-    Site::Source,
-    Site::Lifted,
-    Site::OverTarget,
-    Site::TurnStart,
-    Site::Above,
-    Site::Home,
+/// The waypoints.
+pub const WAYPOINTS: [Waypoint; 9] = [
+    Waypoint::Tilted,
+    Waypoint::BeforeSource,
+    Waypoint::Around,
+    Waypoint::Source,
+    Waypoint::Lifted,
+    Waypoint::OverTarget,
+    Waypoint::TurnStart,
+    Waypoint::Above,
+    Waypoint::Home,
 ];
 
 /// The ends of a step. Meeting stands here with any point.
-pub const ENDS: [Until; 7] = [
-    Until::Arrived,
-    Until::AllTouched,
-    Until::HardnessKnown,
-    Until::Gripped,
-    Until::Held,
-    Until::Concluded,
-    Until::Met(1),
+pub const TRANSITIONS: [Transition; 7] = [
+    Transition::Arrived,
+    Transition::AllTouched,
+    Transition::StiffnessKnown,
+    Transition::Gripped,
+    Transition::Held,
+    Transition::Concluded,
+    Transition::Met(1),
 ];
 
 impl Motion {
-    /// The word for it, without its site.
+    /// The word for it, without its waypoint.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -60,24 +60,26 @@ impl Motion {
         }
     }
 
-    /// Where it goes, if it goes to a site.
+    /// Where it goes, if it goes to a waypoint.
     #[must_use]
-    pub const fn site(self) -> Option<Site> {
+    pub const fn waypoint(self) -> Option<Waypoint> {
         match self {
-            Self::Reach(site) | Self::Carry(site) | Self::Convey(site) => Some(site),
+            Self::Reach(waypoint) | Self::Carry(waypoint) | Self::Convey(waypoint) => {
+                Some(waypoint)
+            }
             Self::Stay | Self::Lower | Self::Square | Self::Open | Self::LetGo | Self::Withdraw => {
                 None
             }
         }
     }
 
-    /// The same motion to a site; unchanged if it goes to none.
+    /// The same motion to a waypoint; unchanged if it goes to none.
     #[must_use]
-    pub const fn to(self, site: Site) -> Self {
+    pub const fn to(self, waypoint: Waypoint) -> Self {
         match self {
-            Self::Reach(_) => Self::Reach(site),
-            Self::Carry(_) => Self::Carry(site),
-            Self::Convey(_) => Self::Convey(site),
+            Self::Reach(_) => Self::Reach(waypoint),
+            Self::Carry(_) => Self::Carry(waypoint),
+            Self::Convey(_) => Self::Convey(waypoint),
             Self::Stay | Self::Lower | Self::Square | Self::Open | Self::LetGo | Self::Withdraw => {
                 self
             }
@@ -94,7 +96,7 @@ impl Motion {
     }
 }
 
-impl Site {
+impl Waypoint {
     /// The word for it.
     #[must_use]
     pub const fn word(self) -> &'static str {
@@ -112,14 +114,14 @@ impl Site {
     }
 }
 
-impl Until {
+impl Transition {
     /// The word for it, without its point.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
             Self::Arrived => "arrived",
             Self::AllTouched => "all-touched",
-            Self::HardnessKnown => "hardness-known",
+            Self::StiffnessKnown => "stiffness-known",
             Self::Gripped => "gripped",
             Self::Held => "held",
             Self::Concluded => "concluded",
@@ -153,13 +155,13 @@ mod tests {
             }
         }
         check(MOTIONS.map(Motion::word));
-        check(SITES.map(Site::word));
-        check(ENDS.map(Until::word));
-        for site in SITES {
+        check(WAYPOINTS.map(Waypoint::word));
+        check(TRANSITIONS.map(Transition::word));
+        for waypoint in WAYPOINTS {
             for motion in MOTIONS {
-                let expected = motion.site().map(|_| site);
-                assert_eq!(motion.to(site).site(), expected);
-                assert_eq!(motion.to(site).word(), motion.word());
+                let expected = motion.waypoint().map(|_| waypoint);
+                assert_eq!(motion.to(waypoint).waypoint(), expected);
+                assert_eq!(motion.to(waypoint).word(), motion.word());
             }
         }
     }

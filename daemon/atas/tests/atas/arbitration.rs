@@ -2,8 +2,8 @@
 
 use atas_core::arbitration::{Arbiter, Intent};
 use atas_core::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
-use atas_core::modules::{Carried, Proposal, Verdict};
-use atas_core::perception::HardnessFit;
+use atas_core::modules::{PoseCommand, Proposal, Verdict};
+use atas_core::perception::StiffnessFit;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::GraspFrame;
@@ -32,9 +32,9 @@ fn verdict(verdict: Verdict) -> Proposal {
     }
 }
 
-fn carried(with_fingers: bool) -> Carried {
+fn carried(with_fingers: bool) -> PoseCommand {
     let frame = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
-    Carried {
+    PoseCommand {
         frame,
         with_fingers,
         arrived: false,
@@ -120,16 +120,16 @@ fn fingers_are_merged_one_by_one() {
 
 #[test]
 fn a_refusal_outweighs_every_other_verdict() {
-    let hardness = Verdict::Hardness(HardnessFit {
+    let stiffness = Verdict::Stiffness(StiffnessFit {
         object_n_m: 1000.0,
         confidence: 1.0,
     });
     let refuse = Verdict::Refuse(Reason::of(Cause::TOO_HEAVY));
     for (proposals, expected) in [
         (vec![verdict(Verdict::None)], Verdict::None),
-        (vec![verdict(Verdict::None), verdict(hardness)], hardness),
-        (vec![verdict(hardness), verdict(refuse)], refuse),
-        (vec![verdict(refuse), verdict(hardness)], refuse),
+        (vec![verdict(Verdict::None), verdict(stiffness)], stiffness),
+        (vec![verdict(stiffness), verdict(refuse)], refuse),
+        (vec![verdict(refuse), verdict(stiffness)], refuse),
     ] {
         assert_eq!(settled(&proposals).verdict, expected);
     }
@@ -138,7 +138,7 @@ fn a_refusal_outweighs_every_other_verdict() {
 #[test]
 fn the_hand_goes_where_it_is_carried_at_the_speed_that_all_tolerate() {
     let carry = Proposal {
-        carry: Some(carried(true)),
+        pose: Some(carried(true)),
         ..Proposal::default()
     };
     let slow = Proposal {
@@ -160,7 +160,7 @@ fn the_hand_goes_where_it_is_carried_at_the_speed_that_all_tolerate() {
             .last()
             .unwrap();
         assert_eq!(
-            (intent.carry, arbiter.carry_scale()),
+            (intent.pose, arbiter.carry_scale()),
             (Some(carried(true)), scale)
         );
     }
@@ -204,7 +204,7 @@ fn any_proposal() -> impl Strategy<Value = Proposal> {
         })
 }
 
-/// At most one module carries, one refuses and one judges hardness, as in the list of modules.
+/// At most one module carries, one refuses and one judges stiffness, as in the list of modules.
 fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
     (
         prop::collection::vec(any_proposal(), 3..7),
@@ -212,13 +212,13 @@ fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
     )
         .prop_map(|(mut proposals, [carry, refuse, fit])| {
             if carry {
-                proposals[0].carry = Some(carried(refuse));
+                proposals[0].pose = Some(carried(refuse));
             }
             if refuse {
                 proposals[1].verdict = Verdict::Refuse(Reason::limit(Cause::TOO_HEAVY, 8.0, 7.0));
             }
             if fit {
-                proposals[2].verdict = Verdict::Hardness(HardnessFit {
+                proposals[2].verdict = Verdict::Stiffness(StiffnessFit {
                     object_n_m: 900.0,
                     confidence: 0.5,
                 });

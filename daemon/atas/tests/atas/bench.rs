@@ -4,7 +4,7 @@ use atas_core::Settings;
 use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
 use atas_core::path::{Path, Speeds};
 use atas_core::perception::{FingerPercept, Percept};
-use atas_core::tasks::Thresholds;
+use atas_core::thresholds::Thresholds;
 use nalgebra::Vector3;
 use robot_model::GraspFrame;
 use shm_schemas::ModuleId;

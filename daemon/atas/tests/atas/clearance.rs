@@ -3,8 +3,9 @@
 
 use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
-use atas_core::goal::{self, Circumstances};
-use atas_core::tasks::{self, GRASP, Motion, Site, Step, Task};
+use atas_core::check::{self, Circumstances};
+use atas_core::planning;
+use atas_core::tasks::{GRASP, Motion, Step, Task, Waypoint};
 use atas_core::{Order, Settings};
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandVector, ROBOT_JOINTS, Side, nearest};
@@ -15,19 +16,19 @@ const CLEARANCE_M: f64 = 0.006;
 
 /// Everywhere that a task can lead the hand, without an object.
 fn tour() -> Task {
-    let reach = |site| Step {
-        motion: Motion::Reach(site),
+    let reach = |waypoint| Step {
+        motion: Motion::Reach(waypoint),
         ..GRASP.acting[0]
     };
-    let sites = [
-        Site::BeforeSource,
-        Site::Source,
-        Site::Lifted,
-        Site::OverTarget,
-        Site::Above,
-        Site::Home,
+    let waypoints = [
+        Waypoint::BeforeSource,
+        Waypoint::Source,
+        Waypoint::Lifted,
+        Waypoint::OverTarget,
+        Waypoint::Above,
+        Waypoint::Home,
     ];
-    Task::checked("tour", &sites.map(reach), None).unwrap()
+    Task::checked("tour", &waypoints.map(reach), None).unwrap()
 }
 
 fn posture(side: Side, centre_m: [f64; 3], opening_m: f64) -> HandVector {
@@ -40,7 +41,7 @@ fn posture(side: Side, centre_m: [f64; 3], opening_m: f64) -> HandVector {
 fn at_home(side: Side) -> HandVector {
     let hand = robot().hand(side);
     let now = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 1.0, 0.05);
-    hand.posture_for(&tasks::home(hand, &now)).unwrap().q_rad
+    hand.posture_for(&planning::home(hand, &now)).unwrap().q_rad
 }
 
 /// A world that is ready with the right arm at home and the left arm in this posture.
@@ -63,7 +64,7 @@ fn gap_m(q_rad: &[f64; ROBOT_JOINTS]) -> f64 {
 }
 
 fn check(world: &World, request: &GoalRequest) -> Result<atas_core::Goal, Reason> {
-    goal::check(request, &world.controller.circumstances(robot(), &[tour()]))
+    check::check(request, &world.controller.circumstances(robot(), &[tour()]))
 }
 
 /// Numbers from 0 to 1, the same in every run.
@@ -212,7 +213,7 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
         settings: &settings,
         ..world.controller.circumstances(robot(), &[])
     };
-    let reason = goal::check(&far, &now).unwrap_err();
+    let reason = check::check(&far, &now).unwrap_err();
     assert_eq!(
         (reason.cause, reason.index, reason.limit),
         (Cause::UNREACHABLE, 0, 0.0)
@@ -222,12 +223,12 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
 /// Hands that do not wait for each other may be anywhere on their ways at the same time.
 #[test]
 fn hands_that_move_at_the_same_time_are_compared_everywhere() {
-    let reach = |site| Step {
-        motion: Motion::Reach(site),
+    let reach = |waypoint| Step {
+        motion: Motion::Reach(waypoint),
         ..GRASP.acting[0]
     };
-    let acting = [Site::BeforeSource, Site::Home].map(reach);
-    let helping = [Site::BeforeSource, Site::Source, Site::Home].map(reach);
+    let acting = [Waypoint::BeforeSource, Waypoint::Home].map(reach);
+    let helping = [Waypoint::BeforeSource, Waypoint::Source, Waypoint::Home].map(reach);
     let own = Task::checked("both", &acting, Some(&helping)).unwrap();
     let world = world(at_home(Side::Left));
     let cause = |from_m: [f64; 3]| {
@@ -241,7 +242,9 @@ fn hands_that_move_at_the_same_time_are_compared_everywhere() {
         };
         let tasks = [own];
         let now = world.controller.circumstances(robot(), &tasks);
-        goal::check(&request, &now).err().map(|reason| reason.cause)
+        check::check(&request, &now)
+            .err()
+            .map(|reason| reason.cause)
     };
     assert_eq!(cause([0.30, -0.28, 0.05]), None, "far from each other");
     let near = [0.30, -0.04, 0.05];

@@ -146,7 +146,7 @@ fn a_grasp_tells_its_story_in_order() {
     assert_eq!(last.progress, 1.0);
     let figures = last.figures;
     assert!(
-        figures.f1_n > 0.0 && figures.f2_n > figures.f1_n && figures.hardness_n_m > 0.0,
+        figures.f1_n > 0.0 && figures.f2_n > figures.f1_n && figures.stiffness_n_m > 0.0,
         "{figures:?}"
     );
     assert!((figures.lifted_m - 0.03).abs() < 1e-3, "{figures:?}");

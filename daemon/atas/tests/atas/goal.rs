@@ -1,7 +1,8 @@
 //! Goals: every bad field has its cause and its name.
 
 use crate::support::robot;
-use atas_core::goal::{self, ActiveGoal, Circumstances};
+use atas_core::check::{self, Circumstances};
+use atas_core::goal::ActiveGoal;
 use atas_core::tasks::{GRASP, RELEASE, Task};
 use atas_core::{Goal, Settings, Wiring};
 use robot_model::Side;
@@ -29,7 +30,7 @@ fn check_with(goal: &GoalRequest, wiring: &Wiring, tasks: &[Task]) -> Result<Goa
         tasks,
         commanded_rad: None,
     };
-    goal::check(goal, &now)
+    check::check(goal, &now)
 }
 
 fn check(goal: &GoalRequest, wiring: &Wiring) -> Result<Side, Reason> {

@@ -65,7 +65,7 @@ struct Row {
     fault: &'static str,
     frame: HandFrame,
     believed: bool,
-    doubt: Cause,
+    hold_reason: Cause,
     warning: Cause,
     counts: fn(&mut FrameCounts),
 }
@@ -75,7 +75,7 @@ fn row(fault: &'static str, frame: HandFrame) -> Row {
         fault,
         frame,
         believed: true,
-        doubt: Cause::NONE,
+        hold_reason: Cause::NONE,
         warning: Cause::NONE,
         counts: |_| {},
     }
@@ -117,7 +117,7 @@ fn order_rows() -> Vec<Row> {
         .captured(10),
         Row {
             counts: |c| c.lost += 6,
-            doubt: Cause::FRAMES_LOST,
+            hold_reason: Cause::FRAMES_LOST,
             ..row("F06 gap of 6", at(16))
         }
         .captured(10),
@@ -238,7 +238,7 @@ fn element_rows() -> Vec<Row> {
         },
         Row {
             counts: |c| c.masked_elements += 9,
-            doubt: Cause::ELEMENTS_INVALID,
+            hold_reason: Cause::ELEMENTS_INVALID,
             ..row(
                 "F12 9 of 82 invalid",
                 altered(at(10), |f| f.valid_mask[1] = !0x1ff),
@@ -276,7 +276,7 @@ fn every_fault_is_counted_and_answered_as_catalogued() {
         fault,
         frame,
         believed,
-        doubt,
+        hold_reason,
         warning,
         counts,
     } in rows
@@ -287,7 +287,11 @@ fn every_fault_is_counted_and_answered_as_catalogued() {
         expected.frames += u64::from(believed);
         counts(&mut expected);
         assert_eq!(*intake.counts(), expected, "{fault}");
-        assert_eq!(intake.doubt(tick(10), &limits()).cause, doubt, "{fault}");
+        assert_eq!(
+            intake.hold_reason(tick(10), &limits()).cause,
+            hold_reason,
+            "{fault}"
+        );
         assert_eq!(intake.warning().cause, warning, "{fault}");
         assert_eq!(intake.writer_epoch(), EPOCH, "{fault}");
     }

@@ -17,7 +17,11 @@ fn silence_is_doubted_after_five_milliseconds() {
         (500, Cause::FRAMES_STOPPED),
     ] {
         intake.begin();
-        assert_eq!(intake.doubt(tick(ms), &limits()).cause, cause, "at {ms} ms");
+        assert_eq!(
+            intake.hold_reason(tick(ms), &limits()).cause,
+            cause,
+            "at {ms} ms"
+        );
     }
     // Frames that keep coming, but old.
     assert!(feed(
@@ -25,15 +29,21 @@ fn silence_is_doubted_after_five_milliseconds() {
         &altered(at(510), |f| f.stamp.captured_ns -= 20 * MS_NS),
         tick(510)
     ));
-    assert_eq!(intake.doubt(tick(510), &limits()).cause, Cause::FRAMES_LOST);
+    assert_eq!(
+        intake.hold_reason(tick(510), &limits()).cause,
+        Cause::FRAMES_LOST
+    );
     assert!(feed(
         &mut intake,
         &altered(at(511), |f| f.stamp.captured_ns -= 20 * MS_NS),
         tick(511)
     ));
-    assert_eq!(intake.doubt(tick(511), &limits()).cause, Cause::FRAME_STALE);
+    assert_eq!(
+        intake.hold_reason(tick(511), &limits()).cause,
+        Cause::FRAME_STALE
+    );
     assert!(feed(&mut intake, &at(512), tick(512)));
-    assert_eq!(intake.doubt(tick(512), &limits()).cause, Cause::NONE);
+    assert_eq!(intake.hold_reason(tick(512), &limits()).cause, Cause::NONE);
 }
 
 #[test]
@@ -44,7 +54,7 @@ fn before_the_first_frame_only_a_required_hand_is_doubted() {
             ..HandWiring::default()
         };
         FrameIntake::new(Hand::LEFT, &wiring)
-            .doubt(tick(0), &limits())
+            .hold_reason(tick(0), &limits())
             .cause
     };
     assert_eq!(doubt(true), Cause::FRAMES_STOPPED);
@@ -62,7 +72,11 @@ fn a_slow_sensor_may_be_silent_for_three_and_a_half_periods() {
         (36, Cause::FRAMES_STOPPED),
     ] {
         intake.begin();
-        assert_eq!(intake.doubt(tick(ms), &limits()).cause, cause, "at {ms} ms");
+        assert_eq!(
+            intake.hold_reason(tick(ms), &limits()).cause,
+            cause,
+            "at {ms} ms"
+        );
     }
 }
 
@@ -75,7 +89,7 @@ fn a_counter_that_wraps_is_no_fault() {
             f.stamp.sequence = (u64::MAX - 9).wrapping_add(ms)
         });
         assert!(feed(&mut intake, &wrapping, tick(ms)), "at {ms} ms");
-        assert_eq!(intake.doubt(tick(ms), &limits()).cause, Cause::NONE);
+        assert_eq!(intake.hold_reason(tick(ms), &limits()).cause, Cause::NONE);
     }
     assert_eq!(
         *intake.counts(),
@@ -119,13 +133,13 @@ fn frozen_readings_are_doubted_after_forty_frames() {
                 f.force_n[0][0][0] = reading;
             });
             assert!(feed(&mut intake, &frozen, tick(ms)));
-            if intake.doubt(tick(ms), &limits()).cause == Cause::FRAMES_FROZEN {
+            if intake.hold_reason(tick(ms), &limits()).cause == Cause::FRAMES_FROZEN {
                 doubted = doubted.or(Some(ms));
             }
         }
         assert_eq!(doubted, Some(40), "frozen at {reading}");
         assert!(feed(&mut intake, &at(60), tick(60)));
-        assert!(!intake.doubt(tick(60), &limits()).is_some());
+        assert!(!intake.hold_reason(tick(60), &limits()).is_some());
     }
 }
 
@@ -143,11 +157,11 @@ fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
         let believed = feed(&mut intake, &restarted(ms), tick(ms));
         seen.push((
             believed,
-            intake.doubt(tick(ms), &limits()).cause,
+            intake.hold_reason(tick(ms), &limits()).cause,
             intake.writer_epoch(),
         ));
     }
-    // Until 29 ms the old writer may only be late; then 20 frames on probation.
+    // Transition 29 ms the old writer may only be late; then 20 frames on probation.
     assert!(
         seen[..9]
             .iter()
@@ -188,7 +202,7 @@ fn a_second_writer_cannot_take_over_from_a_living_one() {
                 assert!(!feed(&mut intake, &rogue, tick(ms)));
             }
             assert!(
-                !intake.doubt(tick(ms), &limits()).is_some(),
+                !intake.hold_reason(tick(ms), &limits()).is_some(),
                 "at {ms} ms of {rate_hz} Hz"
             );
         }

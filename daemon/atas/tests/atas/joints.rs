@@ -167,7 +167,11 @@ fn silence_is_doubted_after_five_milliseconds() {
         (900, Cause::JOINTS_STOPPED),
     ] {
         intake.take(None, tick(ms), &limits());
-        assert_eq!(intake.doubt(tick(ms), &limits()).cause, cause, "at {ms} ms");
+        assert_eq!(
+            intake.hold_reason(tick(ms), &limits()).cause,
+            cause,
+            "at {ms} ms"
+        );
     }
     assert_eq!(intake.status(tick(900)).age_ns, 891 * MS_NS);
 }
@@ -175,10 +179,10 @@ fn silence_is_doubted_after_five_milliseconds() {
 #[test]
 fn nothing_is_missed_where_nothing_is_required() {
     let intake = JointIntake::new(robot(), false);
-    assert_eq!(intake.doubt(tick(0), &limits()), Reason::default());
+    assert_eq!(intake.hold_reason(tick(0), &limits()), Reason::default());
     let intake = JointIntake::new(robot(), true);
     assert_eq!(
-        intake.doubt(tick(0), &limits()).cause,
+        intake.hold_reason(tick(0), &limits()).cause,
         Cause::JOINTS_STOPPED
     );
     assert_eq!(intake.status(tick(0)).age_ns, u64::MAX);

@@ -3,7 +3,7 @@
 use crate::support::{hand_of, home_rad, robot};
 use atas_core::Wiring;
 use atas_core::arbitration::Intent;
-use atas_core::kinematics::Carrier;
+use atas_core::kinematics::HandServo;
 use atas_core::modules::Verdict;
 use atas_core::perception::Percept;
 use robot_model::{FINGERS, Side};
@@ -12,17 +12,17 @@ use robot_model::{FINGERS, Side};
 fn closing_that_the_gate_refuses_does_not_pile_up() {
     let hand = robot().hand(Side::Right);
     let q_rad = hand_of(&home_rad(), Side::Right);
-    let mut carrier = Carrier::at(hand, q_rad, Wiring::default().stiffness_n_m_rad);
-    let open_m = carrier.frame().half_opening_m;
+    let mut servo = HandServo::at(hand, q_rad, Wiring::default().stiffness_n_m_rad);
+    let open_m = servo.frame().half_opening_m;
     let closing = Intent {
-        carry: None,
+        pose: None,
         closing_m_s: [0.002; FINGERS],
         verdict: Verdict::None,
     };
     for _ in 0..2000 {
-        let _refused = carrier.follow(hand, &closing, &Percept::default(), 1e-3);
+        let _refused = servo.follow(hand, &closing, &Percept::default(), 1e-3);
     }
-    for (now_m, open_m) in carrier.frame().half_opening_m.iter().zip(open_m) {
+    for (now_m, open_m) in servo.frame().half_opening_m.iter().zip(open_m) {
         let ahead_m = open_m - now_m;
         assert!((0.0004..=0.000_51).contains(&ahead_m), "{ahead_m} m");
     }

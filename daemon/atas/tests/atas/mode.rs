@@ -7,7 +7,7 @@ use shm_schemas::{Cause, Mode, Reason};
 const STEP_S: f64 = 1e-3;
 const REARM_TICKS: u32 = 20;
 
-fn doubt() -> Reason {
+fn hold_reason() -> Reason {
     Reason::of(Cause::FRAMES_STOPPED)
 }
 
@@ -26,7 +26,7 @@ fn machine_in(mode: Mode) -> ModeMachine {
     calm(&mut machine, REARM_TICKS, false);
     match mode {
         Mode::RUN => machine.update(Reason::default(), true, STEP_S),
-        Mode::HOLD => machine.update(doubt(), false, STEP_S),
+        Mode::HOLD => machine.update(hold_reason(), false, STEP_S),
         Mode::SAFE_STOP => machine.stop(Reason::of(Cause::ESTOP)),
         Mode::FAULT => machine.fail(Reason::of(Cause::MODULE_PANICKED)),
         _ => {}
@@ -39,7 +39,7 @@ fn machine_in(mode: Mode) -> ModeMachine {
 fn every_transition_is_as_drawn() {
     type Act = fn(&mut ModeMachine);
     let acts: [(&str, Act); 7] = [
-        ("doubt", |m| m.update(doubt(), false, STEP_S)),
+        ("doubt", |m| m.update(hold_reason(), false, STEP_S)),
         ("calm tick", |m| m.update(Reason::default(), false, STEP_S)),
         ("calm tick with a goal", |m| {
             m.update(Reason::default(), true, STEP_S)
@@ -76,7 +76,7 @@ fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
     for has_goal in [false, true] {
         let mut machine = machine_in(Mode::HOLD);
         calm(&mut machine, REARM_TICKS - 1, has_goal);
-        machine.update(doubt(), has_goal, STEP_S);
+        machine.update(hold_reason(), has_goal, STEP_S);
         calm(&mut machine, REARM_TICKS - 1, has_goal);
         assert_eq!(
             machine.mode(),
@@ -95,7 +95,7 @@ fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
 #[test]
 fn the_first_reason_of_an_episode_stays() {
     let mut machine = machine_in(Mode::RUN);
-    machine.update(doubt(), true, STEP_S);
+    machine.update(hold_reason(), true, STEP_S);
     machine.update(Reason::of(Cause::JOINTS_STOPPED), true, STEP_S);
     assert_eq!(machine.reason().cause, Cause::FRAMES_STOPPED);
     machine.stop(Reason::of(Cause::FOLLOWING_ERROR));

@@ -238,7 +238,7 @@ fn the_probe_presses_for_100_ms_and_then_says_how_hard() {
         );
         verdict = proposal.verdict;
     }
-    let Verdict::Hardness(fit) = verdict else {
+    let Verdict::Stiffness(fit) = verdict else {
         panic!("{verdict:?}")
     };
     assert_eq!(ticks, 100);
@@ -278,7 +278,7 @@ fn carry_walks_the_path_at_the_tolerated_speed() {
         let mut bench = Bench::new(ModuleId::CARRY);
         bench.carry_scale = carry_scale;
         let proposal = bench.evaluate_for(ticks, &pressed(1.0));
-        let carried = proposal.carry.unwrap();
+        let carried = proposal.pose.unwrap();
         let expected_m = 0.1 + 0.05 * share;
         assert!(
             (carried.frame.centre_m.z - expected_m).abs() < 1e-4,
@@ -298,7 +298,7 @@ fn carry_goes_back_but_not_beyond_the_start() {
     let mut bench = Bench::new(ModuleId::CARRY);
     let ahead = bench
         .evaluate_for(2000, &pressed(1.0))
-        .carry
+        .pose
         .unwrap()
         .frame
         .centre_m
@@ -306,17 +306,17 @@ fn carry_goes_back_but_not_beyond_the_start() {
     bench.carry_scale = -1.0;
     let back = bench
         .evaluate_for(500, &pressed(1.0))
-        .carry
+        .pose
         .unwrap()
         .frame
         .centre_m
         .z;
     assert!(back < ahead);
-    let start = bench.evaluate_for(9000, &pressed(1.0)).carry.unwrap();
+    let start = bench.evaluate_for(9000, &pressed(1.0)).pose.unwrap();
     assert_eq!(start.frame, path().at(0.0));
     bench.modules.restart_path();
     bench.carry_scale = 1.0;
-    assert!(!bench.evaluate(&pressed(1.0)).carry.unwrap().arrived);
+    assert!(!bench.evaluate(&pressed(1.0)).pose.unwrap().arrived);
 }
 
 #[test]

@@ -66,7 +66,7 @@ impl Skin {
             .intake
             .check(frame, tick, &self.settings.intake)
             .unwrap();
-        self.perception.feel(&checked, &self.settings.perception);
+        self.perception.update(&checked, &self.settings.perception);
     }
 
     /// The same total force on a round contact around the pole for some frames of 1 ms.

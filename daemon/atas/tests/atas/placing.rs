@@ -75,7 +75,7 @@ fn conveys_along_the_path_and_then_lowers_to_its_bound() {
     let mut bench = lowering(ModuleId::TRANSFER);
     let over_m = path().end().centre_m.z;
     let height_m = |bench: &mut Bench, ticks| {
-        let carried = bench.evaluate_for(ticks, &pressed(3.0)).carry.unwrap();
+        let carried = bench.evaluate_for(ticks, &pressed(3.0)).pose.unwrap();
         (carried.frame.centre_m.z, carried.arrived)
     };
     let conveyed = (path().duration_s() * 1e3) as usize;

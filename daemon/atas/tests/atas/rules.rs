@@ -2,8 +2,8 @@
 
 use atas_core::modules::Selection;
 use atas_core::tasks::{
-    BUILT_IN, Fault, GRASP, Motion, Name, PICK_PLACE, Part, Rule, SCREW, STEPS_MAX, Site, Step,
-    Task, Until,
+    BUILT_IN, Fault, GRASP, Motion, Name, PICK_PLACE, Part, Rule, SCREW, STEPS_MAX, Step, Task,
+    Transition, Waypoint,
 };
 use shm_schemas::ModuleId;
 
@@ -88,19 +88,19 @@ fn every_broken_rule_is_named_with_its_step() {
         &GRASP,
         |s| s[0].modules = Selection::NONE,
         0,
-        Rule::NoCarrier(ModuleId::CARRY),
+        Rule::NoMover(ModuleId::CARRY),
     );
     check(
         &GRASP,
         |s| s[2].modules = s[2].modules.and(modules(&[ModuleId::CARRY])),
         2,
-        Rule::WrongCarrier(ModuleId::CARRY),
+        Rule::WrongMover(ModuleId::CARRY),
     );
     check(
         &PICK_PLACE,
         |s| s[6].modules = s[5].modules,
         6,
-        Rule::NoCarrier(ModuleId::TRANSFER),
+        Rule::NoMover(ModuleId::TRANSFER),
     );
     check(
         &GRASP,
@@ -128,7 +128,7 @@ fn every_broken_rule_is_named_with_its_step() {
     );
     check(
         &GRASP,
-        |s| (s[6].until, s[6].timeout_s) = (Until::Concluded, 9.0),
+        |s| (s[6].transition, s[6].timeout_s) = (Transition::Concluded, 9.0),
         6,
         Rule::NoModule(ModuleId::RELEASE_PLACED),
     );
@@ -140,19 +140,19 @@ fn every_broken_rule_is_named_with_its_step() {
     );
     check(
         &PICK_PLACE,
-        |s| s[7].until = Until::Arrived,
+        |s| s[7].transition = Transition::Arrived,
         7,
         Rule::NoEnd(ModuleId::RELEASE_PLACED),
     );
     check(
         &SCREW,
-        |s| s[5].until = Until::Held,
+        |s| s[5].transition = Transition::Held,
         5,
         Rule::NoEnd(ModuleId::TERMINATE_SCREW),
     );
     check(
         &GRASP,
-        |s| s[2].until = Until::Arrived,
+        |s| s[2].transition = Transition::Arrived,
         2,
         Rule::NeverArrives,
     );
@@ -165,7 +165,7 @@ fn every_broken_rule_is_named_with_its_step() {
     check(
         &GRASP,
         |s| {
-            s[5].motion = Motion::Reach(Site::Home);
+            s[5].motion = Motion::Reach(Waypoint::Home);
         },
         5,
         Rule::LetsGo,
@@ -176,7 +176,12 @@ fn every_broken_rule_is_named_with_its_step() {
         0,
         Rule::OnlyInRetreat,
     );
-    check(&GRASP, |s| s[6].until = Until::Met(1), 6, Rule::Alone);
+    check(
+        &GRASP,
+        |s| s[6].transition = Transition::Met(1),
+        6,
+        Rule::Alone,
+    );
 }
 
 #[test]
@@ -194,7 +199,7 @@ fn tracks_are_neither_empty_nor_too_long() {
 fn hands_that_would_wait_for_ever_are_refused() {
     let track = |points: &[u8]| -> Vec<Step> {
         let meet = |point: &u8| {
-            let until = Until::Met(*point);
+            let until = Transition::Met(*point);
             Step::new("wait", Motion::Stay, Selection::NONE, until, f64::INFINITY)
         };
         points.iter().map(meet).chain([GRASP.acting[0]]).collect()

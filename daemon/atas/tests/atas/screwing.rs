@@ -62,7 +62,7 @@ fn screwing_ends_above_1_4_times_the_most_of_the_first_turn() {
 fn square(bench: &mut Bench, ticks: usize, closing_m_s: f64) -> Vec<Proposal> {
     let run = |_| {
         let proposal = bench.evaluate(&pressed(2.0));
-        let carried = proposal.carry.unwrap();
+        let carried = proposal.pose.unwrap();
         bench.frame = carried.frame;
         bench.closing_m_s = [closing_m_s; 2];
         proposal
@@ -71,7 +71,7 @@ fn square(bench: &mut Bench, ticks: usize, closing_m_s: f64) -> Vec<Proposal> {
 }
 
 fn ahead_m(proposal: &Proposal) -> f64 {
-    -proposal.carry.unwrap().frame.tangential_m[0]
+    -proposal.pose.unwrap().frame.tangential_m[0]
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn the_square_goes_round_and_round() {
         .windows(2)
         .filter(|w| ahead_m(&w[0]) < 0.0 && ahead_m(&w[1]) >= 0.0);
     assert!((4..12).contains(&turns.count()));
-    let half_m = |p: &Proposal| p.carry.unwrap().frame.half_opening_m[0];
+    let half_m = |p: &Proposal| p.pose.unwrap().frame.half_opening_m[0];
     for pair in round.windows(2) {
         let turning = ahead_m(&pair[1]) > ahead_m(&pair[0]);
         let away_m = half_m(&pair[1]) - 0.025;
@@ -103,7 +103,7 @@ fn what_the_fingers_did_is_kept_for_the_next_turn() {
     let mut round = square(&mut bench, 1000, 0.001);
     round.extend(square(&mut bench, 9000, 0.0));
     let inmost_m = |range: core::ops::Range<usize>| {
-        let half_m = |p: &Proposal| p.carry.unwrap().frame.half_opening_m[0];
+        let half_m = |p: &Proposal| p.pose.unwrap().frame.half_opening_m[0];
         round[range]
             .iter()
             .map(half_m)

@@ -3,13 +3,14 @@
 use atas_core::Settings;
 use atas_core::modules::IDS;
 use atas_core::tasks::{
-    ASSEMBLE, BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Site, Step,
-    Thresholds, Until, WITHDRAW,
+    ASSEMBLE, BACK_OUT, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND, Step,
+    Transition, WITHDRAW, Waypoint,
 };
+use atas_core::thresholds::Thresholds;
 use shm_schemas::ModuleId;
 
 /// Modules that say where the hand goes.
-const CARRIERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
+const MOVERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
 
 fn tracks() -> Vec<(&'static str, Vec<Step>)> {
     vec![
@@ -42,27 +43,33 @@ fn every_task_can_be_followed_to_its_end() {
             );
             assert!(step.timeout_s > 0.0);
             let has = |id| step.modules.contains(id);
-            let carriers = CARRIERS.into_iter().filter(|id| has(*id)).count();
+            let movers = MOVERS.into_iter().filter(|id| has(*id)).count();
             assert_eq!(
                 usize::from(step.motion != Motion::Stay),
-                carriers,
+                movers,
                 "{task}, {}: who moves must carry, and only one may",
                 step.name
             );
-            match step.until {
-                Until::Arrived => assert_eq!(carriers, 1, "{task}, {}", step.name),
-                Until::AllTouched => assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name),
-                Until::HardnessKnown => assert!(has(ModuleId::PROBE), "{task}, {}", step.name),
-                Until::Gripped => assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name),
-                Until::Concluded => {
+            match step.transition {
+                Transition::Arrived => assert_eq!(movers, 1, "{task}, {}", step.name),
+                Transition::AllTouched => {
+                    assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name)
+                }
+                Transition::StiffnessKnown => {
+                    assert!(has(ModuleId::PROBE), "{task}, {}", step.name)
+                }
+                Transition::Gripped => assert!(has(ModuleId::FIRST_TOUCH), "{task}, {}", step.name),
+                Transition::Concluded => {
                     assert!(
                         has(ModuleId::RELEASE_PLACED) || has(ModuleId::TERMINATE_SCREW),
                         "{task}, {}",
                         step.name
                     );
                 }
-                Until::Met(_) => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
-                Until::Held => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
+                Transition::Met(_) => {
+                    assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name)
+                }
+                Transition::Held => assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name),
             }
         }
     }
@@ -86,7 +93,7 @@ fn the_grasp_consists_of_modules_1_2_and_3() {
     );
     assert_eq!(
         BACK_OUT[0].motion,
-        Motion::Carry(Site::Source),
+        Motion::Carry(Waypoint::Source),
         "a refused object is set down before the hand opens"
     );
 }
@@ -114,8 +121,8 @@ fn placing_consists_of_modules_0_1_2_3_and_4() {
 #[test]
 fn both_hands_come_to_the_last_meeting_point() {
     let points = |steps: &[Step]| -> Vec<u8> {
-        let point = |step: &Step| match step.until {
-            Until::Met(point) => Some(point),
+        let point = |step: &Step| match step.transition {
+            Transition::Met(point) => Some(point),
             _ => None,
         };
         steps.iter().filter_map(point).collect()
@@ -137,7 +144,7 @@ fn names_are_cut_at_a_character() {
 }
 
 #[test]
-fn thresholds_follow_the_hardness() {
+fn thresholds_follow_the_stiffness() {
     let grasp = Settings::default().grasp;
     for (stiffness_n_m, f1_n, f2_n) in [
         (100.0, 0.35, 0.7),

@@ -1,46 +1,60 @@
 //! One word of a step each: known, or refused with the word that was probably meant.
 
 use atas_core::modules::{IDS, Selection};
-use atas_core::tasks::{ENDS, MOTIONS, Motion, SITES, Site, Until};
+use atas_core::tasks::{MOTIONS, Motion, TRANSITIONS, Transition, WAYPOINTS, Waypoint};
 use shm_schemas::ModuleId;
 use toml::Value;
 
 use super::super::keys::LIKELY;
 
-/// The motion with this word, to this site.
-pub(super) fn motion(word: &str, site: Option<&str>) -> Result<Motion, String> {
+/// The motion with this word, to this waypoint.
+pub(super) fn motion(word: &str, waypoint: Option<&str>) -> Result<Motion, String> {
     let known = MOTIONS.into_iter().find(|motion| motion.word() == word);
     let motion =
         known.ok_or_else(|| unknown("motion", word, MOTIONS.into_iter().map(Motion::word)))?;
-    match (motion.site(), site) {
+    match (motion.waypoint(), waypoint) {
         (None, None) => Ok(motion),
-        (None, Some(_)) => Err(format!("motion \"{word}\" goes to no site; leave site out")),
-        (Some(_), None) => Err(format!(
-            "motion \"{word}\" has no site, needs one of {}",
-            list(SITES.into_iter().map(Site::word))
+        (None, Some(_)) => Err(format!(
+            "motion \"{word}\" goes to no waypoint; leave waypoint out"
         )),
-        (Some(_), Some(site)) => Ok(motion.to(read_site(site)?)),
+        (Some(_), None) => Err(format!(
+            "motion \"{word}\" has no waypoint, needs one of {}",
+            list(WAYPOINTS.into_iter().map(Waypoint::word))
+        )),
+        (Some(_), Some(waypoint)) => Ok(motion.to(read_waypoint(waypoint)?)),
     }
 }
 
-fn read_site(word: &str) -> Result<Site, String> {
-    let known = SITES.into_iter().find(|site| site.word() == word);
-    known.ok_or_else(|| unknown("site", word, SITES.into_iter().map(Site::word)))
+fn read_waypoint(word: &str) -> Result<Waypoint, String> {
+    let known = WAYPOINTS
+        .into_iter()
+        .find(|waypoint| waypoint.word() == word);
+    known.ok_or_else(|| unknown("waypoint", word, WAYPOINTS.into_iter().map(Waypoint::word)))
 }
 
 /// The end with this word; meeting has a point.
-pub(super) fn until(word: &str, point: Option<&Value>) -> Result<Until, String> {
-    let known = ENDS.into_iter().find(|until| until.word() == word);
-    let until = known.ok_or_else(|| unknown("until", word, ENDS.into_iter().map(Until::word)))?;
+pub(super) fn transition(word: &str, point: Option<&Value>) -> Result<Transition, String> {
+    let known = TRANSITIONS.into_iter().find(|until| until.word() == word);
+    let until = known.ok_or_else(|| {
+        unknown(
+            "transition",
+            word,
+            TRANSITIONS.into_iter().map(Transition::word),
+        )
+    })?;
     match (until, point) {
-        (Until::Met(_), Some(value)) => value
+        (Transition::Met(_), Some(value)) => value
             .as_integer()
             .and_then(|point| u8::try_from(point).ok())
             .filter(|point| (1..u8::MAX).contains(point))
-            .map(Until::Met)
+            .map(Transition::Met)
             .ok_or_else(|| format!("point is {value}, needs a whole number from 1 to 254")),
-        (Until::Met(_), None) => Err("until \"met\" has no point, needs 1 to 254".to_owned()),
-        (_, Some(_)) => Err(format!("until \"{word}\" has no point; leave point out")),
+        (Transition::Met(_), None) => {
+            Err("transition \"met\" has no point, needs 1 to 254".to_owned())
+        }
+        (_, Some(_)) => Err(format!(
+            "transition \"{word}\" has no point; leave point out"
+        )),
         (until, None) => Ok(until),
     }
 }

@@ -41,7 +41,7 @@ fn names() -> String {
             "step",
             "f1_n",
             "f2_n",
-            "hardness_n_m",
+            "stiffness_n_m",
             "centre_x_m",
             "centre_y_m",
             "centre_z_m",
@@ -100,7 +100,7 @@ fn push_hand(text: &mut String, hand: &HandReport) {
             hand.step,
             hand.f1_n,
             hand.f2_n,
-            hand.hardness_n_m
+            hand.stiffness_n_m
         ),
     );
     hand.fingers[..FINGERS_SHOWN]

@@ -1,4 +1,4 @@
-//! Touch guard (ours): the hand that moves freely towards an object expects to touch nothing. What it touches all the same
+//! Contact guard (ours): the hand that moves freely towards an object expects to touch nothing. What it touches all the same
 //! turns it back the way it came, before the arm pushes the thing over.
 //!
 //! Only fingertips feel: what an arm or the back of a finger hits is not noticed.
@@ -13,9 +13,9 @@ const TOUCH_FACTOR: f64 = 2.0;
 
 /// The module has no memory: a touch is a touch.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Guard;
+pub(super) struct ContactGuard;
 
-impl Module for Guard {
+impl Module for ContactGuard {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let limit_n = TOUCH_FACTOR * context.settings.perception.touch_on_n;
         let touching = percept.fingers[..FINGERS]
@@ -28,7 +28,7 @@ impl Module for Guard {
         Proposal {
             active: true,
             carry_ceiling: 0.0,
-            verdict: Verdict::Refuse(reason.about(index).by(ModuleId::GUARD)),
+            verdict: Verdict::Refuse(reason.about(index).by(ModuleId::CONTACT_GUARD)),
             ..Proposal::default()
         }
     }

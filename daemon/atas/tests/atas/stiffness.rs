@@ -1,6 +1,6 @@
-//! The hardness fit on synthetic series of closing and force.
+//! The stiffness fit on synthetic series of closing and force.
 
-use atas_core::perception::{Hardness, HardnessFit};
+use atas_core::perception::{StiffnessEstimate, StiffnessFit};
 use atas_core::settings::{Perception as Settings, Settings as All};
 
 /// The law that the fit is made for: x = 2·(a·F^p + F/k).
@@ -15,12 +15,12 @@ fn probed(
     (from_n, to_n): (f64, f64),
     noise_m: f64,
     filter_s: f64,
-) -> Option<HardnessFit> {
+) -> Option<StiffnessFit> {
     let settings = Settings {
         filter_s,
         ..All::default().perception
     };
-    let mut hardness = Hardness::default();
+    let mut estimate = StiffnessEstimate::default();
     let mut fit = None;
     let mut felt_n = from_n;
     for i in 0..100 {
@@ -33,7 +33,7 @@ fn probed(
             };
         let noise_m = if i % 2 == 0 { noise_m } else { -noise_m };
         let closed_m = closing_m(true_n, object_n_m, &settings) - 1e-4 + noise_m;
-        fit = hardness.add(closed_m, felt_n, 1e-3, &settings).or(fit);
+        fit = estimate.add(closed_m, felt_n, 1e-3, &settings).or(fit);
     }
     fit
 }
@@ -88,9 +88,9 @@ fn a_rigid_block_reads_as_very_stiff_and_never_as_negative() {
         filter_s: 0.0,
         ..All::default().perception
     };
-    let mut hardness = Hardness::default();
+    let mut estimate = StiffnessEstimate::default();
     let fit = (1..20).fold(None, |fit, i| {
-        hardness
+        estimate
             .add(-1e-4 * f64::from(i), 0.1 * f64::from(i), 1e-3, &settings)
             .or(fit)
     });
@@ -103,7 +103,7 @@ fn a_rigid_block_reads_as_very_stiff_and_never_as_negative() {
 #[test]
 fn no_news_gives_no_fit() {
     let settings = All::default().perception;
-    let mut hardness = Hardness::default();
+    let mut estimate = StiffnessEstimate::default();
     // Too light to be a touch, then one force for ever, then less than before.
     for (closing_m, normal_n) in [
         (0.0, 0.0),
@@ -114,10 +114,10 @@ fn no_news_gives_no_fit() {
         (5e-4, 0.4),
     ] {
         assert_eq!(
-            hardness.add(closing_m, normal_n, 1e-3, &settings),
+            estimate.add(closing_m, normal_n, 1e-3, &settings),
             None,
             "at {normal_n} N"
         );
     }
-    assert_eq!(hardness.add(f64::NAN, f64::NAN, 1e-3, &settings), None);
+    assert_eq!(estimate.add(f64::NAN, f64::NAN, 1e-3, &settings), None);
 }

@@ -1,4 +1,4 @@
-//! Hardness: how stiff the object is, from 100 ms of pressing after the first touch (paper II.b (1)).
+//! StiffnessEstimate: how stiff the object is, from 100 ms of pressing after the first touch (paper II.b (1)).
 //!
 //! While both fingers close, the total closing is x = x₀ + 2·(δ(F) + F/k): two fingertips, whose compression
 //! δ(F) = a·F^p is known from pressing a rigid block, and two faces of the object. Taking the fingertips out leaves a
@@ -16,7 +16,7 @@ const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 
 /// Running sums of a least-squares line of closing over force.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Hardness {
+pub struct StiffnessEstimate {
     filtered_closing_m: Option<f64>,
     hardest_n: f64,
     n: f64,
@@ -29,14 +29,14 @@ pub struct Hardness {
 
 /// What the probe found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HardnessFit {
+pub struct StiffnessFit {
     /// k: stiffness of one face of the object, N/m.
     pub object_n_m: f64,
     /// How far the figure may be trusted, 0 to 1: 1/(1 + ε²) with ε the relative standard error of the compliance.
     pub confidence: f64,
 }
 
-impl Hardness {
+impl StiffnessEstimate {
     /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
     /// the frame before, s. Only a force beyond every force before is new; it gives a refined fit, if there is one.
     pub fn add(
@@ -45,7 +45,7 @@ impl Hardness {
         normal_n: f64,
         step_s: f64,
         settings: &Settings,
-    ) -> Option<HardnessFit> {
+    ) -> Option<StiffnessFit> {
         let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
         if normal_n <= settings.touch_off_n || normal_n <= self.hardest_n {
             return None;
@@ -77,7 +77,7 @@ impl Hardness {
     }
 
     /// The fit; `None` when there are too few samples or the force did not change.
-    fn fit(&self) -> Option<HardnessFit> {
+    fn fit(&self) -> Option<StiffnessFit> {
         let spread_x = self.n * self.xx - self.x * self.x;
         if self.n < SAMPLES_MIN || spread_x <= 0.0 {
             return None;
@@ -92,7 +92,7 @@ impl Hardness {
         };
         let floor = FACES * COMPLIANCE_FLOOR_M_N;
         let slope = if slope > floor { slope } else { floor };
-        Some(HardnessFit {
+        Some(StiffnessFit {
             object_n_m: FACES / slope,
             confidence: 1.0 / (1.0 + variance / (slope * slope)),
         })

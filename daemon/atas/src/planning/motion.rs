@@ -1,9 +1,9 @@
-//! From a step's motion to a path: used by the runner when the step begins, and before the goal begins to see where the
-//! arm will go.
+//! From a step's motion to a path.
 
-use super::{Motion, Sites};
+use super::waypoints::Waypoints;
 use crate::path::{Path, Speeds};
 use crate::settings::Settings;
+use crate::tasks::Motion;
 use robot_model::GraspFrame;
 
 /// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
@@ -14,10 +14,10 @@ const LET_GO_BY_M: f64 = 0.003;
 const LET_GO_S: f64 = 0.085;
 
 /// The path of a motion for a hand that is at `now` and whose path was `before`.
-pub(crate) fn plan(
+pub(crate) fn path_of(
     motion: Motion,
     now: &GraspFrame,
-    sites: &Sites,
+    waypoints: &Waypoints,
     before: &Path,
     settings: &Settings,
 ) -> Path {
@@ -27,16 +27,16 @@ pub(crate) fn plan(
         turn_rad_s: speeds.turn_rad_s,
         open_m_s: speeds.open_m_s,
     };
-    let gripping = |site, move_m_s| {
+    let gripping = |waypoint, move_m_s| {
         let speeds = Speeds { move_m_s, ..free };
-        Path::gripping(*now, sites.pose(site, now), &speeds)
+        Path::gripping(*now, waypoints.pose(waypoint, now), &speeds)
     };
     match motion {
         Motion::Stay | Motion::Lower | Motion::Square => Path::stay(*now),
-        Motion::Reach(site) => Path::free(*now, sites.pose(site, now), &free),
+        Motion::Reach(waypoint) => Path::free(*now, waypoints.pose(waypoint, now), &free),
         Motion::Withdraw => Path::free(*now, before.at(0.0), &free),
-        Motion::Carry(site) => gripping(site, speeds.lift_m_s),
-        Motion::Convey(site) => gripping(site, settings.place.convey_m_s),
+        Motion::Carry(waypoint) => gripping(waypoint, speeds.lift_m_s),
+        Motion::Convey(waypoint) => gripping(waypoint, settings.place.convey_m_s),
         Motion::Open => Path::free(*now, opened(now, OPEN_BY_M), &free),
         Motion::LetGo => {
             let speeds = Speeds {

@@ -1,8 +1,9 @@
-//! Sites: the poses that a goal's steps refer to by name.
+//! The poses that a goal's steps refer to by name.
 
 use crate::goal::Goal;
 use crate::path::reachable_yaw_rad;
 use crate::settings::Settings;
+use crate::tasks::Waypoint;
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel};
@@ -24,32 +25,9 @@ const SIDE_OPENING_M: f64 = 0.020;
 const SIDE_BEHIND_M: f64 = 0.10;
 const SIDE_ABOVE_M: f64 = 0.03;
 
-/// A named pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Site {
-    /// Where the arm rests, tilted and open for a grasp from the side.
-    Tilted,
-    /// Before the object, open: straight above it, or behind it for a grasp from the side.
-    BeforeSource,
-    /// At the object, opened wide.
-    Around,
-    /// At the object, open a little wider than it.
-    Source,
-    /// Where the object is lifted to.
-    Lifted,
-    /// Over the target, as high as the object is lifted.
-    OverTarget,
-    /// Where the hand is, open, where a turn begins.
-    TurnStart,
-    /// Straight above where the hand is.
-    Above,
-    /// Where the arm rests.
-    Home,
-}
-
 /// The poses of one goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sites {
+pub struct Waypoints {
     tilted: GraspFrame,
     before: GraspFrame,
     around: GraspFrame,
@@ -64,22 +42,22 @@ pub struct Sites {
     turning: f64,
 }
 
-impl Sites {
+impl Waypoints {
     /// The poses of a goal for one of its hands, and the width of what that hand grasps, m.
     #[must_use]
     pub fn of(hand: &HandModel, now: &GraspFrame, goal: &Goal, settings: &Settings) -> (Self, f64) {
         let (request, home) = (goal.request(), home(hand, now));
         if hand.side() != goal.side() {
-            let sites = Self::helping(hand, home, request, settings);
-            return (sites, request.helper_width_m);
+            let waypoints = Self::helping(hand, home, request, settings);
+            return (waypoints, request.helper_width_m);
         }
         let stays = !(goal.demands().visits_source || goal.demands().visits_target);
-        let sites = if stays {
+        let waypoints = if stays {
             Self::resting(*now, home, settings)
         } else {
             Self::new(hand, now, home, goal, settings)
         };
-        (sites, request.width_m)
+        (waypoints, request.width_m)
     }
 
     /// The poses of a checked goal for a hand that is at `now` and rests at `home`.
@@ -166,23 +144,23 @@ impl Sites {
         }
     }
 
-    /// The pose of a site, for a hand that is at `now`.
+    /// The pose of a waypoint, for a hand that is at `now`.
     #[must_use]
-    pub fn pose(&self, site: Site, now: &GraspFrame) -> GraspFrame {
-        match site {
-            Site::Tilted => self.tilted,
-            Site::BeforeSource => self.before,
-            Site::Around => self.around,
-            Site::Source => self.source,
-            Site::Lifted => raised(&self.source, self.lift_m),
-            Site::OverTarget => self.over_target,
-            Site::TurnStart => GraspFrame {
+    pub fn pose(&self, waypoint: Waypoint, now: &GraspFrame) -> GraspFrame {
+        match waypoint {
+            Waypoint::Tilted => self.tilted,
+            Waypoint::BeforeSource => self.before,
+            Waypoint::Around => self.around,
+            Waypoint::Source => self.source,
+            Waypoint::Lifted => raised(&self.source, self.lift_m),
+            Waypoint::OverTarget => self.over_target,
+            Waypoint::TurnStart => GraspFrame {
                 half_opening_m: self.source.half_opening_m,
                 tangential_m: [self.turn_start_m, -self.turn_start_m],
                 ..*now
             },
-            Site::Above => raised(now, self.descend_m),
-            Site::Home => self.home,
+            Waypoint::Above => raised(now, self.descend_m),
+            Waypoint::Home => self.home,
         }
     }
 

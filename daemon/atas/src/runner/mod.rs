@@ -1,11 +1,12 @@
 //! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
 
-use super::plan::plan;
-use super::{BACK_OUT, Motion, RAISE, STAND, Sites, Step, Thresholds, Track, Until, WITHDRAW};
 use crate::modules::{Context, Modules, RELEASE_SHARE, Verdict, force_range_n};
 use crate::path::Path;
-use crate::perception::{HardnessFit, Percept};
+use crate::perception::{Percept, StiffnessFit};
+use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
+use crate::tasks::{BACK_OUT, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW};
+use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{Cause, ModuleId, Reason};
@@ -54,11 +55,11 @@ pub struct Runner {
     index: usize,
     step_s: f64,
     path: Path,
-    sites: Sites,
+    waypoints: Waypoints,
     hold_s: f64,
     width_m: f64,
     thresholds: Thresholds,
-    hardness: Option<HardnessFit>,
+    stiffness: Option<StiffnessFit>,
     all_touched: bool,
     touched_at_m: f64,
     closing_m: f64,
@@ -88,7 +89,7 @@ impl Runner {
     #[must_use]
     pub fn start(
         track: Track,
-        sites: Sites,
+        waypoints: Waypoints,
         now: &GraspFrame,
         (width_m, hold_s): (f64, f64),
         settings: &Settings,
@@ -98,11 +99,11 @@ impl Runner {
             index: 0,
             step_s: 0.0,
             path: Path::stay(*now),
-            sites,
+            waypoints,
             hold_s,
             width_m,
             thresholds: Thresholds::unknown(&settings.grasp),
-            hardness: None,
+            stiffness: None,
             all_touched: false,
             touched_at_m: 0.0,
             closing_m: 0.0,
@@ -144,10 +145,10 @@ impl Runner {
         self.thresholds
     }
 
-    /// The hardness, once known.
+    /// The stiffness, once known.
     #[must_use]
-    pub fn hardness(&self) -> Option<HardnessFit> {
-        self.hardness
+    pub fn stiffness(&self) -> Option<StiffnessFit> {
+        self.stiffness
     }
 
     /// How far the object has been carried, m.
@@ -201,8 +202,8 @@ impl Runner {
             closing_m_s: motion.closing_m_s,
             frame: motion.frame,
             base_from_tip: motion.base_from_tip,
-            turning: self.sites.turning(),
-            lowering_m: (self.step().motion == Motion::Lower).then(|| self.sites.lowering_m()),
+            turning: self.waypoints.turning(),
+            lowering_m: (self.step().motion == Motion::Lower).then(|| self.waypoints.lowering_m()),
         }
     }
 
@@ -217,8 +218,8 @@ impl Runner {
         }
     }
 
-    /// Hears which meeting point the other hand has come to.
-    pub fn hear(&mut self, peer_reached: u8) {
+    /// Takes in which meeting point the other hand has come to.
+    pub fn receive_peer(&mut self, peer_reached: u8) {
         self.peer_reached = peer_reached;
     }
 
@@ -227,7 +228,7 @@ impl Runner {
     pub fn observe(&mut self, percept: &Percept, gap_m: f64, now: &GraspFrame, step_s: f64) {
         self.step_s += step_s;
         let touching = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
-        if touching && !self.all_touched && self.step().until == Until::AllTouched {
+        if touching && !self.all_touched && self.step().transition == Transition::AllTouched {
             self.all_touched = true;
             self.touched_at_m = gap_m;
         }
@@ -245,7 +246,7 @@ impl Runner {
 
     /// The reason to warn of an object that is held and slides all the same.
     fn sliding(&self, percept: &Percept) -> Option<Reason> {
-        let held = self.step().until == Until::Held && self.grips();
+        let held = self.step().transition == Transition::Held && self.grips();
         let slid_s = percept.fingers[..FINGERS]
             .iter()
             .filter(|finger| finger.utilisation > SLIDES_ABOVE)
@@ -287,8 +288,8 @@ impl Runner {
                 let reason = self.in_hold(reason);
                 return self.give_up(retreat, reason, now, settings, modules);
             }
-            Verdict::Hardness(fit) => {
-                self.hardness = Some(fit);
+            Verdict::Stiffness(fit) => {
+                self.stiffness = Some(fit);
                 self.holds = true;
                 self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp);
             }
@@ -302,7 +303,11 @@ impl Runner {
         }
         let done = verdict == Verdict::Done;
         if arrived && !done && self.step().motion == Motion::Lower {
-            let reason = Reason::limit(Cause::NO_SUPPORT, now.centre_m.z, self.sites.expected_m());
+            let reason = Reason::limit(
+                Cause::NO_SUPPORT,
+                now.centre_m.z,
+                self.waypoints.expected_m(),
+            );
             let reason = reason.by(ModuleId::TRANSFER);
             return self.give_up(Retreat::Raise, reason, now, settings, modules);
         }
@@ -314,17 +319,17 @@ impl Runner {
     }
 
     fn is_done(&self, arrived: bool, concluded: bool, percept: &Percept) -> bool {
-        match self.step().until {
-            Until::Arrived => arrived,
-            Until::AllTouched => self.all_touched,
-            Until::HardnessKnown => self.hardness.is_some(),
-            Until::Gripped => {
+        match self.step().transition {
+            Transition::Arrived => arrived,
+            Transition::AllTouched => self.all_touched,
+            Transition::StiffnessKnown => self.stiffness.is_some(),
+            Transition::Gripped => {
                 let (weakest_n, strongest_n) = force_range_n(percept);
                 weakest_n > self.thresholds.f1_n || strongest_n > self.thresholds.f2_n
             }
-            Until::Held => self.step_s >= self.hold_s,
-            Until::Concluded => concluded,
-            Until::Met(point) => self.peer_reached >= point,
+            Transition::Held => self.step_s >= self.hold_s,
+            Transition::Concluded => concluded,
+            Transition::Met(point) => self.peer_reached >= point,
         }
     }
 
@@ -361,9 +366,9 @@ impl Runner {
 
     /// What a step begins with besides its path.
     fn arrive(&mut self) {
-        match self.step().until {
-            Until::Met(point) => self.reached = point,
-            Until::AllTouched => {
+        match self.step().transition {
+            Transition::Met(point) => self.reached = point,
+            Transition::AllTouched => {
                 self.all_touched = false;
                 self.lifted_from_m = None;
             }
@@ -372,12 +377,19 @@ impl Runner {
     }
 
     fn plan(&self, now: &GraspFrame, settings: &Settings) -> Path {
-        plan(self.step().motion, now, &self.sites, &self.path, settings)
+        path_of(
+            self.step().motion,
+            now,
+            &self.waypoints,
+            &self.path,
+            settings,
+        )
     }
 
     /// The same refusal means something else once the object was already held: its load has grown.
     fn in_hold(&self, reason: Reason) -> Reason {
-        let held = self.step().until == Until::Held || self.step().motion == Motion::Square;
+        let held =
+            self.step().transition == Transition::Held || self.step().motion == Motion::Square;
         if held && reason.cause == Cause::TOO_HEAVY {
             Reason {
                 cause: Cause::OUT_OF_FORCE,
@@ -418,7 +430,7 @@ impl Runner {
                 settings.perception.touch_off_n,
             ));
         }
-        if step.until == Until::AllTouched {
+        if step.transition == Transition::AllTouched {
             let deepest_m = (self.width_m / 2.0 - settings.motion.search_m).max(MEET_M);
             let closed_m = now
                 .half_opening_m
@@ -438,7 +450,7 @@ impl Runner {
 impl Runner {
     /// Goes on with nothing but holding: for a goal that ends while the hand has an object.
     pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
-        if self.step().until != Until::Held {
+        if self.step().transition != Transition::Held {
             self.track = STAND;
             self.enter(0, now, settings, modules);
         }

@@ -22,7 +22,7 @@ const FRAMES: u32 = 2;
 
 /// What the module remembers of one lift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum LiftProof {
+pub(super) enum LoadTest {
     /// The lift has not begun.
     #[default]
     Ready,
@@ -49,7 +49,7 @@ pub(super) struct Tug {
     frames: u32,
 }
 
-impl Module for LiftProof {
+impl Module for LoadTest {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let (weakest_n, strongest_n) = force_range_n(percept);
@@ -67,7 +67,7 @@ impl Module for LiftProof {
             closing_m_s: [closing_m_s; FINGERS],
             carry_ceiling,
             verdict: if stands && at_ceiling {
-                Verdict::Refuse(reason.by(ModuleId::LIFT_PROOF))
+                Verdict::Refuse(reason.by(ModuleId::LOAD_TEST))
             } else {
                 Verdict::None
             },
@@ -76,7 +76,7 @@ impl Module for LiftProof {
     }
 }
 
-impl LiftProof {
+impl LoadTest {
     /// Goes on to the next phase; true in the tick in which a tug finds that the object stands.
     fn follow(
         &mut self,
@@ -88,20 +88,20 @@ impl LiftProof {
         let settings = &context.settings.grasp;
         let carried_m = context.carried_m;
         match self {
-            Self::Ready => *self = Self::Travelling(settings.proof_travel_m),
+            Self::Ready => *self = Self::Travelling(settings.load_test_travel_m),
             Self::Travelling(until_m) if carried_m > *until_m => {
                 *self = Self::Tugging(Tug::begin(carried_m, load_n(percept)));
             }
             Self::Tugging(tug) => match tug.hangs(percept, carried_m) {
                 Some(true) => *self = Self::Hangs,
                 Some(false) => {
-                    *self = Self::Pressing(weakest_n * settings.proof_press);
+                    *self = Self::Pressing(weakest_n * settings.load_test_press);
                     return true;
                 }
                 None => {}
             },
             Self::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
-                *self = Self::Travelling(carried_m + settings.proof_travel_m / 2.0);
+                *self = Self::Travelling(carried_m + settings.load_test_travel_m / 2.0);
             }
             _ => {}
         }

@@ -2,7 +2,7 @@
 //! object slips, after J. M. Romano, K. Hsiao, G. Niemeyer, S. Chitta and K. J. Kuchenbecker, "Human-inspired robotic grasp
 //! control with tactile sensing", IEEE Transactions on Robotics 27(6), 2011.
 //!
-//! It knows no hardness, no F_2 and no way back: it starts at F_1 and never gives force back. No built-in task has it.
+//! It knows no stiffness, no F_2 and no way back: it starts at F_1 and never gives force back. No built-in task has it.
 //! It is told of slip by the same friction utilisation as Module 2, not by the high-pass filtered forces and the
 //! accelerometer of the published one: what is compared is the law, not the sense.
 
@@ -19,14 +19,14 @@ const SAMPLE_S: f64 = 0.041;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
-pub(super) struct React {
+pub(super) struct SlipReaction {
     /// The force target over F_1, minus one.
     raised: f64,
     /// Time since the target rose last, s.
     since_s: f64,
 }
 
-impl Module for React {
+impl Module for SlipReaction {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         self.since_s += context.step_s;

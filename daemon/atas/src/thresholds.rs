@@ -1,5 +1,6 @@
-//! F_1 and F_2 from the hardness (paper II.b (1): "Threshold of maximum grasping force F_2 should be changed based on
-//! the object's hardness"; the laws are ours, from a prototype).
+//! F_1 and F_2 from the object's stiffness (paper II.b (1): "Threshold of maximum grasping force F_2 should be changed
+//! based on the object's hardness"; the laws are ours, from a prototype). What the paper calls hardness is measured in
+//! N/m, so it is called stiffness everywhere here.
 
 use crate::settings::Grasp;
 

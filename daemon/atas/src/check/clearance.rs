@@ -7,12 +7,14 @@
 //!
 //! Absent on purpose: objects, the table, and the retreats from what goes wrong, which lead back along the same ways.
 
-use super::check::{FROM_X, TO_X};
-use super::{Circumstances, Goal};
+use super::circumstances::Circumstances;
+use super::fields::{FROM_X, TO_X};
+use crate::goal::Goal;
 use crate::kinematics::frame_of;
 use crate::path::{Path, Speeds};
+use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
-use crate::tasks::{Motion, Site, Sites, Step, Track, Until, plan};
+use crate::tasks::{Motion, Step, Track, Transition, Waypoint};
 use core::cell::Cell;
 use core::ops::Range;
 use nalgebra::Vector3;
@@ -31,7 +33,7 @@ const SAMPLE_RAD: f64 = 0.02;
 const ITERATIONS: usize = 6;
 /// The same where a way ends and the arm comes to rest.
 const ITERATIONS_AT_REST: usize = 30;
-/// Farthest that the tips may stay off their path, m (ours: what the touch guard would not notice), and their axes at its
+/// Farthest that the tips may stay off their path, m (ours: what the contact guard would not notice), and their axes at its
 /// end, rad (ours: 5°, well within the cone of 33° that a dome feels).
 const OFF_PATH_M: f64 = 0.001;
 const OFF_AXIS_RAD: f64 = 0.087;
@@ -130,7 +132,7 @@ struct Walk<'a> {
     hand: &'a HandModel,
     settings: &'a Settings,
     track: Option<Track>,
-    sites: Sites,
+    waypoints: Waypoints,
     width_m: f64,
     /// The step to be done next.
     next: usize,
@@ -147,7 +149,7 @@ impl<'a> Walk<'a> {
         let hand = now.robot.hand(side);
         let q_rad = now.hand_rad(side);
         let at = frame_of(hand, &hand.forward(&q_rad));
-        let (sites, width_m) = Sites::of(hand, &at, goal, now.settings);
+        let (waypoints, width_m) = Waypoints::of(hand, &at, goal, now.settings);
         let acts = side == goal.side();
         let mut walk = Self {
             hand,
@@ -157,7 +159,7 @@ impl<'a> Walk<'a> {
             } else {
                 goal.task().helping
             },
-            sites,
+            waypoints,
             width_m,
             next: 0,
             reached: 0,
@@ -186,14 +188,17 @@ impl<'a> Walk<'a> {
 
     /// The steps that the hand can do before it has to wait for another that has come to this point.
     fn round(&self, peer_reached: u8) -> Range<usize> {
-        let waits = |step: &Step| matches!(step.until, Until::Met(point) if point > peer_reached);
+        let waits =
+            |step: &Step| matches!(step.transition, Transition::Met(point) if point > peer_reached);
         let free = self.steps()[self.next..].iter().position(waits);
         self.next..free.map_or(self.steps().len(), |free| self.next + free)
     }
 
     /// Comes to the meeting point that the next step waits at.
     fn arrive(&mut self) {
-        if let Some(Until::Met(point)) = self.steps().get(self.next).map(|step| step.until) {
+        if let Some(Transition::Met(point)) =
+            self.steps().get(self.next).map(|step| step.transition)
+        {
             self.reached = point;
         }
     }
@@ -202,22 +207,22 @@ impl<'a> Walk<'a> {
     fn follow(
         &mut self,
         steps: Range<usize>,
-        tell: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
+        visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
         for index in steps {
             let step = self.steps()[index];
-            if step.motion.site() == Some(Site::OverTarget) {
+            if step.motion.waypoint() == Some(Waypoint::OverTarget) {
                 self.place = TO_X;
             }
-            let path = plan(
+            let path = path_of(
                 step.motion,
                 &self.at,
-                &self.sites,
+                &self.waypoints,
                 &Path::stay(self.at),
                 self.settings,
             );
-            self.go(*path.end(), tell)?;
-            self.finish(&step, tell)?;
+            self.go(*path.end(), visit)?;
+            self.finish(&step, visit)?;
             self.next = index + 1;
             self.arrive();
         }
@@ -228,23 +233,23 @@ impl<'a> Walk<'a> {
     fn finish(
         &mut self,
         step: &Step,
-        tell: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
+        visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
         let at = self.at;
-        match (step.motion, step.until) {
+        match (step.motion, step.transition) {
             (Motion::Lower, _) => {
-                let lowest_m = at.centre_m.z - self.sites.lowering_m();
-                self.go(at_height(&at, lowest_m), tell)?;
-                self.go(at_height(&at, self.sites.expected_m()), tell)
+                let lowest_m = at.centre_m.z - self.waypoints.lowering_m();
+                self.go(at_height(&at, lowest_m), visit)?;
+                self.go(at_height(&at, self.waypoints.expected_m()), visit)
             }
-            (Motion::Square, _) => self.square(tell),
-            (_, Until::AllTouched | Until::Gripped) => {
+            (Motion::Square, _) => self.square(visit),
+            (_, Transition::AllTouched | Transition::Gripped) => {
                 let half_opening_m = [self.width_m / 2.0; FINGERS];
                 let closed = GraspFrame {
                     half_opening_m,
                     ..at
                 };
-                self.go(closed, tell)
+                self.go(closed, visit)
             }
             _ => Ok(()),
         }
@@ -253,10 +258,10 @@ impl<'a> Walk<'a> {
     /// Once around the square, which does not move the hand any farther.
     fn square(
         &mut self,
-        tell: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
+        visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
         let (screw, at) = (&self.settings.screw, self.at);
-        let travel_m = self.sites.turning() * screw.travel_m;
+        let travel_m = self.waypoints.turning() * screw.travel_m;
         let corners = [
             (travel_m, 0.0),
             (travel_m, screw.clearance_m),
@@ -269,7 +274,7 @@ impl<'a> Walk<'a> {
                 half_opening_m: at.half_opening_m.map(|half_m| half_m + away_m),
                 ..at
             };
-            self.go(corner, tell)?;
+            self.go(corner, visit)?;
         }
         Ok(())
     }
@@ -278,7 +283,7 @@ impl<'a> Walk<'a> {
     fn go(
         &mut self,
         to: GraspFrame,
-        tell: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
+        visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
         let way = Path::free(self.at, to, &UNHURRIED);
         let samples = samples(&self.at, &to);
@@ -289,7 +294,7 @@ impl<'a> Walk<'a> {
             let bodies = self.bodies();
             let about_m = farthest_move_m(&before, &bodies) / 2.0;
             before.clone_from(&bodies);
-            tell(&Sample { bodies, about_m })?;
+            visit(&Sample { bodies, about_m })?;
         }
         self.at = to;
         Ok(())

@@ -38,7 +38,7 @@ fn tugged(bench: &mut Bench, normal_n: f64, load_share: f64) -> Proposal {
 #[test]
 fn what_keeps_its_load_hangs() {
     for (normal_n, share) in [(BELOW_F2_N, 1.0), (BELOW_F2_N, 0.7), (ABOVE_F2_N, 0.7)] {
-        let mut bench = Bench::new(ModuleId::LIFT_PROOF);
+        let mut bench = Bench::new(ModuleId::LOAD_TEST);
         let end = tugged(&mut bench, normal_n, share);
         assert_eq!(
             (end.active, end.verdict),
@@ -56,13 +56,13 @@ fn what_keeps_its_load_hangs() {
 #[test]
 fn what_stands_at_f2_is_refused() {
     for share in [0.0, 0.5] {
-        let end = tugged(&mut Bench::new(ModuleId::LIFT_PROOF), ABOVE_F2_N, share);
+        let end = tugged(&mut Bench::new(ModuleId::LOAD_TEST), ABOVE_F2_N, share);
         let Verdict::Refuse(reason) = end.verdict else {
             panic!("not refused with {share} of its load")
         };
         assert_eq!(
             (reason.cause, reason.module, reason.value, reason.limit),
-            (Cause::TOO_HEAVY, ModuleId::LIFT_PROOF, ABOVE_F2_N, 4.0)
+            (Cause::TOO_HEAVY, ModuleId::LOAD_TEST, ABOVE_F2_N, 4.0)
         );
     }
 }
@@ -70,7 +70,7 @@ fn what_stands_at_f2_is_refused() {
 /// Regression: an object that slid evenly through the fingers below F_2 was reported as held.
 #[test]
 fn what_stands_below_f2_is_pressed_harder_and_tried_again() {
-    let mut bench = Bench::new(ModuleId::LIFT_PROOF);
+    let mut bench = Bench::new(ModuleId::LOAD_TEST);
     let end = tugged(&mut bench, BELOW_F2_N, 0.2);
     assert_eq!(
         (end.active, end.verdict, end.carry_ceiling),
@@ -95,7 +95,7 @@ fn what_stands_below_f2_is_pressed_harder_and_tried_again() {
 /// A held frame says nothing new: a slow sensor is waited for.
 #[test]
 fn the_tug_waits_for_frames() {
-    let mut bench = Bench::new(ModuleId::LIFT_PROOF);
+    let mut bench = Bench::new(ModuleId::LOAD_TEST);
     let mut felt = sliding(BELOW_F2_N, 0.8);
     bench.evaluate(&felt);
     bench.carried_m = 0.0021;

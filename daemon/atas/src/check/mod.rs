@@ -1,8 +1,19 @@
-//! The checks of a goal, in the order in which a client would mend them: codes, numbers, sensors, reach, paths.
+//! Whether a goal can be pursued, checked before anything moves.
+//!
+//! In: what a client sent and the [`Circumstances`]. Out: a [`Goal`], or the [`Reason`] against it. The checks come in the
+//! order in which a client would mend them: codes, numbers, sensors, reach, paths. Everything takes some milliseconds, so
+//! it is called off the tick; nothing here changes anything.
 
-use super::clearance::check_paths;
-use super::{Circumstances, Goal};
+mod circumstances;
+mod clearance;
+mod fields;
+
+pub use circumstances::Circumstances;
+
+use crate::goal::Goal;
+use clearance::check_paths;
 use core::f64::consts::TAU;
+use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, TO_X, TO_YAW, WIDTH};
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, Side, Workspace};
 use shm_schemas::{Cause, GoalRequest, Reason};
@@ -10,15 +21,7 @@ use shm_schemas::{Cause, GoalRequest, Reason};
 /// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
 const LIFT_MAX_M: f64 = 0.15;
 const HOLD_MAX_S: f64 = 3600.0;
-/// Index of each checked value in [`GoalRequest::VALUE_NAMES`].
-pub(super) const FROM_X: usize = 0;
-const FROM_YAW: usize = 3;
-pub(super) const TO_X: usize = 4;
-const TO_YAW: usize = 7;
-const WIDTH: usize = 8;
-const LIFT: usize = 9;
-const HOLD: usize = 10;
-const HELPER_WIDTH: usize = 11;
+
 /// Checks a goal without moving anything: codes, numbers, sensors, reach, clearance. Takes some
 /// milliseconds because it follows every path of the task, so call it off the tick.
 ///
@@ -29,21 +32,21 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
     if let Some(index) = request.values().iter().position(|v| !v.is_finite()) {
         return Err(Reason::of(Cause::NOT_FINITE).about(index));
     }
-    let hands = Side::BOTH.map(|side| (side, side == goal.side || goal.demands.both_hands));
+    let hands = Side::BOTH.map(|side| (side, side == goal.side() || goal.demands().both_hands));
     for (side, takes_part) in hands {
         if takes_part && !now.wiring.hands[side.index()].required {
             return Err(Reason::of(Cause::NO_SENSOR).about(side.index()));
         }
     }
-    let visits = goal.demands.visits_source || goal.demands.visits_target;
-    if visits || goal.demands.both_hands {
+    let visits = goal.demands().visits_source || goal.demands().visits_target;
+    if visits || goal.demands().both_hands {
         check_range(request.from_yaw_rad, (-TAU, TAU), FROM_YAW)?;
         check_range(request.to_yaw_rad, (-TAU, TAU), TO_YAW)?;
         check_range(request.lift_m, (0.0, LIFT_MAX_M), LIFT)?;
         check_range(request.hold_s, (0.0, HOLD_MAX_S), HOLD)?;
         check_reach(&goal, now)?;
     }
-    if goal.demands.both_hands {
+    if goal.demands().both_hands {
         let [least_m, most_m] = Workspace::TWO_HAND_ARM.opening_m;
         check_range(request.helper_width_m, (least_m, most_m), HELPER_WIDTH)?;
     }
@@ -62,11 +65,11 @@ fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(
 
 /// Every place that the task takes the hand to must lie in the workspace, and the arm must have a posture for it.
 fn check_reach(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
-    let request = &goal.request;
-    if goal.demands.visits_source {
+    let request = goal.request();
+    if goal.demands().visits_source {
         check_place(goal, now, request.from_m, request.from_yaw_rad, FROM_X)?;
     }
-    if goal.demands.visits_target {
+    if goal.demands().visits_target {
         check_place(goal, now, request.to_m, request.to_yaw_rad, TO_X)?;
     }
     Ok(())
@@ -80,7 +83,7 @@ fn check_place(
     yaw_rad: f64,
     index: usize,
 ) -> Result<(), Reason> {
-    let (side, width_m) = (goal.side, goal.request.width_m);
+    let (side, width_m) = (goal.side(), goal.request().width_m);
     let hand = now.robot.hand(side);
     let workspace = Workspace::TWO_HAND_ARM;
     let (left, right) = (side == Side::Left, workspace.right_y_m);

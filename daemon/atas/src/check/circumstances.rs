@@ -1,0 +1,31 @@
+//! What a goal is checked against.
+
+use crate::settings::Settings;
+use crate::tasks::Task;
+use crate::wiring::Wiring;
+use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
+
+/// What a goal is checked against.
+#[derive(Clone, Copy, Debug)]
+pub struct Circumstances<'a> {
+    /// The robot.
+    pub robot: &'a RobotModel,
+    /// Its sensors.
+    pub wiring: &'a Wiring,
+    /// The numbers in force: how far the hand opens, how high it comes from.
+    pub settings: &'a Settings,
+    /// The user's own tasks.
+    pub tasks: &'a [Task],
+    /// Where the joints were commanded last, rad; `None` before the first command.
+    pub commanded_rad: Option<&'a [f64; ROBOT_JOINTS]>,
+}
+
+impl Circumstances<'_> {
+    /// Where the joints of one hand are, rad; before the first command, where they would rest.
+    pub(super) fn hand_rad(&self, side: Side) -> HandVector {
+        self.commanded_rad
+            .map_or(*self.robot.hand(side).reference_rad(), |q_rad| {
+                HandVector::from_row_slice(&q_rad[side.joint_range()])
+            })
+    }
+}
