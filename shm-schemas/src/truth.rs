@@ -8,14 +8,14 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
     /// The true state of one simulated object.
-    ObjectTruth as "atas.ObjectTruth.v3" {
+    ObjectTruth as "atas.ObjectTruth.v4" {
         /// Name of the object, as in its data file.
         pub name: Text<32>,
-        /// Centre of mass, base frame, m.
+        /// Middle of its shape, base frame, m.
         pub position_m: [f64; 3],
         /// Orientation, base frame, quaternion w, x, y, z.
         pub orientation: [f64; 4],
-        /// How far the centre of mass is above where it rested at the start, m.
+        /// How far its middle is above where it rested at the start, m.
         pub lifted_m: f64,
         /// Tilt of its upright axis, rad.
         pub tilt_rad: f64,
@@ -37,6 +37,13 @@ payload! {
         pub released_ns: u64,
         /// Its height above what was under it at that moment, m.
         pub released_above_m: f64,
+        /// Greatest slip along the fingertips of the hand that holds it, or held it last, since its support no longer carried
+        /// all of it, m.
+        pub slip_in_hand_m: f64,
+        /// Greatest turn in that hand since then, rad.
+        pub turn_in_hand_rad: f64,
+        /// How far it is from where it stood at the start, over the table, m.
+        pub displaced_m: f64,
         /// How far a cap has been turned since the threads met, rad, positive closing. This and the following are 0 for
         /// other objects.
         pub cap_angle_rad: f64,
@@ -52,6 +59,10 @@ payload! {
         pub cap_engaged: u32,
         /// 1 while it is engaged and turned to its closing angle or beyond.
         pub cap_closed: u32,
+        /// 1 while it stands by itself, upright within 5° and within 10 mm of where it stood at the start.
+        pub stands: u32,
+        /// 1 while a fingertip presses it.
+        pub pressed: u32,
         /// 1 once crushed.
         pub crushed: u32,
         /// 1 once dropped: it fell out of the hand after it had been lifted.
@@ -65,7 +76,7 @@ payload! {
 
 payload! {
     /// The true state of the simulated world.
-    WorldTruth as "atas.WorldTruth.v3" {
+    WorldTruth as "atas.WorldTruth.v4" {
         /// `captured_ns` is the simulated time.
         pub stamp: Stamp,
         /// Milliseconds of the machine's clock that were skipped so far because the simulator came late; 0 in lock-step.

@@ -36,12 +36,15 @@ pub(crate) struct Body {
     inertia_kg_m2: Vector3<f64>,
     corners: Vec<Corner>,
     table_damping_n_s_m: f64,
-    /// Centre of mass, m.
+    /// Centre of mass, from the middle of its shape, body frame, m.
+    centre_of_mass_m: Vector3<f64>,
+    /// Middle of its shape: the origin of the body's frame, m.
     pub(crate) position_m: Vector3<f64>,
     /// Orientation, quaternion w, x, y, z of unit length.
     orientation: [f64; 4],
     /// The same as a matrix: the body's axes in the base frame.
     pub(crate) base_from_body: Matrix3<f64>,
+    /// Velocity of the middle, m/s.
     pub(crate) velocity_m_s: Vector3<f64>,
     /// Angular velocity, base frame, rad/s.
     pub(crate) angular_rad_s: Vector3<f64>,
@@ -58,7 +61,7 @@ pub(crate) struct Body {
 /// Where a body is and how it moves, base frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
-    /// Centre of mass, m.
+    /// Middle of its shape, m.
     pub(crate) position_m: Vector3<f64>,
     /// Quaternion w, x, y, z of unit length.
     pub(crate) orientation: [f64; 4],
@@ -95,6 +98,7 @@ impl Body {
             inertia_kg_m2: shape.inertia_kg_m2(mass_kg),
             corners,
             table_damping_n_s_m: table_damping_n_s_m(mass_kg),
+            centre_of_mass_m: Vector3::zeros(),
             position_m: Vector3::from(at_m) + Vector3::z() * (shape.half_height_m() - sunk_m),
             orientation,
             base_from_body: rotation(orientation),
@@ -114,7 +118,13 @@ impl Body {
         self
     }
 
-    /// Adds a wrench about the centre of mass, given in the body's frame, to the coming step.
+    /// The same with its centre of mass there, body frame, m. Its moment of inertia about it stays that of the middle.
+    pub(crate) fn with_centre_of_mass(mut self, centre_of_mass_m: Vector3<f64>) -> Self {
+        self.centre_of_mass_m = centre_of_mass_m;
+        self
+    }
+
+    /// Adds a wrench about the middle, given in the body's frame, to the coming step.
     pub(crate) fn apply(&mut self, wrench: &Wrench) {
         self.load.force_n += self.base_from_body * wrench.force_n;
         self.load.moment_n_m += self.base_from_body * wrench.moment_n_m;
@@ -127,12 +137,18 @@ impl Body {
         self.load.moment_n_m += wrench.moment_n_m + arm_m.cross(&wrench.force_n);
     }
 
-    /// The applied wrenches, the pull and the weight about the centre of mass, base frame; forgets the wrenches.
+    /// The applied wrenches, the pull and the weight about the middle, base frame; forgets the wrenches.
     pub(crate) fn take_load(&mut self) -> Wrench {
         let mut load = core::mem::take(&mut self.load);
-        load.force_n += self.pull_n;
-        load.force_n.z -= self.weight_n();
+        let at_centre_n = self.pull_n - Vector3::z() * self.weight_n();
+        load.force_n += at_centre_n;
+        load.moment_n_m += self.lever_m().cross(&at_centre_n);
         load
+    }
+
+    /// From the middle to the centre of mass, base frame, m.
+    fn lever_m(&self) -> Vector3<f64> {
+        self.base_from_body * self.centre_of_mass_m
     }
 
     /// Its weight, N.
@@ -149,9 +165,15 @@ impl Body {
     pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
         let mut load = self.take_load();
         self.stand(ground, &mut load, dt_s);
-        self.velocity_m_s += load.force_n * (dt_s / self.mass_kg);
-        self.turn(&load.moment_n_m, dt_s);
-        self.position_m += self.velocity_m_s * dt_s;
+        // The centre of mass moves by the forces; the middle follows it as the body turns.
+        let lever_m = self.lever_m();
+        let velocity_m_s = self.velocity_m_s
+            + self.angular_rad_s.cross(&lever_m)
+            + load.force_n * (dt_s / self.mass_kg);
+        self.turn(&(load.moment_n_m - lever_m.cross(&load.force_n)), dt_s);
+        let lever_after_m = self.lever_m();
+        self.velocity_m_s = velocity_m_s - self.angular_rad_s.cross(&lever_after_m);
+        self.position_m += velocity_m_s * dt_s + (lever_m - lever_after_m);
     }
 
     /// Adds the supports' forces to the load.

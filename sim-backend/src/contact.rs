@@ -6,7 +6,7 @@
 //! The object's own softness is one compression per contact, solved implicitly.
 //!
 //! A bristle's shear is kept in the object's frame and forgotten when the bristle lifts off. Everything here is in the
-//! object's frame: origin in its centre of mass.
+//! object's frame: origin in the middle of its shape.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -51,7 +51,7 @@ pub(crate) struct Approach {
     pub(crate) angular_rad_s: Vector3<f64>,
 }
 
-/// Force and moment about the object's centre of mass, object frame.
+/// Force and moment about the middle of the object, object frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wrench {
     pub(crate) force_n: Vector3<f64>,

@@ -9,8 +9,11 @@ use robot_model::{
 };
 
 use crate::contact::{Approach, Contact, Wrench};
+use crate::hold::Grip;
 use crate::pad::Pad;
 use crate::plant::Plant;
+use crate::random::Random;
+use crate::scene::{Errors, stream};
 use crate::vibration::Vibration;
 use crate::world_object::WorldObject;
 
@@ -33,6 +36,10 @@ pub(crate) struct Hand {
     vibration: Vibration,
     contact_n_m: HandVector,
     near: bool,
+    /// Where it was at the start of the millisecond.
+    pose: HandPose,
+    /// Each fingertip's skin.
+    pads: [Pad; FINGERS],
 }
 
 /// A fingertip in the base frame.
@@ -43,10 +50,28 @@ struct Tip {
 }
 
 impl Hand {
-    pub(crate) fn new(model: &HandModel, start_rad: HandVector, vibration: Vibration) -> Self {
+    /// A hand at rest; how it lies off its model within `errors` is drawn by the seed.
+    pub(crate) fn new(
+        model: &HandModel,
+        start_rad: HandVector,
+        vibration: Vibration,
+        errors: &Errors,
+        seed: u64,
+    ) -> Self {
+        let side = model.side().index() as u64;
+        let mut random = Random::new(seed, stream::HAND_ERRORS + side);
+        let mut draw = || random.between(-1.0, 1.0);
+        let stiffness = HandVector::from_fn(|_, _| 1.0 + errors.servo_stiffness * draw());
+        let links_m = HandVector::from_fn(|_, _| errors.link_m * draw());
+        let tips_m = [(); FINGERS].map(|()| errors.link_m * draw());
+        let pads =
+            [(); FINGERS].map(|()| Pad::dome_41().stiffer(1.0 + errors.tip_stiffness * draw()));
+        let model = model.with_longer_links(&links_m, &tips_m);
         Self {
-            model: model.clone(),
-            plant: Plant::at(model, start_rad),
+            plant: Plant::at(&model, start_rad, &stiffness),
+            pose: model.forward(&start_rad),
+            pads,
+            model,
             reference_rad: start_rad,
             contacts: [Contact::new(), Contact::new()],
             facing: [0; FINGERS],
@@ -62,7 +87,8 @@ impl Hand {
             .map(|joint| self.plant.velocity_rad_s[joint].abs())
             .fold(0.0, f64::max);
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
-        let pose = self.model.forward(&self.plant.position_rad);
+        self.pose = self.model.forward(&self.plant.position_rad);
+        let pose = &self.pose;
         self.near = objects.iter().any(|object| {
             let reach_m =
                 object.body.shape.bounding_radius_m() + self.model.dome_radius_m()[0] + NEAR_M;
@@ -74,7 +100,7 @@ impl Hand {
     }
 
     /// The contacts of one substep: wrenches on the objects, torques on the own joints.
-    pub(crate) fn touch(&mut self, pad: &Pad, objects: &mut [WorldObject], dt_s: f64) {
+    pub(crate) fn touch(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         let (tremble_m, tremble_m_s) = self.vibration.step();
         self.contact_n_m = HandVector::zeros();
         if !self.near {
@@ -90,12 +116,31 @@ impl Hand {
             tip.velocity_m_s.z += tremble_m_s;
             let object = &mut objects[self.face_nearest(finger, &tip, objects)];
             let contact = &mut self.contacts[finger];
+            let pad = &self.pads[finger];
             let wrench = contact.press(pad, &object.surface(), &tip.approach(object), dt_s);
             if contact.is_touching() {
                 object.apply_contact(&wrench, contact.normal_n);
                 self.react(&pose, finger, &tip.wrench_from(object, &wrench));
             }
         }
+    }
+
+    /// Both fingertips' skins.
+    pub(crate) fn pads(&self) -> &[Pad; FINGERS] {
+        &self.pads
+    }
+
+    /// How the hand has both fingertips on the object with this index, if it has.
+    pub(crate) fn grip_on(&self, object: usize) -> Option<Grip> {
+        let presses =
+            |finger: usize| self.facing[finger] == object && self.contacts[finger].is_touching();
+        let tips_m = [0, 1].map(|finger| self.pose.tip_m(finger));
+        (0..FINGERS).all(presses).then(|| Grip {
+            hand: self.model.side().index(),
+            base_from_hand: self.pose.base_from_hand().rotation,
+            middle_m: (tips_m[0] + tips_m[1]) / 2.0,
+            closing: (tips_m[1] - tips_m[0]).normalize(),
+        })
     }
 
     /// The object whose surface is nearest to a fingertip, which touches one object at a time.

@@ -33,6 +33,7 @@ mod drive;
 mod encoder;
 pub mod faults;
 mod hand;
+mod hold;
 mod object;
 mod pad;
 mod plant;
@@ -52,7 +53,9 @@ pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
 pub use object::{Neck, Object, ObjectError};
 pub use plant::servo_stiffness_n_m_rad;
-pub use scene::{GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError, home_rad};
+pub use scene::{
+    ErrorKind, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError, home_rad,
+};
 pub use shape::Shape;
 pub use support::Plate;
 pub use thread::{Thread, Turn};

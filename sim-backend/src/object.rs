@@ -8,6 +8,7 @@
 //! crush_n = 1.5                      # leave out if nothing crushes it
 //! shape = { kind = "box", size_m = [0.05, 0.05, 0.05] }
 //! # or: shape = { kind = "cylinder", radius_m = 0.03, height_m = 0.12 }
+//! centre_of_mass_m = [0.0, 0.0, -0.01]   # from the middle of its shape; leave out if it is there
 //! ```
 //!
 //! A cap has a `thread`, the bottle that it belongs on has a `neck`; both are upright cylinders:
@@ -45,6 +46,8 @@ pub struct Object {
     pub crush_n: f64,
     /// Its outline; a bottle's is that of its body below the shoulder.
     pub shape: Shape,
+    /// Where its centre of mass is, from the middle of its shape, m.
+    pub centre_of_mass_m: Vector3<f64>,
     /// What makes it a cap.
     pub thread: Option<Thread>,
     /// What makes it a bottle that a cap belongs on.
@@ -143,8 +146,16 @@ mod range {
     pub(super) const STIFFNESS_N_M: [f64; 2] = [100.0, 1e6];
     pub(super) const CRUSH_N: [f64; 2] = [0.1, 1e3];
     pub(super) const LENGTH_M: [f64; 2] = [0.01, 0.3];
+    /// How far off the middle the centre of mass may be, over the way to the surface: beyond, nothing stands.
+    pub(super) const CENTRE_SHARE: f64 = 0.9;
     pub(super) const NAME_BYTES: [f64; 2] = [1.0, 31.0];
 }
+
+const CENTRE_KEYS: [&str; 3] = [
+    "centre_of_mass_m[0]",
+    "centre_of_mass_m[1]",
+    "centre_of_mass_m[2]",
+];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -155,6 +166,8 @@ struct ObjectFile {
     stiffness_n_m: Option<f64>,
     crush_n: Option<f64>,
     shape: ShapeFile,
+    #[serde(default)]
+    centre_of_mass_m: [f64; 3],
     thread: Option<ThreadFile>,
     neck: Option<NeckFile>,
 }
@@ -234,6 +247,7 @@ impl Object {
             range::NAME_BYTES,
         )?;
         let shape = file.shape.checked(origin)?;
+        let centre_of_mass_m = checked_centre_m(&shape, file.centre_of_mass_m, origin)?;
         let masses_kg = match file.thread {
             Some(_) => range::CAP_MASS_KG,
             None => range::MASS_KG,
@@ -256,6 +270,7 @@ impl Object {
                 .map(|neck| neck.checked(&shape, origin))
                 .transpose()?,
             shape,
+            centre_of_mass_m,
             name: file.name,
         })
     }
@@ -287,6 +302,21 @@ impl ShapeFile {
             }),
         }
     }
+}
+
+/// The centre of mass, if it lies well inside the shape.
+fn checked_centre_m(
+    shape: &Shape,
+    centre_m: [f64; 3],
+    origin: &str,
+) -> Result<Vector3<f64>, ObjectError> {
+    let width_m = shape.width_m() / 2.0;
+    let reach_m = [width_m, width_m, shape.half_height_m()];
+    for ((key, centre_m), reach_m) in CENTRE_KEYS.into_iter().zip(centre_m).zip(reach_m) {
+        let most_m = range::CENTRE_SHARE * reach_m;
+        checked(origin, key, centre_m, [-most_m, most_m])?;
+    }
+    Ok(centre_m.into())
 }
 
 /// The value, if it lies in its range; NaN lies in none.

@@ -45,6 +45,12 @@ impl Pad {
         Self::with_bristles(&Layout::dome_41(), BRISTLES_PER_ELEMENT)
     }
 
+    /// The same skin, stiffer by this factor.
+    pub(crate) fn stiffer(mut self, factor: f64) -> Self {
+        self.stiffness_n_m *= factor;
+        self
+    }
+
     /// The skin of a layout with this many bristles per element, 1 to [`BRISTLES_PER_ELEMENT`].
     pub(crate) fn with_bristles(layout: &Layout, per_element: usize) -> Self {
         let ring_rad = RING_RADIUS * libm::sqrt(layout.element_area_m2 / core::f64::consts::PI)

@@ -47,6 +47,7 @@ pub(crate) struct Plant {
     lower_rad: HandVector,
     upper_rad: HandVector,
     effort_max_n_m: HandVector,
+    stiffness_n_m_rad: HandVector,
     pub(crate) position_rad: HandVector,
     pub(crate) velocity_rad_s: HandVector,
     /// Torque of the servos in the last step, N·m.
@@ -54,8 +55,12 @@ pub(crate) struct Plant {
 }
 
 impl Plant {
-    /// Joints at rest.
-    pub(crate) fn at(model: &HandModel, position_rad: HandVector) -> Self {
+    /// Joints at rest, whose servos are stiffer than the table says by these factors; their damping is the table's.
+    pub(crate) fn at(
+        model: &HandModel,
+        position_rad: HandVector,
+        stiffness_factor: &HandVector,
+    ) -> Self {
         let of = |value: fn(&robot_model::Joint) -> f64| {
             HandVector::from_fn(|i, _| value(&model.joints()[i]))
         };
@@ -63,6 +68,7 @@ impl Plant {
             lower_rad: of(|joint| joint.lower_rad),
             upper_rad: of(|joint| joint.upper_rad),
             effort_max_n_m: of(|joint| joint.effort_max_n_m),
+            stiffness_n_m_rad: servo_stiffness_n_m_rad().component_mul(stiffness_factor),
             position_rad,
             velocity_rad_s: HandVector::zeros(),
             effort_n_m: HandVector::zeros(),
@@ -80,7 +86,8 @@ impl Plant {
         for joint in 0..HAND_JOINTS {
             let error_rad = reference_rad[joint] - self.position_rad[joint];
             let error_rad_s = feed_forward_rad_s[joint] - self.velocity_rad_s[joint];
-            let wanted_n_m = stiffness(joint) * error_rad + damping(joint) * error_rad_s;
+            let stiffness_n_m_rad = self.stiffness_n_m_rad[joint];
+            let wanted_n_m = stiffness_n_m_rad * error_rad + damping(joint) * error_rad_s;
             let limit_n_m = self.effort_max_n_m[joint];
             let effort_n_m = wanted_n_m.clamp(-limit_n_m, limit_n_m);
             self.effort_n_m[joint] = effort_n_m;
@@ -117,7 +124,7 @@ mod tests {
     fn plant() -> Plant {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let hand = robot.hand(Side::Right);
-        Plant::at(hand, *hand.reference_rad())
+        Plant::at(hand, *hand.reference_rad(), &HandVector::repeat(1.0))
     }
 
     #[test]

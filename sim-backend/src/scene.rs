@@ -2,7 +2,8 @@
 //!
 //! A scene has a nominal side, which a client may know ([`Scene::grasp_hint`]), and a true side, which only the world
 //! knows. `tasks.rs` sets the scenes of the paper's tasks. [`Scene::varied`] moves the true side within the seeded family of
-//! the evaluation and leaves the nominal alone.
+//! the evaluation and leaves the nominal alone; [`Scene::with_errors`] goes further, to robots, skins and objects that
+//! are not as the controller was made for.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -10,10 +11,14 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, ROBOT_JOINTS, RobotModel, Side, Unreachable};
 
 use crate::object::Object;
+use crate::shape::Shape;
 use crate::support::Plate;
 
+mod errors;
 mod family;
 mod tasks;
+
+pub use errors::{ErrorKind, Errors};
 
 /// Objects in one scene, the capacity of [`shm_schemas::WorldTruth`].
 pub const OBJECTS_MAX: usize = 4;
@@ -76,6 +81,8 @@ pub struct GraspHint {
     pub yaw_rad: f64,
     /// Width along the closing axis, m.
     pub width_m: f64,
+    /// Height of the object's top, base frame, m.
+    pub height_m: f64,
 }
 
 /// Everything that a world starts from, but the seed.
@@ -95,6 +102,9 @@ pub struct Scene {
     pub vibration_m: f64,
     /// Joints at the start, rad; `None` is home.
     pub start_rad: Option<[f64; ROBOT_JOINTS]>,
+    /// How far robot and sensors may lie from what the controller was made for; the world draws them by its seed. Set it
+    /// with [`Scene::with_errors`], which draws those of the objects as well.
+    pub errors: Errors,
 }
 
 /// Why a world could not be made from a scene.
@@ -150,6 +160,7 @@ impl Default for Scene {
             noise_factor: 1.0,
             vibration_m: VIBRATION_M,
             start_rad: None,
+            errors: Errors::NONE,
         }
     }
 }
@@ -158,17 +169,12 @@ impl Placed {
     /// An object at a place, known to clients exactly.
     #[must_use]
     pub fn new(object: Object, position_m: [f64; 2], yaw_rad: f64) -> Self {
-        let half_m = object.shape.half_height_m();
-        let top_m = 2.0 * half_m;
-        let height_m = (GRASP_HEIGHT_RATIO * half_m)
-            .max(top_m - GRASP_DEPTH_MAX_M)
-            .min(top_m - GRASP_BELOW_TOP_M)
-            .max(GRASP_HEIGHT_MIN_M);
-        let from_m = [position_m[0], position_m[1], height_m];
+        let from_m = [position_m[0], position_m[1], grasp_height_m(&object.shape)];
         let nominal = GraspHint {
             from_m,
             yaw_rad,
             width_m: object.shape.width_m(),
+            height_m: 2.0 * object.shape.half_height_m(),
         };
         Self {
             object,
@@ -218,6 +224,7 @@ impl Scene {
                 f64::from(FULL_RATE_HZ),
             )?;
         }
+        self.errors.check()?;
         self.check_places()?;
         for angle_rad in self.start_rad.iter().flatten() {
             in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
@@ -272,6 +279,16 @@ pub fn home_rad(robot: &RobotModel) -> Result<[f64; ROBOT_JOINTS], SceneError> {
     Ok(home_rad)
 }
 
+/// Height of a grasp on an object of this shape above what it stands on, m.
+fn grasp_height_m(shape: &Shape) -> f64 {
+    let half_m = shape.half_height_m();
+    let top_m = 2.0 * half_m;
+    (GRASP_HEIGHT_RATIO * half_m)
+        .max(top_m - GRASP_DEPTH_MAX_M)
+        .min(top_m - GRASP_BELOW_TOP_M)
+        .max(GRASP_HEIGHT_MIN_M)
+}
+
 /// NaN lies in no range.
 pub(crate) fn in_range(
     what: &'static str,
@@ -301,4 +318,10 @@ pub(crate) mod stream {
     pub(crate) const VIBRATION: u64 = 10;
     /// Plus the fingertip's index, left before right.
     pub(crate) const TIP_SENSOR: u64 = 20;
+    /// Plus the fingertip's index, left before right.
+    pub(crate) const TIP_ERRORS: u64 = 30;
+    /// Plus the hand's index.
+    pub(crate) const HAND_ERRORS: u64 = 40;
+    /// Plus five for every object before it.
+    pub(crate) const OBJECT_ERRORS: u64 = 50;
 }

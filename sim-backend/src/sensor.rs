@@ -1,9 +1,9 @@
 //! A hand's tactile sensor: from true element forces to the frames that the robot gets to see.
 //!
-//! Every element has a gain of its own, additive and proportional Gaussian noise, and a step of 1 mN. A sensor may be slower
-//! than the tick; then most ticks have no frame.
+//! Every element has a gain of its own, additive and proportional Gaussian noise, and a step of 1 mN; a poor one also mixes
+//! its axes and adds an offset ([`Errors`]). A sensor may be slower than the tick; then most ticks have no frame.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use robot_model::{FINGERS, Side};
 use shm_schemas::{Hand, HandFrame, Layout};
 
@@ -11,6 +11,7 @@ use crate::clock::Clock;
 use crate::contact::Contact;
 use crate::pad::{DOME_ELEMENTS, Pad};
 use crate::random::Random;
+use crate::scene::Errors;
 
 /// Additive noise per element and axis, N, standard deviation (tactile design).
 const NOISE_N: f64 = 0.003;
@@ -38,25 +39,34 @@ pub(crate) struct HandSensor {
 #[derive(Clone, Debug)]
 struct TipSensor {
     gain: [f64; DOME_ELEMENTS],
+    /// Readings over forces along the element's axes, but for the gain.
+    mixing: [Matrix3<f64>; DOME_ELEMENTS],
+    bias_n: [Vector3<f64>; DOME_ELEMENTS],
     noise_factor: f64,
     random: Random,
 }
 
 impl HandSensor {
-    /// A sensor whose fingertips draw their gains and their noise from their own streams; `noise_factor` scales the noise,
-    /// not the spread of the gains.
+    /// A sensor whose fingertips draw their gains and their noise from their own streams, and further errors from others;
+    /// `noise_factor` scales the noise, not the spread of the gains.
     pub(crate) fn new(
         side: Side,
         rate_hz: u32,
         noise_factor: f64,
         random: [Random; FINGERS],
+        errors: (&Errors, [Random; FINGERS]),
     ) -> Self {
         let layout = Layout::dome_41();
+        let mut tips = random.map(|random| TipSensor::new(noise_factor, random));
+        let (errors, mut draws) = errors;
+        for (tip, random) in tips.iter_mut().zip(&mut draws) {
+            tip.err(errors, random);
+        }
         Self {
             hand: Hand::BOTH[side.index()],
             layout_hash: layout.hash(),
             layout,
-            tips: random.map(|random| TipSensor::new(noise_factor, random)),
+            tips,
             rate_hz: rate_hz.into(),
             sequence: 0,
         }
@@ -66,7 +76,7 @@ impl HandSensor {
     pub(crate) fn sample(
         &mut self,
         clock: &Clock,
-        pad: &Pad,
+        pads: &[Pad; FINGERS],
         contacts: &[Contact; FINGERS],
         out: &mut Option<HandFrame>,
     ) {
@@ -83,7 +93,7 @@ impl HandSensor {
         let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
         for (finger, (tip, contact)) in self.tips.iter_mut().zip(contacts).enumerate() {
             frame.valid_mask[finger] = (1 << DOME_ELEMENTS) - 1;
-            contact.element_forces(pad, &mut force_n);
+            contact.element_forces(&pads[finger], &mut force_n);
             tip.sample(&self.layout, &force_n, &mut frame.force_n[finger]);
         }
         frame.seal();
@@ -101,8 +111,22 @@ impl TipSensor {
         let gain = core::array::from_fn(|_| 1.0 + GAIN_SPREAD * random.gaussian());
         Self {
             gain,
+            mixing: [Matrix3::identity(); DOME_ELEMENTS],
+            bias_n: [Vector3::zeros(); DOME_ELEMENTS],
             noise_factor,
             random,
+        }
+    }
+
+    /// Draws what is wrong with it besides: crosstalk and offset of every element, one gain of all.
+    fn err(&mut self, errors: &Errors, random: &mut Random) {
+        let gain = 1.0 + errors.gain * random.between(-1.0, 1.0);
+        for element in 0..DOME_ELEMENTS {
+            let mut draw = |half_width: f64| half_width * random.between(-1.0, 1.0);
+            let mixed = Matrix3::from_fn(|_, _| draw(errors.crosstalk));
+            self.mixing[element] += mixed - Matrix3::from_diagonal(&mixed.diagonal());
+            self.bias_n[element] = Vector3::from_fn(|_, _| draw(errors.bias_n));
+            self.gain[element] *= gain;
         }
     }
 
@@ -118,15 +142,17 @@ impl TipSensor {
         for (element, reading) in reading_n.iter_mut().enumerate().take(DOME_ELEMENTS) {
             let force = &force_n[element];
             let along = |axis: &[f64; 3]| force.x * axis[0] + force.y * axis[1] + force.z * axis[2];
-            let truth = [
-                -along(&layout.normal[element]),
-                along(&layout.tangent1[element]),
-                along(&layout.tangent2[element]),
-            ];
+            let truth = self.mixing[element]
+                * Vector3::new(
+                    -along(&layout.normal[element]),
+                    along(&layout.tangent1[element]),
+                    along(&layout.tangent2[element]),
+                );
             for axis in 0..3 {
                 let noise_n = self.noise_n(truth[axis]) * draws[3 * element + axis];
-                reading[axis] =
-                    quantised(truth[axis] * self.gain[element] + noise_n, STEP_N) as f32;
+                let sensed_n =
+                    truth[axis] * self.gain[element] + self.bias_n[element][axis] + noise_n;
+                reading[axis] = quantised(sensed_n, STEP_N) as f32;
             }
         }
     }
@@ -164,6 +190,35 @@ mod tests {
         check(8.123_456, 0.001, 8.123);
         check(2.5, 1.0, 2.0);
         check(-1e9, 0.5, -1e9);
+    }
+
+    /// What an element reads of a normal force on its tangential axes is crosstalk; what it reads of nothing is bias.
+    #[test]
+    fn a_poor_sensor_mixes_its_axes_and_adds_an_offset() {
+        let errors = Errors {
+            crosstalk: 0.05,
+            bias_n: 0.02,
+            ..Errors::NONE
+        };
+        let mut tip = TipSensor::new(0.0, Random::new(1, 2));
+        tip.err(&errors, &mut Random::new(1, 3));
+        let layout = Layout::dome_41();
+        let mut read = |normal_n: f64| {
+            let force_n = core::array::from_fn(|e| -Vector3::from(layout.normal[e]) * normal_n);
+            let mut reading_n = [[0.0_f32; 3]; DOME_ELEMENTS];
+            tip.sample(&layout, &force_n, &mut reading_n);
+            reading_n
+        };
+        let (silent_n, pressed_n) = (read(0.0), read(1.0));
+        let (mut farthest, mut mean) = (0.0_f64, 0.0);
+        for (silent_n, pressed_n) in silent_n.iter().zip(&pressed_n) {
+            assert!(silent_n.iter().all(|bias_n| bias_n.abs() < 0.0206));
+            let mixed = f64::from(pressed_n[1] - silent_n[1]);
+            farthest = farthest.max(mixed.abs());
+            mean += mixed / DOME_ELEMENTS as f64;
+        }
+        assert!(farthest > 0.03 && farthest < 0.056, "{farthest}");
+        assert!(mean.abs() < 0.015, "{mean}");
     }
 
     /// A constant force on one element, many samples: the mean shows the gain, the spread the noise.

@@ -2,7 +2,7 @@
 //!
 //! A convex shape meets a dome on the [`Face`] that separates it farthest from the dome's centre. The face's supporting
 //! plane bounds the shape, so one dot product per bristle tells which bristles cannot touch; only the others ask
-//! [`Face::depth_at`]. Coordinates are the object's: origin in the centre of mass, z upright.
+//! [`Face::depth_at`]. Coordinates are the object's: origin in the middle, z upright.
 
 use nalgebra::Vector3;
 

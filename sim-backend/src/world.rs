@@ -8,7 +8,6 @@ use crate::closure::Closure;
 use crate::drive::{Drive, Orders};
 use crate::encoder;
 use crate::hand::Hand;
-use crate::pad::Pad;
 use crate::random::Random;
 use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;
@@ -57,7 +56,6 @@ pub struct World {
     plates: Vec<Plate>,
     closure: Option<Closure>,
     drive: Drive,
-    pad: Pad,
     clock: Clock,
     joint_sequence: u64,
     fault: Option<WorldFault>,
@@ -75,13 +73,15 @@ impl World {
             let start = HandVector::from_column_slice(&start_rad[side.joint_range()]);
             let mut random = Random::new(seed, stream::VIBRATION + side.index() as u64);
             let vibration = Vibration::new(scene.vibration_m, SUBSTEP_S, &mut random);
-            Hand::new(robot.hand(side), start, vibration)
+            Hand::new(robot.hand(side), start, vibration, &scene.errors, seed)
         };
         let sensor = |side: Side| {
-            let first = stream::TIP_SENSOR + (FINGERS * side.index()) as u64;
-            let random = [first, first + 1].map(|tip| Random::new(seed, tip));
+            let random = |first| [first, first + 1].map(|tip| Random::new(seed, tip));
             let rate_hz = scene.sensor_rate_hz[side.index()];
-            HandSensor::new(side, rate_hz, scene.noise_factor, random)
+            let tip = (FINGERS * side.index()) as u64;
+            let errors = (&scene.errors, random(stream::TIP_ERRORS + tip));
+            let noise = random(stream::TIP_SENSOR + tip);
+            HandSensor::new(side, rate_hz, scene.noise_factor, noise, errors)
         };
         let mut objects = WorldObject::all(scene);
         let mut closure = Closure::of(&scene.objects);
@@ -95,7 +95,6 @@ impl World {
             plates: scene.plates.clone(),
             closure,
             drive: Drive::holding(start_rad),
-            pad: Pad::dome_41(),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
             fault: None,
@@ -108,11 +107,10 @@ impl World {
             hands,
             sensors,
             clock,
-            pad,
             ..
         } = self;
         for ((sensor, hand), frame) in sensors.iter_mut().zip(hands).zip(&mut out.frames) {
-            sensor.sample(clock, pad, &hand.contacts, frame);
+            sensor.sample(clock, hand.pads(), &hand.contacts, frame);
         }
         out.joints = JointState::default();
         out.joints.stamp = self.clock.stamp(self.joint_sequence);
@@ -218,7 +216,7 @@ impl World {
         }
         for substep in 0..SUBSTEPS {
             for hand in &mut self.hands {
-                hand.touch(&self.pad, &mut self.objects, SUBSTEP_S);
+                hand.touch(&mut self.objects, SUBSTEP_S);
             }
             for (index, hand) in self.hands.iter_mut().enumerate() {
                 hand.step(
@@ -265,6 +263,8 @@ impl World {
             let object = &mut self.objects[index];
             let open = object.has_neck() && !closed;
             object.judge(&ground, carried, open, self.clock.now_ns);
+            let grip = self.hands.iter().find_map(|hand| hand.grip_on(index));
+            object.watch_hold(grip.as_ref(), carried);
         }
     }
 

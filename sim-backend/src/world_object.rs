@@ -5,6 +5,7 @@ use shm_schemas::{ObjectTruth, Text};
 
 use crate::body::Body;
 use crate::contact::{Surface, Wrench};
+use crate::hold::{Grip, Hold};
 use crate::object::Object;
 use crate::scene::{Mount, Placed, Scene};
 use crate::support::Ground;
@@ -27,6 +28,11 @@ const CARRIES_NS: u64 = 2_000_000;
 /// Tilt beyond which an object has tipped over, rad (45°). Ours.
 const TIPPED_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
+/// Tilt up to which an object counts as upright, rad (5°). Ours.
+const UPRIGHT_RAD: f64 = 0.087;
+/// Distance up to which an object stands where it was, m. Ours: twice what closing fingers push an object of the widest
+/// family.
+const PLACE_M: f64 = 0.010;
 /// Tilt at which an open bottle spills, rad (30°). Ours.
 const SPILT_RAD: f64 = core::f64::consts::FRAC_PI_6;
 
@@ -37,8 +43,11 @@ pub(crate) struct WorldObject {
     pub(crate) body: Body,
     /// It is clamped to what it stands on.
     clamped: bool,
-    /// Height of the centre of mass at the start, m.
-    rest_m: f64,
+    /// Where its middle was at the start, m.
+    rest_m: Vector3<f64>,
+    hold: Hold,
+    /// A fingertip pressed in the last millisecond.
+    pressed: bool,
     max_force_n: f64,
     /// Fingertips that pressed since the last [`WorldObject::judge`].
     touched: bool,
@@ -84,12 +93,15 @@ impl WorldObject {
         if spec.thread.is_some() {
             body = body.with_inertia_of(INERTIA_KG_M2);
         }
-        let rest_m = body.position_m.z;
+        body = body.with_centre_of_mass(spec.centre_of_mass_m);
+        let rest_m = body.position_m;
         Self {
             spec,
             body,
             clamped: placed.mount == Mount::Clamped,
             rest_m,
+            hold: Hold::default(),
+            pressed: false,
             max_force_n: 0.0,
             touched: false,
             crushed: false,
@@ -112,7 +124,7 @@ impl WorldObject {
 
     /// Takes the present place for where it started.
     pub(crate) fn rest(&mut self) {
-        self.rest_m = self.body.position_m.z;
+        self.rest_m = self.body.position_m;
     }
 
     /// What a fingertip meets; a crushed object is soft for good.
@@ -148,6 +160,7 @@ impl WorldObject {
     /// fall by itself; one that is `open` can spill.
     pub(crate) fn judge(&mut self, ground: &Ground<'_>, carried: bool, open: bool, now_ns: u64) {
         let held = core::mem::take(&mut self.touched);
+        self.pressed = held;
         let tilt_rad = self.body.tilt_rad();
         self.tipped |= tilt_rad > TIPPED_RAD;
         self.spilt |= open && tilt_rad > SPILT_RAD;
@@ -170,6 +183,26 @@ impl WorldObject {
         }
     }
 
+    /// Looks at how it is held by the hand that has both fingertips on it, if one has. An object that is `carried` by another
+    /// one, as a cap on its thread, is turned on purpose.
+    pub(crate) fn watch_hold(&mut self, grip: Option<&Grip>, carried: bool) {
+        if !carried {
+            self.hold.follow(grip, &self.body);
+        }
+    }
+
+    /// How far it is from where it stood at the start, over the table, m.
+    fn displaced_m(&self) -> f64 {
+        (self.body.position_m - self.rest_m).xy().norm()
+    }
+
+    /// Whether it stands by itself, upright and where it was.
+    fn stands(&self) -> bool {
+        let carried = self.body.table_n >= CARRIES_MOST * self.body.weight_n();
+        let upright = self.body.tilt_rad() < UPRIGHT_RAD;
+        carried && upright && !self.pressed && self.displaced_m() < PLACE_M
+    }
+
     /// The judge's view of it; `cap` is what its thread says if it is a cap.
     pub(crate) fn truth(&self, cap: Option<CapTruth>) -> ObjectTruth {
         let body = &self.body;
@@ -177,7 +210,7 @@ impl WorldObject {
             name: Text::new(&self.spec.name),
             position_m: body.position_m.into(),
             orientation: body.orientation(),
-            lifted_m: body.position_m.z - self.rest_m,
+            lifted_m: body.position_m.z - self.rest_m.z,
             tilt_rad: body.tilt_rad(),
             needed_n: self.spec.needed_n(),
             crush_n: self.spec.crush_n,
@@ -191,6 +224,11 @@ impl WorldObject {
             carried_ns: self.landing.carried_ns,
             released_ns: self.landing.released_ns,
             released_above_m: self.landing.released_above_m,
+            slip_in_hand_m: self.hold.slip_m,
+            turn_in_hand_rad: self.hold.turn_rad,
+            displaced_m: self.displaced_m(),
+            stands: self.stands().into(),
+            pressed: self.pressed.into(),
             ..ObjectTruth::default()
         };
         if let Some(cap) = cap {

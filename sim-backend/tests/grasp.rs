@@ -183,3 +183,21 @@ fn an_untouched_world_stands_still() {
         );
     }
 }
+
+/// A grip beside the centre of mass: the weight turns the object about the closing axis, and the truth tells how far.
+#[test]
+fn an_object_gripped_beside_its_centre_of_mass_turns_in_the_hand() {
+    let turned = |aside_m: f64, over_grip: f64| {
+        let mut object = Object::built_in("wood").expect("built in");
+        object.centre_of_mass_m.y = aside_m;
+        let (truth, _) =
+            squeeze_and_lift(Scene::grasp(object, Side::Right), Side::Right, over_grip);
+        assert!(truth.lifted_m > 0.005, "{truth:?}");
+        truth.turn_in_hand_rad.to_degrees()
+    };
+    let (even_deg, beside_deg, firm_deg) =
+        (turned(0.0, 1.3), turned(0.004, 1.3), turned(0.004, 4.0));
+    assert!(even_deg < 2.0, "{even_deg}° in the middle");
+    assert!(beside_deg > 5.0, "{beside_deg}° beside it");
+    assert!(firm_deg < beside_deg / 2.0, "{firm_deg}° with a firm grip");
+}

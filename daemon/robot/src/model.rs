@@ -173,6 +173,20 @@ impl HandModel {
         self.parent_from_joint[0].translation_m
     }
 
+    /// The same hand with longer links: the mounting of each joint, and of each tip on its distal joint, longer by so much
+    /// along itself, m. What is mounted in place stays there. For simulating a robot that is not quite as its model says.
+    #[must_use]
+    pub fn with_longer_links(&self, links_m: &HandVector, tips_m: &[f64; FINGERS]) -> Self {
+        let mut hand = self.clone();
+        let links = hand.parent_from_joint.iter_mut().zip(links_m.iter());
+        let tips = hand.distal_from_tip.iter_mut().zip(tips_m);
+        for (mounting, by_m) in links.chain(tips) {
+            let along = mounting.translation_m.try_normalize(0.0);
+            mounting.translation_m += along.unwrap_or_default() * *by_m;
+        }
+        hand
+    }
+
     /// Whether every joint is finite and inside its position limits (limits included).
     #[must_use]
     pub fn within_limits(&self, q_rad: &HandVector) -> bool {

@@ -60,7 +60,7 @@ impl Scene {
     }
 
     /// A cap on a neck is where its bottle is, and a bottle's height follows its cap's.
-    fn share_the_neck(&mut self) {
+    pub(super) fn share_the_neck(&mut self) {
         let [cap, bottle] = &mut self.objects[..] else {
             return;
         };

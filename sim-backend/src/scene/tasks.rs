@@ -56,6 +56,7 @@ impl Scene {
         };
         let mut placed = Placed::before(object, side);
         placed.nominal.from_m[2] += STEP_M;
+        placed.nominal.height_m += STEP_M;
         let to_m = beside(PLACE_M, side);
         let place = GraspHint {
             from_m: [to_m[0], to_m[1], placed.nominal.from_m[2]],
@@ -123,9 +124,11 @@ impl Scene {
             Mount::OnNeck => on_neck_m,
             _ => STAND_HEIGHT_M + half_m,
         };
+        cap.nominal.height_m = cap.nominal.from_m[2] + half_m;
         let [x, y, _] = bottle.nominal.from_m;
         self.place = Some(GraspHint {
             from_m: [x, y, on_neck_m],
+            height_m: on_neck_m + half_m,
             ..cap.nominal
         });
     }

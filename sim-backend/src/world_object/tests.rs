@@ -17,7 +17,7 @@ fn pose(object: &mut WorldObject, up_m: f64, lean_rad: f64) {
         orientation = turned(orientation, &Vector3::new(lean_rad / 100.0, 0.0, 0.0));
     }
     object.body.follow(&Motion {
-        position_m: Vector3::new(0.3, 0.0, up_m + object.rest_m),
+        position_m: Vector3::new(0.3, 0.0, up_m + object.rest_m.z),
         orientation,
         velocity_m_s: Vector3::zeros(),
         angular_rad_s: Vector3::zeros(),
@@ -80,4 +80,26 @@ fn an_object_let_go_in_the_air_is_dropped_from_where_it_was() {
     assert_eq!((truth.dropped, truth.landed_ns), (1, 0));
     assert_eq!(truth.released_ns, 2 * TICK_NS);
     assert!((truth.released_above_m - 0.010).abs() < 1e-4, "{truth:?}");
+}
+
+#[test]
+fn an_object_stands_where_it_was_only_by_itself_and_upright() {
+    let check = |off_m: f64, lean_rad: f64, pressed: bool, share: f64, stands: u32| {
+        let mut wood = object("wood");
+        pose(&mut wood, 0.0, lean_rad);
+        wood.body.position_m.x += off_m;
+        wood.body.table_n = share * wood.body.weight_n();
+        wood.touched = pressed;
+        wood.judge(&Ground::default(), false, false, TICK_NS);
+        let truth = wood.truth(None);
+        assert!((truth.displaced_m - off_m).abs() < 1e-12);
+        let case = format!("{off_m} m, {lean_rad} rad, pressed {pressed}, carried {share}");
+        assert_eq!(truth.stands, stands, "{case}");
+    };
+    check(0.0, 0.0, false, 1.0, 1);
+    check(0.006, 0.02, false, 0.95, 1);
+    check(0.012, 0.0, false, 1.0, 0);
+    check(0.0, 0.2, false, 1.0, 0);
+    check(0.0, 0.0, true, 1.0, 0);
+    check(0.0, 0.0, false, 0.5, 0);
 }

@@ -114,6 +114,7 @@ pub(crate) fn goal(kind: GoalKind, scene: &Scene, side: Side) -> GoalRequest {
         from_m,
         yaw_rad,
         width_m,
+        ..
     } = scene.grasp_hint(0).expect("an object");
     GoalRequest {
         goal_id: 1,

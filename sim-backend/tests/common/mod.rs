@@ -30,6 +30,7 @@ impl Script {
             from_m,
             yaw_rad,
             width_m,
+            ..
         } = scene.grasp_hint(0).expect("an object");
         let centre_m = Vector3::from(from_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);

@@ -1,0 +1,142 @@
+//! What becomes of an object in a hand: how far it slips and turns there.
+//!
+//! A hold begins when both fingertips of a hand press an object and its support no longer carries all of its weight, so that
+//! centring and turning while the fingers close do not count. From then on the object is compared with where it was
+//! in the hand. It ends when a fingertip lets go; what was found stays until the next one begins.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::body::Body;
+
+/// Share of the weight below which a support no longer carries an object. Ours: grasping alone moves less.
+const CARRIED_SHARE: f64 = 0.9;
+
+/// A hand with both fingertips on an object, base frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grip {
+    /// Which hand.
+    pub(crate) hand: usize,
+    /// The hand's axes.
+    pub(crate) base_from_hand: Matrix3<f64>,
+    /// Middle between the fingertips, m.
+    pub(crate) middle_m: Vector3<f64>,
+    /// Unit vector from one fingertip to the other.
+    pub(crate) closing: Vector3<f64>,
+}
+
+/// The greatest slip and turn of an object in the present hold, or in the last one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Hold {
+    since: Option<Reference>,
+    /// Along the fingertips, m.
+    pub(crate) slip_m: f64,
+    /// About any axis, rad.
+    pub(crate) turn_rad: f64,
+}
+
+/// How the object was in the hand when the hold began.
+#[derive(Clone, Copy, Debug)]
+struct Reference {
+    hand: usize,
+    hand_from_object: Matrix3<f64>,
+    /// The middle between the fingertips, object frame, m.
+    middle_m: Vector3<f64>,
+}
+
+impl Hold {
+    /// Looks at an object; `grip` is the hand that has both fingertips on it, if one has.
+    pub(crate) fn follow(&mut self, grip: Option<&Grip>, body: &Body) {
+        let Some(grip) = grip else {
+            self.since = None;
+            return;
+        };
+        let now = Reference::of(grip, body);
+        match &self.since {
+            Some(before) if before.hand == grip.hand => {
+                let slid_m = body.base_from_body * (now.middle_m - before.middle_m);
+                let along_m = slid_m - grip.closing * slid_m.dot(&grip.closing);
+                self.slip_m = self.slip_m.max(along_m.norm());
+                self.turn_rad = self.turn_rad.max(now.turned_rad(before));
+            }
+            _ if body.table_n < CARRIED_SHARE * body.weight_n() => {
+                *self = Self {
+                    since: Some(now),
+                    ..Self::default()
+                };
+            }
+            _ => self.since = None,
+        }
+    }
+}
+
+impl Reference {
+    fn of(grip: &Grip, body: &Body) -> Self {
+        Self {
+            hand: grip.hand,
+            hand_from_object: grip.base_from_hand.tr_mul(&body.base_from_body),
+            middle_m: body
+                .base_from_body
+                .tr_mul(&(grip.middle_m - body.position_m)),
+        }
+    }
+
+    /// Angle of the turn from `before` to now, rad.
+    fn turned_rad(&self, before: &Self) -> f64 {
+        let turn = before.hand_from_object.tr_mul(&self.hand_from_object);
+        libm::acos(((turn.trace() - 1.0) / 2.0).clamp(-1.0, 1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Motion, about_z};
+    use crate::shape::Shape;
+
+    const GRIP: Grip = Grip {
+        hand: 0,
+        base_from_hand: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        middle_m: Vector3::new(0.3, 0.0, 0.05),
+        closing: Vector3::new(0.0, 1.0, 0.0),
+    };
+
+    fn cube() -> Body {
+        let shape = Shape::Box {
+            half_m: Vector3::repeat(0.025),
+        };
+        Body::standing(shape, 0.1, [0.3, 0.0, 0.0], 0.0)
+    }
+
+    fn at(body: &mut Body, position_m: [f64; 3], yaw_rad: f64) {
+        body.follow(&Motion {
+            position_m: position_m.into(),
+            orientation: about_z(yaw_rad),
+            velocity_m_s: Vector3::zeros(),
+            angular_rad_s: Vector3::zeros(),
+        });
+    }
+
+    #[test]
+    fn only_what_the_support_no_longer_carries_is_held() {
+        let (mut hold, mut body) = (Hold::default(), cube());
+        hold.follow(Some(&GRIP), &body);
+        let weight_n = body.weight_n();
+        at(&mut body, [0.303, 0.0, 0.025], 0.2);
+        body.table_n = weight_n;
+        hold.follow(Some(&GRIP), &body);
+        assert_eq!((hold.slip_m, hold.turn_rad), (0.0, 0.0), "it still stands");
+        body.table_n = 0.0;
+        hold.follow(Some(&GRIP), &body);
+        at(&mut body, [0.303, 0.001, 0.023], 0.2);
+        hold.follow(Some(&GRIP), &body);
+        assert!((hold.slip_m - 0.002).abs() < 1e-9, "{hold:?}");
+        at(&mut body, [0.303, 0.001, 0.024], 0.3);
+        hold.follow(Some(&GRIP), &body);
+        assert!((hold.turn_rad - 0.1).abs() < 1e-9, "{hold:?}");
+        assert!(hold.slip_m >= 0.002, "the greatest counts");
+        hold.follow(None, &body);
+        assert!(hold.slip_m >= 0.002, "it stays known");
+        hold.follow(Some(&GRIP), &body);
+        assert_eq!((hold.slip_m, hold.turn_rad), (0.0, 0.0), "a new hold");
+    }
+}

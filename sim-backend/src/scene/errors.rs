@@ -1,0 +1,414 @@
+//! Errors: how far reality may lie from what the controller was made for and what a client is told.
+//!
+//! Every number is a half width (or, where it says so, a largest value); zero is none, and none is the default. A trial
+//! draws each from its own seed, so that switching one on changes no other draw.
+//!
+//! ```
+//! use sim_backend::{Errors, Object, Scene};
+//! use robot_model::Side;
+//!
+//! # fn main() -> Result<(), sim_backend::ObjectError> {
+//! let meant = Scene::grasp(Object::built_in("wood")?, Side::Right);
+//! // One kind of error at a time, by its name, then all of them at once.
+//! for kind in &Errors::KINDS {
+//!     let scene = meant.varied(7).with_errors(&kind.errors, 7);
+//!     assert_eq!(scene.errors, kind.errors);
+//! }
+//! let scene = meant.varied(7).with_errors(&Errors::ALL, 7);
+//! // A family of one's own: crosstalk of up to 10 % on top of all others.
+//! let harsh = meant.with_errors(&Errors { crosstalk: 0.10, ..Errors::ALL }, 7);
+//! # assert!(scene.grasp_hint(0) != meant.grasp_hint(0) && harsh.errors.crosstalk == 0.10);
+//! # Ok(())
+//! # }
+//! ```
+
+use core::f64::consts::PI;
+
+use super::{GraspHint, Placed, Scene, SceneError, grasp_height_m, in_range, stream};
+use crate::random::Random;
+use crate::shape::Shape;
+
+/// How far reality may lie from what was meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Stiffness of every joint's servo, over the nominal.
+    pub servo_stiffness: f64,
+    /// Length of every link, m.
+    pub link_m: f64,
+    /// Stiffness of every fingertip's skin, over the nominal.
+    pub tip_stiffness: f64,
+    /// Mixing of each element's three axes: every one reads up to this share of each other one's force.
+    pub crosstalk: f64,
+    /// Offset of each element's axes, N.
+    pub bias_n: f64,
+    /// Gain of every fingertip, over the nominal.
+    pub gain: f64,
+    /// Centre of mass beside the grip: horizontally, across the closing axis, m.
+    pub centre_of_mass_m: f64,
+    /// Place of every object against what a client is told, x and y, m.
+    pub position_m: f64,
+    /// Direction of every object against what a client is told, rad.
+    pub yaw_rad: f64,
+    /// Width of every object that a client is told against the true one, m; so caps and bottles are of another size.
+    pub told_width_m: f64,
+    /// Largest height of an object, m, drawn from its own upwards; caps and bottles keep theirs. A client knows it.
+    pub height_m: f64,
+}
+
+/// One kind of error, as a table of an evaluation has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorKind {
+    /// Its name, one word.
+    pub name: &'static str,
+    /// What it is, with its size.
+    pub about: &'static str,
+    /// This error and no other.
+    pub errors: Errors,
+}
+
+impl Errors {
+    /// None.
+    pub const NONE: Self = Self {
+        servo_stiffness: 0.0,
+        link_m: 0.0,
+        tip_stiffness: 0.0,
+        crosstalk: 0.0,
+        bias_n: 0.0,
+        gain: 0.0,
+        centre_of_mass_m: 0.0,
+        position_m: 0.0,
+        yaw_rad: 0.0,
+        told_width_m: 0.0,
+        height_m: 0.0,
+    };
+
+    /// All at once, each with its size in [`Errors::KINDS`].
+    pub const ALL: Self = Self {
+        servo_stiffness: 0.10,
+        link_m: 0.001,
+        tip_stiffness: 0.20,
+        crosstalk: 0.05,
+        bias_n: 0.005,
+        gain: 0.10,
+        centre_of_mass_m: 0.005,
+        position_m: 0.005,
+        yaw_rad: 15.0 * PI / 180.0,
+        told_width_m: 0.004,
+        height_m: 0.20,
+    };
+
+    /// Each error by itself.
+    pub const KINDS: [ErrorKind; 11] = [
+        ErrorKind {
+            name: "servo",
+            about: "servo stiffness ±10 %",
+            errors: Self {
+                servo_stiffness: Self::ALL.servo_stiffness,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "links",
+            about: "link lengths ±1 mm",
+            errors: Self {
+                link_m: Self::ALL.link_m,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "tips",
+            about: "fingertip stiffness ±20 %",
+            errors: Self {
+                tip_stiffness: Self::ALL.tip_stiffness,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "crosstalk",
+            about: "crosstalk up to 5 % per element",
+            errors: Self {
+                crosstalk: Self::ALL.crosstalk,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "bias",
+            about: "bias ±5 mN per element and axis",
+            errors: Self {
+                bias_n: Self::ALL.bias_n,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "gain",
+            about: "gain ±10 % per fingertip",
+            errors: Self {
+                gain: Self::ALL.gain,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "centre-of-mass",
+            about: "centre of mass up to 5 mm beside the grip",
+            errors: Self {
+                centre_of_mass_m: Self::ALL.centre_of_mass_m,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "position",
+            about: "position ±5 mm",
+            errors: Self {
+                position_m: Self::ALL.position_m,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "yaw",
+            about: "yaw ±15°",
+            errors: Self {
+                yaw_rad: Self::ALL.yaw_rad,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "told-width",
+            about: "told widths wrong by up to 4 mm",
+            errors: Self {
+                told_width_m: Self::ALL.told_width_m,
+                ..Self::NONE
+            },
+        },
+        ErrorKind {
+            name: "height",
+            about: "objects up to 20 cm high",
+            errors: Self {
+                height_m: Self::ALL.height_m,
+                ..Self::NONE
+            },
+        },
+    ];
+
+    /// The kind of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static ErrorKind> {
+        Self::KINDS.iter().find(|kind| kind.name == name)
+    }
+
+    /// Refuses what cannot be simulated.
+    pub(super) fn check(&self) -> Result<(), SceneError> {
+        for (what, value, upper) in [
+            ("the servo stiffness error", self.servo_stiffness, 0.5),
+            ("the link error in metres", self.link_m, 0.01),
+            ("the tip stiffness error", self.tip_stiffness, 0.5),
+            ("the crosstalk", self.crosstalk, 0.5),
+            ("the bias in newtons", self.bias_n, 10.0),
+            ("the gain error", self.gain, 0.5),
+            (
+                "the centre of mass error in metres",
+                self.centre_of_mass_m,
+                0.05,
+            ),
+            ("the position error in metres", self.position_m, 0.05),
+            ("the yaw error in radians", self.yaw_rad, PI),
+            ("the told width error in metres", self.told_width_m, 0.05),
+            ("the height in metres", self.height_m, 0.3),
+        ] {
+            in_range(what, value, 0.0, upper)?;
+        }
+        Ok(())
+    }
+}
+
+impl Scene {
+    /// The same scene with these errors: those of objects and of what a client is told are drawn here, by the seed; those
+    /// of the robot and its sensors are drawn by the world, by its own seed.
+    #[must_use]
+    pub fn with_errors(&self, errors: &Errors, seed: u64) -> Self {
+        let mut scene = self.clone();
+        scene.errors = *errors;
+        for (index, placed) in scene.objects.iter_mut().enumerate() {
+            let before_m = placed.nominal.from_m[2];
+            placed.err(errors, &mut Draws::of(seed, index));
+            let raised_m = placed.nominal.from_m[2] - before_m;
+            if let Some(place) = scene.place.as_mut().filter(|_| index == 0) {
+                place.from_m[2] += raised_m;
+                place.height_m = placed.nominal.height_m;
+                place.width_m = placed.nominal.width_m;
+            }
+        }
+        scene.share_the_neck();
+        scene
+    }
+}
+
+/// One stream per error, so that each draw is the same whatever else is switched on.
+struct Draws {
+    position: Random,
+    yaw: Random,
+    width: Random,
+    height: Random,
+    centre_of_mass: Random,
+}
+
+impl Draws {
+    fn of(seed: u64, index: usize) -> Self {
+        let kinds = 5;
+        let stream =
+            |kind: u64| Random::new(seed, stream::OBJECT_ERRORS + kinds * index as u64 + kind);
+        Self {
+            position: stream(0),
+            yaw: stream(1),
+            width: stream(2),
+            height: stream(3),
+            centre_of_mass: stream(4),
+        }
+    }
+}
+
+impl Placed {
+    fn err(&mut self, errors: &Errors, draws: &mut Draws) {
+        if errors.position_m > 0.0 {
+            let [x_m, y_m, _] = self.nominal.from_m;
+            let mut off = || {
+                draws
+                    .position
+                    .between(-errors.position_m, errors.position_m)
+            };
+            self.position_m = [x_m + off(), y_m + off()];
+        }
+        if errors.yaw_rad > 0.0 {
+            let off_rad = draws.yaw.between(-errors.yaw_rad, errors.yaw_rad);
+            self.yaw_rad = self.nominal.yaw_rad + off_rad;
+        }
+        let told_m = draws.width.between(-1.0, 1.0) * errors.told_width_m;
+        self.nominal.width_m += told_m;
+        let aside_m = draws.centre_of_mass.between(-1.0, 1.0) * errors.centre_of_mass_m;
+        self.object.centre_of_mass_m.y += aside_m;
+        if self.object.thread.is_none() && self.object.neck.is_none() {
+            self.grow(errors.height_m, draws.height.uniform());
+        }
+    }
+
+    /// Makes it higher: by this share of what is missing to `height_m`. A client knows.
+    fn grow(&mut self, height_m: f64, share: f64) {
+        let before = self.object.shape;
+        let missing_m = (height_m - 2.0 * before.half_height_m()).max(0.0);
+        let half_m = before.half_height_m() + missing_m * share / 2.0;
+        self.object.shape = match before {
+            Shape::Box {
+                half_m: mut edges_m,
+            } => {
+                edges_m.z = half_m;
+                Shape::Box { half_m: edges_m }
+            }
+            Shape::Cylinder { radius_m, .. } => Shape::Cylinder {
+                radius_m,
+                half_height_m: half_m,
+            },
+        };
+        let GraspHint {
+            from_m, height_m, ..
+        } = &mut self.nominal;
+        from_m[2] += grasp_height_m(&self.object.shape) - grasp_height_m(&before);
+        *height_m += 2.0 * (half_m - before.half_height_m());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::object::Object;
+    use robot_model::Side;
+
+    fn meant() -> Scene {
+        Scene::pick_place(Object::built_in("wood").expect("built in"), Side::Right)
+    }
+
+    #[test]
+    fn no_errors_change_nothing() {
+        let scene = meant().varied(3);
+        assert_eq!(scene.with_errors(&Errors::NONE, 3), scene);
+        assert_eq!(Errors::default(), Errors::NONE);
+    }
+
+    #[test]
+    fn every_kind_is_itself_and_all_are_all() {
+        let (mut all, mut names) = (Errors::NONE, Vec::new());
+        for kind in &Errors::KINDS {
+            assert_ne!(kind.errors, Errors::NONE, "{}", kind.name);
+            assert_eq!(Errors::named(kind.name), Some(kind));
+            names.push(kind.name);
+            let (total, one) = (&mut all, &kind.errors);
+            total.servo_stiffness += one.servo_stiffness;
+            total.link_m += one.link_m;
+            total.tip_stiffness += one.tip_stiffness;
+            total.crosstalk += one.crosstalk;
+            total.bias_n += one.bias_n;
+            total.gain += one.gain;
+            total.centre_of_mass_m += one.centre_of_mass_m;
+            total.position_m += one.position_m;
+            total.yaw_rad += one.yaw_rad;
+            total.told_width_m += one.told_width_m;
+            total.height_m += one.height_m;
+        }
+        assert_eq!(all, Errors::ALL);
+        assert_eq!(Errors::named("moon"), None);
+    }
+
+    /// One error gives the same object as all of them at once, where they do not meet.
+    #[test]
+    fn switching_an_error_on_changes_no_other_draw() {
+        let (one, all) = (Errors::named("yaw").expect("known"), Errors::ALL);
+        let yaw = |errors: &Errors| meant().with_errors(errors, 5).objects[0].yaw_rad;
+        assert_eq!(yaw(&one.errors), yaw(&all));
+        assert_ne!(yaw(&one.errors), meant().objects[0].yaw_rad);
+    }
+
+    #[test]
+    fn a_client_knows_how_high_an_object_is_and_not_where_it_stands() {
+        let tall = Errors {
+            height_m: 0.2,
+            position_m: 0.005,
+            ..Errors::NONE
+        };
+        for seed in 0..50 {
+            let scene = meant().with_errors(&tall, seed);
+            let (placed, meant) = (&scene.objects[0], &meant().objects[0]);
+            let hint = placed.nominal;
+            let height_m = 2.0 * placed.object.shape.half_height_m();
+            let own_m = 2.0 * meant.object.shape.half_height_m();
+            assert!((own_m..=0.2).contains(&height_m), "{height_m} m");
+            let foot_m = meant.nominal.height_m - own_m;
+            assert!((hint.height_m - foot_m - height_m).abs() < 1e-12);
+            assert!(hint.from_m[2] < hint.height_m - 0.009, "below its top");
+            assert_eq!(hint.from_m[..2], meant.nominal.from_m[..2]);
+            let off_m = placed.position_m[0] - hint.from_m[0];
+            assert!(off_m.abs() <= 0.005 && off_m != 0.0);
+        }
+    }
+
+    #[test]
+    fn absurd_errors_are_refused() {
+        for errors in [
+            Errors {
+                crosstalk: f64::NAN,
+                ..Errors::NONE
+            },
+            Errors {
+                link_m: -0.001,
+                ..Errors::NONE
+            },
+            Errors {
+                servo_stiffness: 1.0,
+                ..Errors::NONE
+            },
+        ] {
+            let scene = Scene {
+                errors,
+                ..Scene::default()
+            };
+            assert!(scene.check().is_err(), "{errors:?}");
+        }
+    }
+}
