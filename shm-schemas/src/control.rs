@@ -69,7 +69,7 @@ payload! {
         pub lower: f64,
         /// The highest value allowed, for parameters.
         pub upper: f64,
-        /// The name asked for, or a sentence that says why not.
+        /// Of a parameter its name, and on a second line what it means; else a sentence that says why not.
         pub text: Text<256>,
     }
 }

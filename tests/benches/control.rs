@@ -1,13 +1,13 @@
 //! The controller's step by itself: grasp task, both hands, 22 joints.
 
-use atas_cli::rehearsal::{Rehearsal, grasp_goal};
 use atas_core::{Goal, Order, Settings};
+use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use criterion::{Criterion, criterion_group, criterion_main};
 use robot_model::{RobotModel, Side};
 use sim_backend::{Object, Scene};
 
 /// A world in which the hand has begun to lift.
-fn lifting() -> Rehearsal {
+fn lifting() -> OfflineRun {
     let robot = RobotModel::two_hand_arm().expect("built in");
     let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
     let goal = grasp_goal(
@@ -16,20 +16,20 @@ fn lifting() -> Rehearsal {
         0.05,
         3600.0,
     );
-    let mut rehearsal = Rehearsal::new(&robot, &scene, 1, Settings::default()).expect("a world");
-    rehearsal.step(Some(&Order::Start(
+    let mut run = OfflineRun::new(&robot, &scene, 1, Settings::default()).expect("a world");
+    run.step(Some(&Order::Start(
         Goal::resolve(&goal, &[]).expect("built in"),
     )));
     for _ in 0..6000 {
-        rehearsal.step(None);
+        run.step(None);
     }
-    rehearsal
+    run
 }
 
 fn step(criterion: &mut Criterion) {
-    let mut rehearsal = lifting();
+    let mut run = lifting();
     criterion.bench_function("world and controller, one tick", |b| {
-        b.iter(|| rehearsal.step(None).command.crc32)
+        b.iter(|| run.step(None).command.crc32)
     });
 }
 

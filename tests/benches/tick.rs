@@ -1,12 +1,12 @@
 //! The production tick on a real bus: frames and joint state are taken in, the controller steps, the command is
-//! published. Prints percentiles of the body and of its stages, and the speed of the rehearsal.
+//! published. Prints percentiles of the body and of its stages, and the speed of the run.
 //!
 //! `cargo bench -p system-tests --bench tick -- [TICKS]`
 
 #![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
 
-use atas_cli::rehearsal::{Rehearsal, grasp_goal};
 use atas_core::Settings;
+use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use hdrhistogram::Histogram;
 use robot_model::{RobotModel, Side};
 use sim_backend::{Object, Scene};
@@ -48,10 +48,7 @@ fn main() {
             h.max() as f64 * 1e-3
         );
     }
-    println!(
-        "rehearsal: {:.0} x real time on one core",
-        realtime_factor()
-    );
+    println!("run: {:.0} x real time on one core", realtime_factor());
 }
 
 fn run(ticks: u64, histograms: &mut [Histogram<u64>]) {
@@ -77,7 +74,7 @@ fn realtime_factor() -> f64 {
         2.0,
     );
     let begin = std::time::Instant::now();
-    let mut rehearsal = Rehearsal::new(&robot, &scene, 1, Settings::default()).expect("a world");
-    let trial = rehearsal.run(&goal, 60.0, |_, _| ());
+    let mut run = OfflineRun::new(&robot, &scene, 1, Settings::default()).expect("a world");
+    let trial = run.run(&goal, 60.0, |_, _| ());
     trial.simulated_s / begin.elapsed().as_secs_f64()
 }

@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use atas_cli::rehearsal::grasp_goal;
 use atas_core::goal::Goal;
 use atas_core::{Controller, Order, Settings, Wiring};
+use atas_evaluation::offline::grasp_goal;
 use atasd::link::{Link, TickRecord};
 use atasd::pacer::{LockStep, Pacer};
 use atasd::tick::TickLoop;

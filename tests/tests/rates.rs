@@ -1,8 +1,8 @@
 //! The tick rate is the user's choice: with sensors and joints at 1 kHz, tasks come out the same from 100 Hz to 10 kHz.
 
-use atas_cli::rehearsal::{grasp_goal, pick_place_goal};
 use atas_core::check;
 use atas_core::{Controller, Inputs, Order, Settings, Tick, Wiring};
+use atas_evaluation::offline::{grasp_goal, pick_place_goal};
 use robot_model::{ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate, HandFrame, JointCommand, JointState, Mode};
 use sim_backend::{Object, Scene, Sensed, TICK_NS, World};

@@ -1,5 +1,82 @@
-//! `atas`: see the library.
+//! `atas`: what an operator says to a running daemon and asks of it.
+//!
+//! ```text
+//!  atas_console::arguments ─▶ main ─┬─ goals ─▶ send ────▶ a goal, followed to its end
+//!                                   ├─ status, events, latency, control ─▶ one question, or many
+//!                                   ├─ doctor ──────────▶ can this machine hold the tick
+//!                                   ├─ recordings ──────▶ atas-recording
+//!                                   └─ lab ─────────────▶ `atas-lab`: demo, eval, plot, bench, replay
+//! ```
+//!
+//! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
+//!   an exit code of [`atas_console::Exit`].
+//! * **Invariants:** a command that asks something of a daemon waits for its answer. Without a daemon it ends within one second,
+//!   with a code of its own. What stops a robot links neither the controller nor the simulator.
+//! * **Absent on purpose:** control, perception and limits (the daemon's); whatever needs a simulator (`atas-lab`).
 
-fn main() -> std::process::ExitCode {
-    atas_cli::main()
+mod control;
+mod doctor;
+mod events;
+mod goals;
+mod lab;
+mod latency;
+mod manual;
+mod recordings;
+mod send;
+mod status;
+
+use std::process::ExitCode;
+
+use atas_console::arguments::{Arguments, Command, Param, RecordAction};
+use atas_console::{Interrupt, Output};
+use clap::CommandFactory;
+
+fn main() -> ExitCode {
+    atas_console::run(execute)
+}
+
+/// The only place that knows which function a command is.
+fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
+    match command {
+        Command::Grasp(arguments) => goals::grasp(arguments, interrupt, output),
+        Command::PickPlace(arguments) => goals::pick_place(arguments, interrupt, output),
+        Command::Screw(arguments) => goals::screw(arguments, interrupt, output),
+        Command::Assemble(arguments) => goals::assemble(arguments, interrupt, output),
+        Command::Task(arguments) => goals::task(arguments, interrupt, output),
+        Command::Release(arguments) => goals::release(arguments, interrupt, output),
+        Command::Estop(bus) => control::estop(&bus.bus, output),
+        Command::Recover(bus) => control::recover(&bus.bus, output),
+        Command::Status(arguments) => status::status(arguments, interrupt, output),
+        Command::Events(arguments) => events::events(arguments, interrupt, output),
+        Command::Param { action } => parameter(action, output),
+        Command::Latency(arguments) => latency::latency(arguments, interrupt, output),
+        Command::Record { action, options } => match action {
+            None => recordings::record(options, interrupt, output),
+            Some(RecordAction::Check { file }) => recordings::check(file, output),
+            Some(RecordAction::Repair { file, out }) => {
+                recordings::repair(file, out.as_deref(), output)
+            }
+        },
+        Command::Diff { first, second } => recordings::diff(first, second, output),
+        Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
+        Command::Completions { shell } => {
+            let mut command = Arguments::command();
+            clap_complete::generate(*shell, &mut command, "atas", &mut std::io::stdout());
+            Ok(())
+        }
+        Command::Man { folder } => manual::write(folder),
+        Command::Demo { .. }
+        | Command::Eval { .. }
+        | Command::Plot { .. }
+        | Command::Bench { .. }
+        | Command::Replay { .. } => lab::hand_over(),
+    }
+}
+
+fn parameter(action: &Param, output: &mut Output) -> anyhow::Result<()> {
+    match action {
+        Param::List(bus) => control::list(&bus.bus, output),
+        Param::Get { name, bus } => control::get(&bus.bus, name, output),
+        Param::Set { name, value, bus } => control::set(&bus.bus, name, *value, output),
+    }
 }

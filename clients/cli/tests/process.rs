@@ -1,9 +1,5 @@
 //! The program as a process: exit codes, messages, and what it leaves behind.
-#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
-
-use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 use shm_bus::FreshBus;
 
@@ -71,20 +67,6 @@ fn wrong_usage_has_its_own_code() {
         assert!(stderr.contains(part), "{arguments:?}: {stderr}");
     };
     check(&["fly"], "unrecognized");
-    check(
-        &["eval", "grasp", "--objects", "botle"],
-        "did you mean \"bottle\"?",
-    );
-    check(&["demo", "grasp", "--object", "no/such.toml"], "no/such");
-    check(
-        &["demo", "pick-place", "--object", "no/such.toml"],
-        "no/such",
-    );
-    check(&["demo", "screw", "--cap", "wood"], "has no thread");
-    check(
-        &["demo", "assembly", "--cap", "cup"],
-        "did you mean \"cap\"?",
-    );
     check(&["status", "--bus", "UPPER"], "use 1 to 24 characters");
 }
 
@@ -138,92 +120,48 @@ fn the_doctor_fails_exactly_if_a_finding_does() {
 }
 
 #[test]
-fn eval_prints_one_json_line() {
-    let (code, stdout, stderr) = run(&[
-        "eval",
-        "grasp",
-        "--seeds",
-        "1",
-        "--objects",
-        "sponge",
-        "--format",
-        "json",
-    ]);
-    assert_eq!(code, 0, "{stderr}");
-    assert_eq!(stdout.lines().count(), 1, "{stdout}");
-    let value: serde_json::Value = serde_json::from_str(&stdout).expect("JSON");
-    assert_eq!(value["trials"], 1);
+fn the_laboratorys_commands_are_one_program_with_the_operators() {
+    let (code, stdout, _) = run(&["help"]);
+    assert_eq!(code, 0);
+    for command in ["demo", "eval", "plot", "bench", "replay", "status", "grasp"] {
+        let line = format!("\n  {command} ");
+        assert!(stdout.contains(&line), "{command}: {stdout}");
+    }
+    let (code, stdout, _) = run(&["help", "eval"]);
+    assert!(code == 0 && stdout.contains("pick-place"), "{stdout}");
+    let (code, _, stderr) = run(&["eval", "grsp"]);
+    assert!(code == 2 && stderr.contains("'grasp'"), "{stderr}");
 }
 
 #[test]
-fn a_program_without_its_neighbours_says_how_to_build_them() {
+fn a_program_without_its_laboratory_says_how_to_build_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let alone = folder.path().join("atas");
     std::fs::copy(env!("CARGO_BIN_EXE_atas"), &alone).expect("copied");
     let output = Command::new(&alone)
         .args(["demo", "grasp"])
+        .env("PATH", folder.path())
         .output()
         .expect("it starts");
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.contains("cargo build --workspace"), "{stderr}");
+    assert!(
+        stderr.contains("atas-lab") && stderr.contains("cargo build --workspace"),
+        "{stderr}"
+    );
 }
 
-/// Whether daemon and simulator lie next to the program; if not, they were not built in this run.
-fn neighbours_are_built() -> bool {
-    let folder = Path::new(env!("CARGO_BIN_EXE_atas")).parent();
-    let built = ["atasd", "atas-sim"]
-        .iter()
-        .all(|name| folder.is_some_and(|folder| folder.join(name).is_file()));
-    if !built {
-        println!("not tested: atasd and atas-sim are not built; use `cargo test --workspace`");
-    }
-    built
-}
-
+/// What an operator stops a robot with links neither the controller nor a simulator, not even by a dependency's dependency.
 #[test]
-fn an_interrupted_demo_leaves_nothing_behind() {
-    if !neighbours_are_built() {
-        return;
+fn the_operators_program_links_neither_controller_nor_simulator() {
+    let bytes = std::fs::read(env!("CARGO_BIN_EXE_atas")).expect("readable");
+    let holds = |name: &str| {
+        bytes
+            .windows(name.len())
+            .any(|part| part == name.as_bytes())
+    };
+    assert!(holds("atas_client"), "symbols are there to be looked at");
+    for name in ["atas_core", "sim_backend", "robot_model", "atas_evaluation"] {
+        assert!(!holds(name), "{name} is linked");
     }
-    let scratch = tempfile::tempdir().expect("a folder");
-    // Logs and bus of this demo, and of no other, in here.
-    let demo = atas(&["demo", "grasp", "--object", "wood"])
-        .env("TMPDIR", scratch.path())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
-    let id = demo.id();
-    let bus = format!("fdemo-{id}-0");
-    let begin = Instant::now();
-    while children_of(id).len() < 2 && begin.elapsed() < Duration::from_secs(20) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    let children = children_of(id);
-    assert_eq!(children.len(), 2, "simulator and daemon");
-    let pid = rustix::process::Pid::from_child(&demo);
-    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("it runs");
-    let output = demo.wait_with_output().expect("it ends");
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(5), "{stderr}");
-    for child in children {
-        assert!(!Path::new(&format!("/proc/{child}")).exists(), "{child}");
-    }
-    let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
-    let left = shared
-        .flatten()
-        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&bus));
-    assert_eq!(left.count(), 0, "shared memory of {bus}");
-    let logs = std::fs::read_dir(scratch.path()).expect("the folder");
-    assert_eq!(logs.count(), 0, "logs");
-}
-
-/// Process ids of a process's children.
-fn children_of(id: u32) -> Vec<u32> {
-    let text = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children"));
-    let text = text.unwrap_or_default();
-    text.split_whitespace()
-        .filter_map(|id| id.parse().ok())
-        .collect()
 }

@@ -65,7 +65,8 @@ fn atas(arguments: &[&str]) -> (i32, String) {
 
 /// Records one goal from the daemon's first tick to its last; false if the programs are not built.
 fn record(file: &Path, clock: &[&str]) -> bool {
-    let (Some(simulator), Some(daemon)) = (program("atas-sim"), program("atasd")) else {
+    let needed = ["atas-sim", "atasd", "atas-lab"].map(program);
+    let [Some(simulator), Some(daemon), Some(_)] = needed else {
         return false;
     };
     let bus = FreshBus::new("record");

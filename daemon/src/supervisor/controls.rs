@@ -214,7 +214,7 @@ fn describe(parameter: &Parameter, knowledge: &Knowledge) -> ControlReply {
         value: (parameter.get)(&knowledge.config.settings()),
         lower: parameter.lower,
         upper: parameter.upper,
-        text: Text::new(parameter.name),
+        text: Text::new(&format!("{}\n{}", parameter.name, parameter.doc.trim())),
         ..ControlReply::default()
     }
 }

@@ -300,9 +300,10 @@ fn parameters_are_read_listed_and_set_within_their_range() {
         (outcome, text.contains("did you mean grasp.dr_n")),
         (unknown, true)
     );
+    let first = &atas_core::settings::PARAMETERS[0];
     assert_eq!(
         ask(ControlOp::PARAM_LIST, "", 0.0).2,
-        atas_core::settings::PARAMETERS[0].name
+        format!("{}\n{}", first.name, first.doc.trim())
     );
     for index in [-1.0, 0.5, 1e9, f64::NAN] {
         assert_eq!(ask(ControlOp::PARAM_LIST, "", index).0, unknown);

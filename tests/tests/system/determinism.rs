@@ -1,7 +1,7 @@
 //! The same seed gives the same commands, bit for bit: twice over the bus, and in process.
 
-use atas_cli::rehearsal::{Rehearsal, grasp_goal};
 use atas_core::{Goal, Order, Settings};
+use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use robot_model::{RobotModel, Side};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalRequest, GoalState, TickReport, service};
@@ -69,14 +69,14 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
 /// The same in process.
 fn in_process() -> BTreeMap<u64, u32> {
     let robot = RobotModel::two_hand_arm().expect("built in");
-    let mut rehearsal =
-        Rehearsal::at_rest(&robot, &scene(), SEED, Settings::default()).expect("a world");
+    let mut run =
+        OfflineRun::at_rest(&robot, &scene(), SEED, Settings::default()).expect("a world");
     let mut sums = BTreeMap::new();
     loop {
         let tick = sums.len() as u64;
         let order = (tick == WARM_UP_TICKS)
             .then(|| Order::Start(Goal::resolve(&goal(), &[]).expect("built in")));
-        let outputs = rehearsal.step(order.as_ref());
+        let outputs = run.step(order.as_ref());
         sums.insert(outputs.report.tick, outputs.report.command_crc32);
         if outputs.goal_update.is_some_and(|u| u.state.is_final()) {
             return sums;

@@ -45,7 +45,7 @@ impl Stage {
     fn grasp(&self) -> shm_bus::PendingGoal {
         let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
         let hint = scene.grasp_hint(0).expect("an object");
-        let goal = atas_cli::rehearsal::grasp_goal(&hint, Side::Right, 0.03, 20.0);
+        let goal = atas_evaluation::offline::grasp_goal(&hint, Side::Right, 0.03, 20.0);
         let client = self.observer.goal_client().expect("a client");
         wait_for("a daemon that accepts", || {
             let mut pending = client.send(&goal).ok()?;

@@ -11,11 +11,9 @@
 mod judge;
 mod probe;
 
+use atas_console::{Ended, Exit, Output, table};
 use serde_json::json;
 use shm_bus::BusName;
-
-use crate::exit::{Ended, Exit};
-use crate::output::{Output, table};
 
 /// What a probe says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

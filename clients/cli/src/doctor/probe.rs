@@ -6,14 +6,13 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
+use atas_client::{ClientError, Session, fifo};
 use rustix::process::{Resource, geteuid, getrlimit};
 use rustix::time::{ClockId, clock_getres};
 use shm_bus::{BusError, BusName};
 use shm_schemas::Status;
 
 use super::{Finding, judge};
-use crate::client::Session;
-use crate::fifo;
 
 /// Folder of the installed service.
 const SERVICE: &str = "/run/atas";
@@ -63,14 +62,14 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
             let status: Option<Status> = session.watch_status().ok().map(|(_, status)| status);
             findings.push(judge::daemon(status.as_ref(), name.as_str()));
         }
-        Err(error) => findings.push(Finding::fail("bus", format!("{error:#}"), cure(&error))),
+        Err(error) => findings.push(Finding::fail("bus", error.to_string(), cure(&error))),
     }
     findings
 }
 
-fn cure(error: &anyhow::Error) -> &'static str {
-    match error.downcast_ref::<BusError>() {
-        Some(BusError::NoSpace { .. }) => "free /dev/shm as the finding above says",
+fn cure(error: &ClientError) -> &'static str {
+    match error {
+        ClientError::Bus(BusError::NoSpace { .. }) => "free /dev/shm as the finding above says",
         _ => "do what the message says; daemon and clients must run as one user",
     }
 }

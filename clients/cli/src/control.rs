@@ -1,0 +1,111 @@
+//! Control requests: stop, recover, parameters.
+
+use atas_client::Session;
+use atas_console::{Output, table};
+use serde_json::json;
+use shm_bus::BusName;
+use shm_schemas::{ControlOp, ControlOutcome, ControlReply};
+
+/// `atas estop`.
+pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
+    act(
+        bus,
+        ControlOp::ESTOP,
+        "stopped; `atas recover` re-arms",
+        output,
+    )
+}
+
+/// `atas recover`.
+pub(crate) fn recover(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
+    act(bus, ControlOp::RECOVER, "recovered", output)
+}
+
+fn act(bus: &BusName, op: ControlOp, done: &str, output: &mut Output) -> anyhow::Result<()> {
+    let reply = Session::join(bus)?.demand(op, 0.0, "")?;
+    if output.is_json() {
+        output.json(&json!({ "op": op.name(), "outcome": reply.outcome.name() }))
+    } else {
+        output.line(done)
+    }
+}
+
+/// `atas param list`.
+pub(crate) fn list(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
+    let session = Session::join(bus)?;
+    let mut rows = table(&["parameter", "value", "from", "to", "meaning"]);
+    for index in 0_u32.. {
+        let reply = session.ask(ControlOp::PARAM_LIST, f64::from(index), "")?;
+        if reply.outcome != ControlOutcome::DONE {
+            break;
+        }
+        let (name, meaning) = described(&reply);
+        if output.is_json() {
+            output.json(&parameter(&reply))?;
+        } else {
+            rows.add_row([
+                name.to_owned(),
+                reply.value.to_string(),
+                reply.lower.to_string(),
+                reply.upper.to_string(),
+                meaning.to_owned(),
+            ]);
+        }
+    }
+    if output.is_json() {
+        return Ok(());
+    }
+    output.line(rows)
+}
+
+/// `atas param get`.
+pub(crate) fn get(bus: &BusName, name: &str, output: &mut Output) -> anyhow::Result<()> {
+    show(bus, ControlOp::PARAM_GET, name, 0.0, output)
+}
+
+/// `atas param set`.
+pub(crate) fn set(
+    bus: &BusName,
+    name: &str,
+    value: f64,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    show(bus, ControlOp::PARAM_SET, name, value, output)
+}
+
+fn show(
+    bus: &BusName,
+    op: ControlOp,
+    name: &str,
+    value: f64,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let reply = Session::join(bus)?.demand(op, value, name)?;
+    if output.is_json() {
+        return output.json(&parameter(&reply));
+    }
+    let ControlReply {
+        value,
+        lower,
+        upper,
+        ..
+    } = reply;
+    output.line(format!("{name} = {value} (from {lower} to {upper})"))
+}
+
+fn parameter(reply: &ControlReply) -> serde_json::Value {
+    let (name, meaning) = described(reply);
+    json!({
+        "name": name,
+        "value": reply.value,
+        "lower": reply.lower,
+        "upper": reply.upper,
+        "meaning": meaning,
+    })
+}
+
+/// Name and meaning of a parameter, as the daemon tells them.
+fn described(reply: &ControlReply) -> (&str, &str) {
+    let text = reply.text.as_str();
+    text.split_once('\n').unwrap_or((text, ""))
+}

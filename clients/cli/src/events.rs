@@ -1,0 +1,262 @@
+//! The daemon's events, as lines.
+
+use std::time::{Duration, Instant};
+
+use atas_client::{POLL, Session, json};
+use atas_console::arguments::Events;
+use atas_console::{Interrupt, Output};
+use serde_json::Value;
+use shm_schemas::{EventKind, ModuleEvent, ModuleId, Status, StatusFlags, service};
+
+/// Most events taken at a time.
+const BATCH: usize = 256;
+/// How long to wait for past events: the daemon hands them to a new reader when it next speaks (ours).
+const PAST: Duration = Duration::from_millis(300);
+
+/// `atas events`.
+pub(crate) fn events(
+    arguments: &Events,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let session = Session::join(&arguments.bus.bus)?;
+    let mut stream = session
+        .bus()
+        .subscriber::<ModuleEvent>(service::MODULE_EVENT)?;
+    let (mut statuses, mut status) = session.watch_status()?;
+    let mut teller = Teller::new(&status);
+    let waits = arguments.follow || arguments.count.is_some();
+    let begin = Instant::now();
+    let mut left = arguments.count.unwrap_or(u64::MAX);
+    while left > 0 && !interrupt.is_set() && (waits || begin.elapsed() < PAST) {
+        statuses.newest(&mut status)?;
+        if arguments.follow {
+            teller.tell_conditions(&status, output)?;
+        }
+        let mut batch = Vec::new();
+        let most = usize::try_from(left).unwrap_or(BATCH).min(BATCH);
+        stream.drain(most, |event| batch.push(*event))?;
+        for event in &batch {
+            teller.tell(event, output)?;
+            left -= 1;
+        }
+        if batch.is_empty() {
+            std::thread::sleep(POLL);
+        }
+    }
+    Ok(())
+}
+
+/// Tells events one by one, and what is missing between them.
+struct Teller {
+    started_ns: u64,
+    expected: Option<(u64, u64)>,
+    conditions: Option<u32>,
+}
+
+/// Of the status, what changes how far ticks can be trusted.
+const CONDITIONS: [(u32, &str, &str); 3] = [
+    (
+        StatusFlags::PHASE_LOCKED,
+        "phase-locked",
+        "not phase-locked",
+    ),
+    (
+        StatusFlags::REALTIME,
+        "real-time scheduling",
+        "ordinary scheduling",
+    ),
+    (StatusFlags::DEGRADED, "DEGRADED", "not degraded"),
+];
+
+impl Teller {
+    fn new(status: &Status) -> Self {
+        Self {
+            started_ns: status.started_ns,
+            expected: None,
+            conditions: None,
+        }
+    }
+
+    fn tell(&mut self, event: &ModuleEvent, output: &mut Output) -> anyhow::Result<()> {
+        let lost = self.lost_before(event);
+        if output.is_json() {
+            let mut value = json::event(event);
+            value["lost_before"] = Value::from(lost);
+            return output.json(&value);
+        }
+        if lost > 0 {
+            output.line(format!("           ({lost} events lost)"))?;
+        }
+        let since_start_s = self.since_start_s(event.stamp.captured_ns);
+        output.line(format!("{since_start_s:10.3} s  {}", sentence(event)))
+    }
+
+    /// Tells under which conditions the daemon ticks, at first and whenever they change. These are states, not events: they
+    /// have no sequence and do not count.
+    fn tell_conditions(&mut self, status: &Status, output: &mut Output) -> anyhow::Result<()> {
+        let flags = CONDITIONS
+            .iter()
+            .fold(0, |flags, (flag, ..)| flags | status.flags & flag);
+        if self.conditions.replace(flags) == Some(flags) {
+            return Ok(());
+        }
+        if output.is_json() {
+            return output.json(&json::conditions(status));
+        }
+        let words = CONDITIONS.map(|(flag, on, off)| if flags & flag != 0 { on } else { off });
+        let at_s = self.since_start_s(status.stamp.captured_ns);
+        output.line(format!("{at_s:10.3} s         ticks: {}", words.join(", ")))
+    }
+
+    fn since_start_s(&self, captured_ns: u64) -> f64 {
+        captured_ns.saturating_sub(self.started_ns) as f64 * 1e-9
+    }
+
+    /// How many events of the same writer are missing before this one.
+    fn lost_before(&mut self, event: &ModuleEvent) -> u64 {
+        let (epoch, sequence) = (event.stamp.writer_epoch, event.stamp.sequence);
+        let lost = match self.expected {
+            Some((same, next)) if same == epoch => sequence.saturating_sub(next),
+            _ => 0,
+        };
+        self.expected = Some((epoch, sequence.wrapping_add(1)));
+        lost
+    }
+}
+
+/// One event in words.
+fn sentence(event: &ModuleEvent) -> String {
+    let (hand, module) = (event.hand, event.module);
+    let (value, threshold) = (event.value, event.threshold);
+    match event.kind {
+        EventKind::MODULE_ON => format!("{hand:5}  {module} on"),
+        EventKind::MODULE_OFF => format!("{hand:5}  {module} off"),
+        EventKind::TOUCH_ON | EventKind::TOUCH_OFF => {
+            let word = if event.kind == EventKind::TOUCH_ON {
+                "touches"
+            } else {
+                "lets go"
+            };
+            format!(
+                "{hand:5}  finger {} {word} at {value:.3} N (threshold {threshold:.3} N)",
+                event.finger + 1
+            )
+        }
+        EventKind::STEP => format!("{hand:5}  step {}", event.text),
+        EventKind::STIFFNESS => {
+            format!("{hand:5}  stiffness {value:.0} N/m, F_2 is {threshold:.2} N")
+        }
+        EventKind::GOAL => format!("{hand:5}  goal {}{}", event.text, because(event)),
+        EventKind::MODE => format!("       mode {}{}", event.mode, because(event)),
+        EventKind::WARNING => format!("{hand:5}  warning{}", because(event)),
+        kind => format!(
+            "{hand:5}  {kind}, value {value}, threshold {threshold}{}",
+            by(module)
+        ),
+    }
+}
+
+fn because(event: &ModuleEvent) -> String {
+    if event.reason.is_some() {
+        format!(": {}", event.reason)
+    } else {
+        String::new()
+    }
+}
+
+fn by(module: ModuleId) -> String {
+    if module == ModuleId::NONE {
+        String::new()
+    } else {
+        format!(" ({module})")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{Cause, Hand, Mode, Reason, Stamp, Text};
+
+    fn right(kind: EventKind) -> ModuleEvent {
+        ModuleEvent {
+            kind,
+            hand: Hand::RIGHT,
+            ..ModuleEvent::default()
+        }
+    }
+
+    #[test]
+    fn sentences() {
+        let check = |event: ModuleEvent, expected| assert_eq!(sentence(&event), expected);
+        check(
+            ModuleEvent {
+                module: ModuleId::SLIP,
+                ..right(EventKind::MODULE_ON)
+            },
+            "right  module 2, slip on",
+        );
+        check(
+            ModuleEvent {
+                finger: 1,
+                value: 0.0712,
+                threshold: 0.06,
+                ..right(EventKind::TOUCH_ON)
+            },
+            "right  finger 2 touches at 0.071 N (threshold 0.060 N)",
+        );
+        check(
+            ModuleEvent {
+                text: Text::new("lift"),
+                ..right(EventKind::STEP)
+            },
+            "right  step lift",
+        );
+        check(
+            ModuleEvent {
+                value: 1512.3,
+                threshold: 0.756,
+                ..right(EventKind::STIFFNESS)
+            },
+            "right  stiffness 1512 N/m, F_2 is 0.76 N",
+        );
+        check(
+            ModuleEvent {
+                mode: Mode::SAFE_STOP,
+                reason: Reason::of(Cause::ESTOP),
+                ..right(EventKind::MODE)
+            },
+            "       mode safe-stop: stopped by `atas estop`; `atas recover` re-arms",
+        );
+        check(
+            right(EventKind(99)),
+            "right  unknown(99), value 0, threshold 0",
+        );
+    }
+
+    #[test]
+    fn lost_events_are_counted_per_writer() {
+        let mut teller = Teller::new(&Status::default());
+        let mut check = |writer_epoch, sequence, lost| {
+            let stamp = Stamp {
+                sequence,
+                writer_epoch,
+                ..Stamp::default()
+            };
+            let event = ModuleEvent {
+                stamp,
+                ..ModuleEvent::default()
+            };
+            assert_eq!(
+                teller.lost_before(&event),
+                lost,
+                "{writer_epoch} {sequence}"
+            );
+        };
+        check(1, 5, 0);
+        check(1, 6, 0);
+        check(1, 9, 2);
+        check(2, 0, 0);
+        check(2, 1, 0);
+    }
+}

@@ -1,0 +1,14 @@
+//! Manual pages from the same table as the command line.
+
+use std::path::Path;
+
+use anyhow::Context;
+use atas_console::arguments::Arguments;
+use clap::CommandFactory;
+
+/// Writes one page for the program and one for each command.
+pub(crate) fn write(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(Arguments::command(), folder))
+        .with_context(|| format!("could not write manual pages into {}", folder.display()))
+}

@@ -1,0 +1,178 @@
+//! `atas record` with its actions, and `atas diff`: what `atas-recording` did, in words.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use atas_client::{Session, json};
+use atas_console::{Ended, Exit, Interrupt, Output, arguments};
+use atas_recording::{Bounds, Contents, Difference, Tally};
+use serde_json::{Value, json};
+use shm_schemas::Status;
+
+/// `atas record`.
+pub(crate) fn record(
+    arguments: &arguments::Record,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let session = Session::join(&arguments.bus.bus)?;
+    let out = arguments.out.clone().unwrap_or_else(default_out);
+    let bounds = Bounds {
+        file_bytes: arguments.max_size,
+        files: arguments.max_files.map(usize::from),
+        total_bytes: arguments.disk_budget,
+    };
+    let notes = arguments.notes.iter().cloned().collect();
+    let tally = atas_recording::record(session.bus(), &out, bounds, notes, interrupt.flag())?;
+    print(&tally, output)
+}
+
+fn default_out() -> PathBuf {
+    let unix = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    format!("atas-{}.mcap", unix.map_or(0, |time| time.as_secs())).into()
+}
+
+fn print(tally: &Tally, output: &mut Output) -> anyhow::Result<()> {
+    let files: Vec<String> = tally
+        .files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    if output.is_json() {
+        output.json(&json!({
+            "parts": tally.parts,
+            "lost": tally.lost,
+            "has_beginning": tally.has_beginning,
+            "disk_budget_reached": tally.is_full,
+            "bytes": tally.bytes,
+            "files": files,
+        }))?;
+    } else {
+        output.line(format_args!(
+            "recorded {} parts of ticks, lost {}, {:.1} MiB in {}",
+            tally.parts,
+            tally.lost,
+            tally.bytes as f64 / f64::from(1 << 20),
+            files.join(", ")
+        ))?;
+    }
+    if tally.is_full {
+        return Err(Ended::with(
+            Exit::Failed,
+            "the disk budget is used up; the recording ended early",
+        ));
+    }
+    if tally.lost > 0 {
+        let sentence = format!(
+            "lost {} parts of ticks: the recording cannot be replayed beyond them",
+            tally.lost
+        );
+        return Err(Ended::with(Exit::Failed, sentence));
+    }
+    if !tally.has_beginning {
+        tracing::warn!(
+            "a run was not recorded from its first tick and cannot be replayed; start the recorder first"
+        );
+    }
+    Ok(())
+}
+
+/// `atas record check`.
+pub(crate) fn check(path: &Path, output: &mut Output) -> anyhow::Result<()> {
+    let contents = atas_recording::check(path)?;
+    print_contents(&contents, output)?;
+    if let Some(damage) = contents.damage {
+        return Err(Ended::with(Exit::Failed, damage));
+    }
+    if contents.lost > 0 {
+        let sentence = format!("{} parts of ticks are missing in between", contents.lost);
+        return Err(Ended::with(Exit::Failed, sentence));
+    }
+    Ok(())
+}
+
+/// `atas record repair`.
+pub(crate) fn repair(path: &Path, out: Option<&Path>, output: &mut Output) -> anyhow::Result<()> {
+    let (out, contents) = atas_recording::repair(path, out)?;
+    if !output.is_json() {
+        output.line(format_args!("saved into {}:", out.display()))?;
+    }
+    print_contents(&contents, output)
+}
+
+fn print_contents(contents: &Contents, output: &mut Output) -> anyhow::Result<()> {
+    if output.is_json() {
+        return output.json(&json!({
+            "messages": contents.messages,
+            "parts": contents.parts,
+            "lost": contents.lost,
+            "first_part": contents.first,
+            "damage": contents.damage,
+        }));
+    }
+    output.line(format_args!(
+        "{} messages, {} parts of ticks, {} lost, first part {}",
+        contents.messages,
+        contents.parts,
+        contents.lost,
+        contents
+            .first
+            .map_or("none".to_owned(), |first| first.to_string()),
+    ))
+}
+
+/// `atas diff`.
+pub(crate) fn diff(a: &Path, b: &Path, output: &mut Output) -> anyhow::Result<()> {
+    let difference = atas_recording::diff(a, b)?;
+    print_difference(&difference, output)?;
+    match difference.first {
+        None => Ok(()),
+        Some((tick, field)) => Err(Ended::with(
+            Exit::Failed,
+            format!("they first differ in tick {tick}: {field}"),
+        )),
+    }
+}
+
+fn print_difference(difference: &Difference, output: &mut Output) -> anyhow::Result<()> {
+    let Difference {
+        equal_ticks,
+        first,
+        ends,
+    } = difference;
+    if output.is_json() {
+        let ends: Vec<Value> = ends
+            .iter()
+            .map(|status| status.as_deref().map_or(Value::Null, json::status))
+            .collect();
+        return output.json(&json!({
+            "equal_ticks": equal_ticks,
+            "first_tick": first.as_ref().map(|(tick, _)| tick),
+            "first_field": first.as_ref().map(|(_, field)| field),
+            "last_status": ends,
+        }));
+    }
+    output.line(format_args!("{equal_ticks} ticks are equal"))?;
+    for (name, status) in ["first", "second"].iter().zip(ends) {
+        let end = status
+            .as_deref()
+            .map_or("no status recorded".to_owned(), sentence);
+        output.line(format_args!("{name}: {end}"))?;
+    }
+    Ok(())
+}
+
+fn sentence(status: &Status) -> String {
+    let reason = if status.reason.is_some() {
+        format!(" ({})", status.reason)
+    } else {
+        String::new()
+    };
+    match status.goal_id {
+        0 => format!("mode {}{reason}, no goal", status.mode),
+        _ => format!(
+            "mode {}{reason}, goal {} {}",
+            status.mode, status.goal_kind, status.goal_state
+        ),
+    }
+}

@@ -1,0 +1,177 @@
+//! The daemon's status, once or again and again.
+
+use std::time::{Duration, Instant};
+
+use atas_client::FINGERS;
+use atas_client::{POLL, Session, json};
+use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
+use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
+
+/// Pause between two pictures of a watched status.
+const PICTURE: Duration = Duration::from_millis(200);
+/// Silence after which a watched daemon counts as gone (ours: 50 missing statuses).
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// `atas status`.
+pub(crate) fn status(
+    arguments: &arguments::Status,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let session = Session::join(&arguments.bus.bus)?;
+    let (mut statuses, mut status) = session.watch_status()?;
+    if !arguments.watch {
+        return print(&status, output);
+    }
+    let mut heard = Instant::now();
+    let mut drawn = None::<Instant>;
+    while !interrupt.is_set() {
+        if statuses.newest(&mut status)? {
+            heard = Instant::now();
+        } else if heard.elapsed() > SILENCE {
+            return Err(Ended::with(
+                Exit::NoDaemon,
+                "the daemon has not reported its status for a second; it ended or hangs",
+            ));
+        }
+        if drawn.is_none_or(|drawn| drawn.elapsed() >= PICTURE) {
+            output.clear()?;
+            print(&status, output)?;
+            drawn = Some(Instant::now());
+        }
+        std::thread::sleep(POLL);
+    }
+    Ok(())
+}
+
+fn print(status: &Status, output: &mut Output) -> anyhow::Result<()> {
+    if output.is_json() {
+        return output.json(&json::status(status));
+    }
+    output.line(heading(status))?;
+    output.line(hands(status))?;
+    output.line(timing(status))
+}
+
+fn heading(status: &Status) -> String {
+    let mut lines = vec![format!(
+        "atasd {}, process {}, {} Hz{}, up {:.0} s",
+        status.version,
+        status.pid,
+        status.rate_hz,
+        flags(status.flags),
+        status.stamp.captured_ns.saturating_sub(status.started_ns) as f64 * 1e-9,
+    )];
+    lines.push(if status.reason.is_some() {
+        format!("mode {}: {}", status.mode, status.reason)
+    } else {
+        format!("mode {}{}", status.mode, hint(status.mode))
+    });
+    lines.push(match (status.goal_id, status.step.as_str()) {
+        (0, _) => "no goal yet".into(),
+        (_, "") => format!("goal {} {}", status.goal_kind, status.goal_state),
+        (_, step) => format!(
+            "goal {} {}, step {step}",
+            status.goal_kind, status.goal_state
+        ),
+    });
+    lines.push(format!(
+        "{} ticks, {} missed, {} late, {} records dropped",
+        status.ticks, status.missed_ticks, status.late_ticks, status.dropped_records
+    ));
+    lines.join("\n")
+}
+
+fn hint(mode: Mode) -> &'static str {
+    match mode {
+        Mode::INIT => ": waits for the first frames and joint states; is a sensor process running?",
+        _ => "",
+    }
+}
+
+fn flags(flags: u32) -> String {
+    let known = [
+        (StatusFlags::LOCKSTEP, "lock-step"),
+        (StatusFlags::REALTIME, "real-time scheduling"),
+        (StatusFlags::MEMORY_LOCKED, "memory locked"),
+        (StatusFlags::PHASE_LOCKED, "phase-locked"),
+        (
+            StatusFlags::DEGRADED,
+            "DEGRADED: real-time scheduling or memory locking was refused",
+        ),
+    ];
+    let set = known.iter().filter(|(flag, _)| flags & flag != 0);
+    set.map(|(_, text)| format!(", {text}")).collect()
+}
+
+fn hands(status: &Status) -> comfy_table::Table {
+    let mut rows = table(&[
+        "hand", "frames", "lost", "bad", "age ms", "F_n N", "F_t N", "touches", "modules",
+    ]);
+    for (hand, sensor) in Hand::BOTH.iter().zip(&status.hands) {
+        let bad = sensor.corrupt + sensor.mistimed + sensor.foreign + sensor.reordered;
+        rows.add_row([
+            hand.to_string(),
+            sensor.frames.to_string(),
+            sensor.lost.to_string(),
+            bad.to_string(),
+            age_ms(sensor.age_ns),
+            forces(&sensor.normal_n),
+            forces(&sensor.tangential_n),
+            format!("{} {}", sensor.touches[0], sensor.touches[1]),
+            modules(sensor.modules_active),
+        ]);
+    }
+    let joints = &status.joints;
+    rows.add_row([
+        "joints".into(),
+        joints.states.to_string(),
+        joints.lost.to_string(),
+        joints.rejected.to_string(),
+        age_ms(joints.age_ns),
+    ]);
+    rows
+}
+
+fn timing(status: &Status) -> comfy_table::Table {
+    let mut rows = table(&["µs", "p50", "p99", "p99.9", "max"]);
+    let lines: [(&str, &Percentiles); 4] = [
+        ("wake late", &status.wake),
+        ("frame age", &status.frame_age),
+        ("tick body", &status.tick),
+        ("sensor to command", &status.sensor_to_command),
+    ];
+    for (name, figures) in lines {
+        let Percentiles {
+            p50_ns,
+            p99_ns,
+            p999_ns,
+            max_ns,
+            ..
+        } = *figures;
+        let microseconds = |ns: u64| format!("{:.1}", ns as f64 * 1e-3);
+        rows.add_row([
+            name.to_owned(),
+            microseconds(p50_ns),
+            microseconds(p99_ns),
+            microseconds(p999_ns),
+            microseconds(max_ns),
+        ]);
+    }
+    rows
+}
+
+fn age_ms(age_ns: u64) -> String {
+    match age_ns {
+        u64::MAX => "never".into(),
+        age_ns => format!("{:.1}", age_ns as f64 * 1e-6),
+    }
+}
+
+fn forces(force_n: &[f32]) -> String {
+    let shown: Vec<String> = force_n[..FINGERS]
+        .iter()
+        .map(|force_n| number((*force_n).into(), 2))
+        .collect();
+    shown.join(" ")
+}

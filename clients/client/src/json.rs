@@ -1,0 +1,169 @@
+//! The bus's words as JSON, SI units, names instead of codes. Keys are a contract with scripts: they are only added to.
+
+use serde_json::{Value, json};
+use shm_schemas::{
+    GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, Reason, Status, StatusFlags,
+};
+
+use crate::{FINGERS, GoalProgress};
+
+/// Why, or `null`.
+#[must_use]
+pub fn reason(reason: &Reason) -> Value {
+    if !reason.is_some() {
+        return Value::Null;
+    }
+    json!({
+        "cause": reason.cause.name(),
+        "module": reason.module.name(),
+        "value": reason.value,
+        "limit": reason.limit,
+        "index": reason.index,
+        "sentence": reason.to_string(),
+    })
+}
+
+fn figures(figures: &GraspFigures) -> Value {
+    json!({
+        "normal_n": figures.normal_n[..FINGERS],
+        "tangential_n": figures.tangential_n[..FINGERS],
+        "f1_n": figures.f1_n,
+        "f2_n": figures.f2_n,
+        "stiffness_n_m": figures.stiffness_n_m,
+        "stiffness_confidence": figures.stiffness_confidence,
+        "friction": figures.friction,
+        "lifted_m": figures.lifted_m,
+    })
+}
+
+/// The end of a goal.
+#[must_use]
+pub fn goal(progress: &GoalProgress) -> Value {
+    let last = progress.last();
+    json!({
+        "goal_id": last.goal_id,
+        "state": last.state.name(),
+        "step": progress.step(),
+        "reason": reason(&last.reason),
+        "figures": figures(progress.figures()),
+    })
+}
+
+/// One event.
+#[must_use]
+pub fn event(event: &ModuleEvent) -> Value {
+    json!({
+        "sequence": event.stamp.sequence,
+        "captured_ns": event.stamp.captured_ns,
+        "tick": event.tick,
+        "kind": event.kind.name(),
+        "module": event.module.name(),
+        "hand": event.hand.name(),
+        "finger": event.finger,
+        "mode": event.mode.name(),
+        "value": event.value,
+        "threshold": event.threshold,
+        "reason": reason(&event.reason),
+        "text": event.text.as_str(),
+    })
+}
+
+/// Under which conditions the daemon ticks, among events.
+#[must_use]
+pub fn conditions(status: &Status) -> Value {
+    let has = |flag| status.flags & flag != 0;
+    json!({
+        "captured_ns": status.stamp.captured_ns,
+        "kind": "conditions",
+        "phase_locked": has(StatusFlags::PHASE_LOCKED),
+        "realtime": has(StatusFlags::REALTIME),
+        "degraded": has(StatusFlags::DEGRADED),
+    })
+}
+
+/// The daemon's status.
+#[must_use]
+pub fn status(status: &Status) -> Value {
+    let hands = Hand::BOTH.iter().zip(&status.hands).map(hand);
+    json!({
+        "captured_ns": status.stamp.captured_ns,
+        "version": status.version.as_str(),
+        "pid": status.pid,
+        "config_hash": format!("{:016x}", status.config_hash),
+        "started_ns": status.started_ns,
+        "rate_hz": status.rate_hz,
+        "mode": status.mode.name(),
+        "reason": reason(&status.reason),
+        "degraded": status.flags & StatusFlags::DEGRADED != 0,
+        "lockstep": status.flags & StatusFlags::LOCKSTEP != 0,
+        "realtime": status.flags & StatusFlags::REALTIME != 0,
+        "phase_locked": status.flags & StatusFlags::PHASE_LOCKED != 0,
+        "memory_locked": status.flags & StatusFlags::MEMORY_LOCKED != 0,
+        "ticks": status.ticks,
+        "missed_ticks": status.missed_ticks,
+        "late_ticks": status.late_ticks,
+        "dropped_records": status.dropped_records,
+        "goal": {
+            "goal_id": status.goal_id,
+            "kind": status.goal_kind.name(),
+            "state": status.goal_state.name(),
+            "step": status.step.as_str(),
+        },
+        "hands": hands.collect::<Vec<Value>>(),
+        "joints": {
+            "states": status.joints.states,
+            "lost": status.joints.lost,
+            "rejected": status.joints.rejected,
+            "age_ns": age_ns(status.joints.age_ns),
+        },
+        "wake": percentiles(&status.wake),
+        "frame_age": percentiles(&status.frame_age),
+        "tick": percentiles(&status.tick),
+        "sensor_to_command": percentiles(&status.sensor_to_command),
+    })
+}
+
+fn hand((hand, sensor): (&Hand, &HandStatus)) -> Value {
+    let is_active = |id: &&ModuleId| sensor.modules_active & (1 << id.0) != 0;
+    let modules = ModuleId::ALL.iter().filter(is_active).map(|id| id.name());
+    json!({
+        "hand": hand.name(),
+        "required": sensor.required != 0,
+        "frames": sensor.frames,
+        "lost": sensor.lost,
+        "duplicates": sensor.duplicates,
+        "reordered": sensor.reordered,
+        "corrupt": sensor.corrupt,
+        "mistimed": sensor.mistimed,
+        "foreign": sensor.foreign,
+        "masked_elements": sensor.masked_elements,
+        "restarts": sensor.restarts,
+        "touches": sensor.touches,
+        "age_ns": age_ns(sensor.age_ns),
+        "layout_hash": format!("{:016x}", sensor.layout_hash),
+        "normal_n": sensor.normal_n,
+        "tangential_n": sensor.tangential_n,
+        "modules": modules.collect::<Vec<&str>>(),
+    })
+}
+
+/// A distribution.
+#[must_use]
+pub fn percentiles(figures: &Percentiles) -> Value {
+    json!({
+        "p50_ns": figures.p50_ns,
+        "p99_ns": figures.p99_ns,
+        "p999_ns": figures.p999_ns,
+        "max_ns": figures.max_ns,
+        "count": figures.count,
+    })
+}
+
+/// `null` where nothing ever came.
+fn age_ns(age_ns: u64) -> Value {
+    if age_ns == u64::MAX {
+        Value::Null
+    } else {
+        age_ns.into()
+    }
+}

@@ -1,0 +1,31 @@
+//! A client of a running daemon: joins its bus, asks, follows what it asked for.
+//!
+//! ```text
+//!  Session ─┬─ watch_status, control: one answer
+//!           └─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
+//!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
+//!  json, percentiles: what the bus says, for programs and for people
+//! ```
+//!
+//! * **In:** the bus of a daemon. **Out:** answers, progress, errors that say what to do.
+//! * **Invariants:** whoever asks waits for the answer, and no longer than a second. Nothing here knows how the daemon
+//!   decides: neither the controller nor a simulator is linked.
+//! * **Absent on purpose:** the terminal (`atas-console`), and every file.
+
+mod error;
+pub mod fifo;
+pub mod goal;
+pub mod json;
+pub mod percentiles;
+mod progress;
+mod pursuit;
+pub mod scenes;
+mod session;
+
+pub use error::ClientError;
+pub use progress::GoalProgress;
+pub use pursuit::{Cancelled, Pursuit};
+pub use session::{POLL, Session};
+
+/// Fingers of one hand of the robot; payloads have room for more.
+pub const FINGERS: usize = 2;

@@ -1,0 +1,112 @@
+//! This process's place on the bus of a daemon.
+
+use std::cell::Cell;
+use std::time::{Duration, Instant};
+
+use shm_bus::{Bus, BusName, Realtime, Subscriber, now_ns, writer_epoch};
+use shm_schemas::{
+    ControlOp, ControlOutcome, ControlReply, ControlRequest, Stamp, Status, Text, service,
+};
+
+use crate::ClientError;
+
+/// How often a waiting client looks (ours: imperceptible to a person).
+pub const POLL: Duration = Duration::from_millis(5);
+/// How long to wait for a sign of the daemon, which publishes its status 50 times a second (ours: 40 of them).
+const SIGN_OF_LIFE: Duration = Duration::from_millis(800);
+/// How long the daemon may take to answer a request (ours: it looks 50 times a second).
+const ANSWER: Duration = Duration::from_millis(900);
+
+/// This process's place on the bus of a daemon.
+pub struct Session {
+    bus: Bus,
+    epoch: u64,
+    sequence: Cell<u64>,
+}
+
+impl Session {
+    /// Joins a bus.
+    ///
+    /// # Errors
+    /// The bus cannot be joined.
+    pub fn join(name: &BusName) -> Result<Self, ClientError> {
+        Ok(Self {
+            bus: Bus::open(name, "atas", Realtime::No)?,
+            epoch: writer_epoch(),
+            sequence: Cell::new(0),
+        })
+    }
+
+    /// The bus, to open ports on.
+    #[must_use]
+    pub fn bus(&self) -> &Bus {
+        &self.bus
+    }
+
+    /// The timestamp of the next request.
+    pub(crate) fn stamp(&self) -> Stamp {
+        let sequence = self.sequence.get();
+        self.sequence.set(sequence + 1);
+        Stamp {
+            sequence,
+            captured_ns: now_ns(),
+            writer_epoch: self.epoch,
+        }
+    }
+
+    /// Begins to read the daemon's status, and waits for the first one: proof that a daemon lives.
+    ///
+    /// # Errors
+    /// [`ClientError::NoDaemon`] if none comes.
+    pub fn watch_status(&self) -> Result<(Subscriber<Status>, Status), ClientError> {
+        let mut statuses = self.bus.subscriber::<Status>(service::STATUS)?;
+        let mut status = Status::default();
+        let begin = Instant::now();
+        while !statuses.newest(&mut status)? {
+            if begin.elapsed() > SIGN_OF_LIFE {
+                return Err(self.no_daemon());
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok((statuses, status))
+    }
+
+    fn no_daemon(&self) -> ClientError {
+        ClientError::NoDaemon {
+            bus: self.bus.name().as_str().to_owned(),
+            folder: self.bus.folder().to_owned(),
+        }
+    }
+
+    /// Asks once and waits for the answer, whatever it is.
+    ///
+    /// # Errors
+    /// Nobody answers.
+    pub fn ask(&self, op: ControlOp, value: f64, name: &str) -> Result<ControlReply, ClientError> {
+        let request = ControlRequest {
+            stamp: self.stamp(),
+            op,
+            value,
+            name: Text::new(name),
+            ..ControlRequest::default()
+        };
+        Ok(self.bus.control_client()?.call(&request, ANSWER)?)
+    }
+
+    /// Asks for something that must be done.
+    ///
+    /// # Errors
+    /// Nobody answers, or the daemon refuses, with its reason.
+    pub fn demand(
+        &self,
+        op: ControlOp,
+        value: f64,
+        name: &str,
+    ) -> Result<ControlReply, ClientError> {
+        let reply = self.ask(op, value, name)?;
+        match reply.outcome {
+            ControlOutcome::DONE => Ok(reply),
+            outcome => Err(ClientError::Refused(format!("{outcome}: {}", reply.text))),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The command line: what a user may type, and how it is read.
+//!
+//! Users type millimetres and degrees; everything behind this file is in SI units. Values are only checked for being
+//! numbers here: which of them the robot can do is the daemon's to say, so that there is one place that knows.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use shm_bus::BusName;
+
+use crate::exit::Exit;
+use crate::output::Format;
+use values::finite;
+
+mod benches;
+mod demos;
+mod evals;
+mod goals;
+mod plots;
+mod records;
+mod values;
+
+pub use benches::{Bench, BenchLatency, EchoBy};
+pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
+pub use evals::{Eval, Evaluation};
+pub use goals::{
+    Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,
+};
+pub use plots::{Drawn, Plot};
+pub use records::{Record, RecordAction};
+pub use values::Place;
+
+/// Artificial tactile affordance system: what fingertips feel induces the next movement
+#[derive(Debug, Parser)]
+#[command(name = "atas", version, after_help = Exit::TABLE, arg_required_else_help = true)]
+pub struct Arguments {
+    /// How results are printed on standard output
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        global = true,
+        value_name = "FORMAT"
+    )]
+    pub format: Format,
+    /// What to do
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands of both programs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show a task: starts daemon and simulator on a bus of their own, runs the task, cleans up
+    Demo {
+        /// Which task
+        #[command(subcommand)]
+        task: Demo,
+    },
+    /// Measure a task over many seeded trials, in this process and in virtual time
+    Eval {
+        /// Which task
+        #[command(subcommand)]
+        task: Eval,
+    },
+    /// Draw a task as SVG: forces, modules, trajectories, from a seeded offline run
+    Plot {
+        /// Which figure
+        #[command(subcommand)]
+        figure: Plot,
+    },
+    /// Grasp an object, lift it and hold it; Ctrl-C cancels
+    Grasp(Grasp),
+    /// Grasp an object, carry it to another place and set it down there; Ctrl-C cancels
+    PickPlace(PickPlace),
+    /// Turn a cap on its bottle until it is tight; Ctrl-C cancels
+    Screw(Screw),
+    /// Hold a bottle with one hand; put a cap on it with the other, and screw it tight; Ctrl-C cancels
+    Assemble(Assemble),
+    /// Run a task of your own, which the daemon's configuration defines; Ctrl-C cancels
+    Task(UserTask),
+    /// Open a hand where it is and bring it home; Ctrl-C cancels
+    Release(Release),
+    /// Stop now: the robot keeps its place and its grip until `atas recover`
+    #[command(visible_alias = "stop")]
+    Estop(BusArgument),
+    /// Leave a stop or a hold, if its cause is gone
+    Recover(BusArgument),
+    /// Show how the daemon and its sensors are
+    Status(Status),
+    /// Show what happened: modules, touches, steps, modes, warnings
+    Events(Events),
+    /// Read and change the daemon's parameters
+    Param {
+        /// What to do with them
+        #[command(subcommand)]
+        action: Param,
+    },
+    /// Show how punctual the daemon is: wake-up, frame age, tick by stage, sensor to command
+    Latency(Latency),
+    /// Measure this machine
+    Bench {
+        /// What
+        #[command(subcommand)]
+        what: Bench,
+    },
+    /// Record what the daemon takes in and gives out, until Ctrl-C; start it before `atasd --record-stream`
+    #[command(args_conflicts_with_subcommands = true)]
+    Record {
+        /// What to do with a file instead
+        #[command(subcommand)]
+        action: Option<RecordAction>,
+        /// How to record
+        #[command(flatten)]
+        options: Record,
+    },
+    /// Run the controller on a recording and compare every command bit for bit; exit code 1 if one differs
+    Replay {
+        /// The files of one run, in order
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Name the first tick and field in which two recordings differ, and how both ended; exit code 1 if they do
+    Diff {
+        /// One recording
+        first: PathBuf,
+        /// Another
+        second: PathBuf,
+    },
+    /// Check this machine, the bus and the daemon, and say what to do; exit code 1 if anything fails
+    Doctor(BusArgument),
+    /// Print the completions of a shell
+    Completions {
+        /// Which shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages into a folder
+    Man {
+        /// The folder
+        folder: PathBuf,
+    },
+}
+
+impl Command {
+    /// Whether it is one of `atas-lab`'s: those that need the simulator or the controller.
+    #[must_use]
+    pub fn is_of_the_lab(&self) -> bool {
+        matches!(
+            self,
+            Self::Demo { .. }
+                | Self::Eval { .. }
+                | Self::Plot { .. }
+                | Self::Bench { .. }
+                | Self::Replay { .. }
+        )
+    }
+}
+
+/// Which bus.
+#[derive(Args, Clone, Debug)]
+pub struct BusArgument {
+    /// Bus of the daemon
+    #[arg(long, env = BusName::ENV, default_value_t, value_name = "NAME")]
+    pub bus: BusName,
+}
+
+/// `atas status`.
+#[derive(Args, Clone, Debug)]
+pub struct Status {
+    /// Go on, five times a second, until Ctrl-C
+    #[arg(long)]
+    pub watch: bool,
+    /// Which daemon
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
+/// `atas events`.
+#[derive(Args, Clone, Debug)]
+pub struct Events {
+    /// Go on with new events, until Ctrl-C
+    #[arg(long)]
+    pub follow: bool,
+    /// Stop after this many events, and wait for them
+    #[arg(long, value_name = "N")]
+    pub count: Option<u64>,
+    /// Which daemon
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
+/// `atas latency`.
+#[derive(Args, Clone, Debug)]
+pub struct Latency {
+    /// Go on, once a second, until Ctrl-C
+    #[arg(long)]
+    pub watch: bool,
+    /// Which daemon
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
+/// `atas param`.
+#[derive(Debug, Subcommand)]
+pub enum Param {
+    /// Every parameter with its value, range and meaning
+    List(BusArgument),
+    /// One parameter's value
+    Get {
+        /// Its name, for example `grasp.dr_n`
+        name: String,
+        /// Which daemon
+        #[command(flatten)]
+        bus: BusArgument,
+    },
+    /// Change one parameter until the daemon restarts
+    Set {
+        /// Its name, for example `grasp.dr_n`
+        name: String,
+        /// Its new value, SI units
+        #[arg(value_parser = finite, allow_hyphen_values = true)]
+        value: f64,
+        /// Which daemon
+        #[command(flatten)]
+        bus: BusArgument,
+    },
+}

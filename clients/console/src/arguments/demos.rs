@@ -1,0 +1,115 @@
+//! What `atas demo` may be told.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+/// What the simulator's scenes have where nothing is said; a test holds them to it.
+const OBJECT: &str = "wood";
+const CAP: &str = "cap";
+
+/// The tasks of `atas demo`.
+#[derive(Debug, Subcommand)]
+pub enum Demo {
+    /// Grasp, lift and hold objects of known physics, and compare what became of them with what physics allows
+    Grasp(DemoGrasp),
+    /// Carry an object from one plate to another one and let go of it when it stands
+    PickPlace(DemoPickPlace),
+    /// Turn the cap of a clamped bottle until it is tight, and measure how tight
+    Screw(DemoScrew),
+    /// Hold a bottle with one hand, put a cap on it with the other, screw it tight and leave the bottle standing
+    Assembly(DemoAssembly),
+    /// Let a team of mobile robots carry its object to eight goals, each robot by an evolved behaviour table
+    Swarm(DemoSwarm),
+}
+
+/// How a demo's processes run.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Running {
+    /// Seed of the sensors' noise, and of what --vary draws
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Draw the objects' true properties and poses from their families, by the seed. Clients are told no more of it than
+    /// the sizes of caps and bottles
+    #[arg(long)]
+    pub vary: bool,
+    /// Tick by tick as fast as the machine goes, and the same bits every time
+    #[arg(long, conflicts_with = "realtime")]
+    pub lockstep: bool,
+    /// By the clock at 1 kHz; the default
+    #[arg(long)]
+    pub realtime: bool,
+}
+
+/// `atas demo grasp`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoGrasp {
+    /// A built-in object, or the file of one
+    #[arg(long, value_name = "NAME|FILE", default_value = OBJECT, conflicts_with = "all")]
+    pub object: String,
+    /// Every built-in object, one after another
+    #[arg(long)]
+    pub all: bool,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
+}
+
+/// `atas demo pick-place`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoPickPlace {
+    /// A built-in object, or the file of one
+    #[arg(long, value_name = "NAME|FILE", default_value = OBJECT)]
+    pub object: String,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
+}
+
+/// `atas demo screw`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoScrew {
+    /// A built-in cap, or the file of one
+    #[arg(long, value_name = "NAME|FILE", default_value = CAP)]
+    pub cap: String,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
+}
+
+/// `atas demo assembly`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoAssembly {
+    /// A built-in cap, or the file of one
+    #[arg(long, value_name = "NAME|FILE", default_value = CAP)]
+    pub cap: String,
+    /// How it runs
+    #[command(flatten)]
+    pub running: Running,
+}
+
+/// `atas demo swarm`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoSwarm {
+    /// A table file of `ebts evolve`, or the table that ships. Field and team are those it was evolved for
+    #[arg(long, value_name = "NAME|FILE", default_value = "r3-two-agents")]
+    pub table: String,
+    /// Frames of the field per second
+    #[arg(long, value_name = "HZ", default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    pub frame_rate_hz: u32,
+    /// Frame by frame as fast as the machine goes
+    #[arg(long, conflicts_with = "frame_rate_hz")]
+    pub lockstep: bool,
+    /// Write an animation of the eight trials: one web page that needs nothing else
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_demo_shows_what_the_simulator_usually_sets() {
+        use sim_backend::Scene;
+        assert_eq!([super::OBJECT, super::CAP], [Scene::OBJECT, Scene::CAP]);
+    }
+}

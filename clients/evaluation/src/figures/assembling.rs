@@ -1,0 +1,54 @@
+//! The assembly (Fig. 8): what both hands do, the cap's angle and torque, the grips.
+
+use plotters::style::RGBColor;
+use robot_model::Side;
+
+use super::figure::{self, *};
+use super::screwing::{CAP, draw_cap};
+use super::trace::Trace;
+use crate::SIDE;
+
+/// Colours of the hands: acting, helping.
+const HANDS: [RGBColor; 2] = [BLUE, ORANGE];
+
+pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
+    let time_s = 0.0..trace.end_s();
+    let sides = [SIDE, Side::BOTH[1 - SIDE.index()]];
+    let grip = |side: Side| {
+        trace.series(&time_s, POINTS, |t| {
+            t.hands[side.index()].pressed_n.iter().sum::<f64>() / 2.0
+        })
+    };
+    let grips = sides.map(grip);
+    let title =
+        "Assembly: the left hand holds the bottle, the right hand places and screws the cap";
+    figure(64 + 2 * 64 + 300 + CAP, title, |area| {
+        let mut rest = area.clone();
+        for (side, colour) in sides.into_iter().zip(HANDS) {
+            let (strip, below) = rest.split_vertically(64);
+            let name = if side == Side::Right {
+                "right hand"
+            } else {
+                "left hand"
+            };
+            figure::strip(&strip, time_s.clone(), (name, colour), &trace.steps(side))?;
+            rest = below;
+        }
+        let (forces, cap) = rest.split_vertically(300);
+        legend(
+            &forces,
+            22,
+            &[("right", BLUE, false), ("left", ORANGE, false)],
+        )?;
+        let top_n = figure::highest(&[&grips[0], &grips[1]]);
+        let axes = Axes {
+            x: "",
+            y: "grip, N",
+        };
+        let mut chart = panel(&forces, time_s.clone(), up_to(top_n), &axes, &[])?;
+        for (grip, colour) in grips.into_iter().zip(HANDS) {
+            line(&mut chart, grip, colour, 4)?;
+        }
+        draw_cap(trace, time_s.clone(), &cap)
+    })
+}

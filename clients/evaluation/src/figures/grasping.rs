@@ -1,0 +1,100 @@
+//! The grasp (Fig. 4): forces between their thresholds, the lift, and which module worked when.
+
+use plotters::style::RGBColor;
+use shm_schemas::ModuleId;
+
+use super::figure::{self, *};
+use super::trace::{Tick, Trace};
+use crate::SIDE;
+
+/// Modules with their colours, as lanes from top to bottom.
+const LANES: [(ModuleId, &str, RGBColor); 7] = [
+    (ModuleId::FIRST_TOUCH, "1 first touch", BLUE),
+    (ModuleId::PROBE, "stiffness probe", PINK),
+    (ModuleId::SLIP, "2 slip", RED),
+    (ModuleId::FORCE_LIMIT, "3 force limit", ORANGE),
+    (ModuleId::RELAX, "relax", SKY),
+    (ModuleId::LOAD_TEST, "load test", GREEN),
+    (ModuleId::CARRY, "carry", GREY),
+];
+
+pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
+    let steps = trace.steps(SIDE);
+    let begin_s = trace.step_s(SIDE, "approach").map_or(0.0, |s| s.end - 0.4);
+    let time_s = begin_s.max(0.0)..trace.end_s();
+    let series = |value: fn(&Tick) -> f64| trace.series(&time_s, POINTS, value);
+    let pressed = [series(|t| finger(t, 0)), series(|t| finger(t, 1))];
+    let sheared = series(|t| mean(t, |f| f.tangential_n));
+    let f1 = series(|t| f64::from(Trace::acting(t).report.f1_n));
+    let f2 = series(|t| f64::from(Trace::acting(t).report.f2_n));
+    let needed_n = trace.truth.objects[0].needed_n;
+    let needed = vec![(time_s.start, needed_n), (time_s.end, needed_n)];
+    let lifted = series(|t| t.object.lifted_m * 1e3);
+    let lanes: Vec<Lane> = LANES.iter().map(|lane| self::lane(trace, *lane)).collect();
+    let title = format!(
+        "Grasp of {}: {:.0} g, μ {:.2}",
+        trace.scene.objects[0].object.name,
+        trace.scene.objects[0].object.mass_kg * 1e3,
+        trace.scene.objects[0].object.friction,
+    );
+    let height = 64 + 480 + 200 + lanes_height(lanes.len());
+    figure(height, &title, |area| {
+        legend(
+            area,
+            -26,
+            &[
+                ("F_n", BLUE, false),
+                ("F_t", GREEN, false),
+                ("F_1, F_2", ORANGE, true),
+                ("least force that holds (truth)", GREY, true),
+            ],
+        )?;
+        let (forces, rest) = area.split_vertically(480);
+        let (heights, work) = rest.split_vertically(200);
+        let top_n = figure::highest(&[&pressed[0], &pressed[1], &f2]);
+        let axes = |y| Axes { x: "", y };
+        let mut chart = panel(
+            &forces,
+            time_s.clone(),
+            up_to(top_n),
+            &axes("force, N"),
+            &steps,
+        )?;
+        dashed(&mut chart, f1.clone(), ORANGE)?;
+        dashed(&mut chart, f2, ORANGE)?;
+        dashed(&mut chart, needed, GREY)?;
+        line(&mut chart, sheared, GREEN, 4)?;
+        for pressed in pressed {
+            line(&mut chart, pressed, BLUE, 4)?;
+        }
+        let top_mm = figure::highest(&[&lifted]);
+        let mut chart = panel(
+            &heights,
+            time_s.clone(),
+            up_to(top_mm),
+            &axes("lift, mm"),
+            &[],
+        )?;
+        line(&mut chart, lifted, INK, 4)?;
+        figure::lanes(&work, time_s.clone(), &lanes, &[], "time, s")
+    })
+}
+
+fn finger(tick: &Tick, index: usize) -> f64 {
+    f64::from(Trace::acting(tick).report.fingers[index].normal_n)
+}
+
+/// Mean of the fingers.
+pub(super) fn mean(tick: &Tick, value: fn(&shm_schemas::FingerReport) -> f32) -> f64 {
+    let fingers = &Trace::acting(tick).report.fingers[..robot_model::FINGERS];
+    fingers.iter().map(|f| f64::from(value(f))).sum::<f64>() / fingers.len() as f64
+}
+
+fn lane(trace: &Trace, (id, name, colour): (ModuleId, &str, RGBColor)) -> Lane {
+    let works = |t: &Tick| Trace::acting(t).report.modules_active >> id.0 & 1 == 1;
+    Lane {
+        name: name.to_owned(),
+        colour,
+        spans: trace.spans(works),
+    }
+}

@@ -1,0 +1,202 @@
+//! One rehearsed trial, tick by tick: what a figure may show.
+
+use std::ops::Range;
+
+use anyhow::Context;
+use atas_client::GoalProgress;
+use atas_core::{Outputs, Settings};
+use nalgebra::Vector3;
+use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use shm_schemas::{GoalRequest, HandReport, ObjectTruth, WorldTruth};
+use sim_backend::{Object, Scene, World};
+
+use crate::offline::OfflineRun;
+use crate::{SIDE, Task, trial_seed};
+
+/// A trial.
+pub(super) struct Trace {
+    pub(super) scene: Scene,
+    pub(super) goal: GoalRequest,
+    pub(super) settings: Settings,
+    pub(super) progress: GoalProgress,
+    pub(super) truth: WorldTruth,
+    pub(super) ticks: Vec<Tick>,
+    pub(super) dome_radius_m: f64,
+    names: [Vec<String>; 2],
+}
+
+/// One tick.
+#[derive(Clone, Debug)]
+pub(super) struct Tick {
+    pub(super) now_ns: u64,
+    /// Since the goal began, s.
+    pub(super) t_s: f64,
+    pub(super) hands: [Hand; 2],
+    pub(super) object: ObjectTruth,
+}
+
+/// One hand.
+#[derive(Clone, Debug)]
+pub(super) struct Hand {
+    pub(super) report: HandReport,
+    /// True normal force of each fingertip, N.
+    pub(super) pressed_n: [f64; FINGERS],
+    /// Commanded centres of the fingertips' domes, base frame, m.
+    pub(super) tips_m: [Vector3<f64>; FINGERS],
+    /// Index into the names of the steps.
+    step: usize,
+}
+
+impl Trace {
+    /// Rehearses a member of an object's family.
+    pub(super) fn of(task: Task, object: &Object, seed: u64) -> anyhow::Result<Self> {
+        let robot =
+            RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
+        let seed = trial_seed(&object.name, seed);
+        let scene = task.scene(object, seed)?;
+        let goal = task.goal(&scene)?;
+        let settings = Settings::default();
+        let mut run = OfflineRun::new(&robot, &scene, seed, settings)?;
+        let mut trace = Self {
+            scene,
+            goal,
+            settings,
+            progress: GoalProgress::default(),
+            truth: WorldTruth::default(),
+            ticks: Vec::new(),
+            dome_radius_m: robot.hand(SIDE).dome_radius_m()[0],
+            names: [Vec::new(), Vec::new()],
+        };
+        let begin_ns = run.world().now_ns();
+        let trial = run.run(&goal, task.limit_s(), |outputs, world| {
+            trace.add(&robot, outputs, world, begin_ns);
+        });
+        if let Some(fault) = run.world().fault() {
+            return Err(fault).context("could not rehearse the task");
+        }
+        trace.truth = trial.truth;
+        trace.name_steps(task);
+        anyhow::ensure!(
+            !trace.ticks.is_empty(),
+            "could not draw the task because the goal was refused: {}",
+            trial.end.reason
+        );
+        Ok(trace)
+    }
+
+    fn add(&mut self, robot: &RobotModel, outputs: &Outputs, world: &World, begin_ns: u64) {
+        outputs
+            .goal_update
+            .iter()
+            .for_each(|u| self.progress.add(u));
+        let truth = world.truth();
+        let hand = |side: Side| {
+            let index = side.index();
+            let report = outputs.report.hands[index];
+            let mut q_rad = [0.0; ROBOT_JOINTS];
+            q_rad.copy_from_slice(&outputs.command.position_rad[..ROBOT_JOINTS]);
+            let q_rad = HandVector::from_column_slice(&q_rad[side.joint_range()]);
+            let pose = robot.hand(side).forward(&q_rad);
+            Hand {
+                report,
+                pressed_n: core::array::from_fn(|f| truth.normal_n[index][f]),
+                tips_m: core::array::from_fn(|finger| pose.tip_m(finger)),
+                step: report.step as usize,
+            }
+        };
+        self.ticks.push(Tick {
+            now_ns: world.now_ns(),
+            t_s: (world.now_ns() - begin_ns) as f64 * 1e-9,
+            hands: Side::BOTH.map(hand),
+            object: truth.objects[0],
+        });
+    }
+
+    fn name_steps(&mut self, task: Task) {
+        let Some(task) = atas_core::tasks::of(task.kind()) else {
+            return;
+        };
+        let names = |track: Option<&atas_core::tasks::Track>| -> Vec<String> {
+            let steps = track.into_iter().flat_map(|track| track.iter());
+            steps.map(|step| step.name.as_str().to_owned()).collect()
+        };
+        self.names[SIDE.index()] = names(Some(&task.acting));
+        self.names[1 - SIDE.index()] = names(task.helping.as_ref());
+    }
+
+    /// When the task ended, s.
+    pub(super) fn end_s(&self) -> f64 {
+        self.ticks.last().map_or(0.0, |tick| tick.t_s)
+    }
+
+    /// The acting hand.
+    pub(super) fn acting(tick: &Tick) -> &Hand {
+        &tick.hands[SIDE.index()]
+    }
+
+    /// Time of an instant of the world, s since the goal began.
+    pub(super) fn at_s(&self, ns: u64) -> f64 {
+        let first = &self.ticks[0];
+        first.t_s + (ns as f64 - first.now_ns as f64) * 1e-9
+    }
+
+    /// When this step of a hand began and ended, s; `None` if it never came.
+    pub(super) fn step_s(&self, side: Side, name: &str) -> Option<Range<f64>> {
+        let steps = self.steps(side).into_iter();
+        steps.into_iter().find(|(n, _)| n == name).map(|(_, s)| s)
+    }
+
+    /// A hand's steps, each with its time, s.
+    pub(super) fn steps(&self, side: Side) -> Vec<(String, Range<f64>)> {
+        let names = &self.names[side.index()];
+        let mut steps: Vec<(usize, Range<f64>)> = Vec::new();
+        for tick in &self.ticks {
+            let step = tick.hands[side.index()].step;
+            match steps.last_mut() {
+                Some((last, time_s)) if *last == step => time_s.end = tick.t_s,
+                Some((_, time_s)) => {
+                    time_s.end = tick.t_s;
+                    steps.push((step, tick.t_s..tick.t_s));
+                }
+                None => steps.push((step, tick.t_s..tick.t_s)),
+            }
+        }
+        let named = steps
+            .into_iter()
+            .filter_map(|(step, time_s)| Some((names.get(step)?.clone(), time_s)));
+        named.collect()
+    }
+
+    /// Spans of time in which a condition holds, s.
+    pub(super) fn spans(&self, holds: impl Fn(&Tick) -> bool) -> Vec<Range<f64>> {
+        let mut spans: Vec<Range<f64>> = Vec::new();
+        let mut before = false;
+        for tick in &self.ticks {
+            let now = holds(tick);
+            match (before, now, spans.last_mut()) {
+                (true, _, Some(span)) => span.end = tick.t_s,
+                (false, true, _) => spans.push(tick.t_s..tick.t_s),
+                _ => {}
+            }
+            before = now;
+        }
+        spans
+    }
+
+    /// A value over time, at most `points` of them.
+    pub(super) fn series(
+        &self,
+        time_s: &Range<f64>,
+        points: usize,
+        value: impl Fn(&Tick) -> f64,
+    ) -> Vec<(f64, f64)> {
+        let within: Vec<&Tick> = self
+            .ticks
+            .iter()
+            .filter(|tick| time_s.contains(&tick.t_s))
+            .collect();
+        let every = within.len().div_ceil(points.max(1)).max(1);
+        let values = within.iter().step_by(every).map(|t| (t.t_s, value(t)));
+        values.filter(|(_, value)| value.is_finite()).collect()
+    }
+}

@@ -1,0 +1,35 @@
+//! Tasks run offline in virtual time: many seeded trials in process, judged by physical truth, counted and drawn.
+//!
+//! ```text
+//!  Plan (task, objects, conditions, baselines, seeds)
+//!   └─▶ trial ─ Scene (a member of a family), goal from nominal knowledge, GripPolicy
+//!        └─▶ OfflineRun ─ controller and world in turn ─▶ judge: what physics allows, what became of it
+//!             ├─▶ Report: counts, ratios, intervals
+//!             └─▶ figures: the same run, tick by tick, as SVG
+//! ```
+//!
+//! * **In:** a [`Plan`], or a task and a seed. **Out:** a [`Report`], or a figure.
+//! * **Invariants:** every trial has a seed of its own, made from the object's name and the trial's number, and results are kept
+//!   in the order of the plan: everything in the report but the times is a function of the plan, whatever the number of
+//!   threads. Baselines meet the same members of the families as our modules do, with the same noise.
+//! * **Absent on purpose:** the terminal and the bus, and any knowledge of which object of the built-in set can be held:
+//!   [`judge`] computes it.
+
+pub mod figures;
+mod finding;
+pub mod judge;
+pub mod offline;
+mod plan;
+mod policy;
+mod report;
+mod statistics;
+mod task;
+mod trial;
+
+pub use finding::{Finding, Grasped};
+pub use plan::{Condition, Noise, Plan};
+pub use policy::GripPolicy;
+pub use report::{Baseline, Family, Feasible, Infeasible, Physics, Report, Row, Tally};
+pub use statistics::{median, wilson};
+pub use task::{SIDE, Task};
+pub use trial::{Record, trial_seed};

@@ -1,0 +1,229 @@
+//! An offline run: the production controller and the simulated world called in turn, in process, in virtual time.
+//!
+//! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, no clock, no threads: the same arguments give
+//! the same bits as the two processes in lock-step.
+
+use atas_client::goal::{self, Target};
+use atas_core::tasks::Task;
+use atas_core::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use robot_model::{RobotModel, Side};
+use shm_schemas::{
+    GoalRequest, GoalState, GoalUpdate, Hand, JointCommand, Mode, Reason, WorldTruth,
+};
+use sim_backend::{GraspHint, Scene, SceneError, Sensed, TICK_NS, World};
+
+/// Longest time that the controller may take to become ready, ticks.
+const READY_WITHIN_TICKS: u64 = 1000;
+
+/// One world with one controller.
+pub struct OfflineRun {
+    robot: RobotModel,
+    world: World,
+    controller: Controller,
+    sensed: Sensed,
+    command: JointCommand,
+    index: u64,
+    task: Option<Task>,
+}
+
+/// What became of one goal.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The last update that the client would have received.
+    pub end: GoalUpdate,
+    /// The world at the end.
+    pub truth: WorldTruth,
+    /// Simulated time, s.
+    pub simulated_s: f64,
+}
+
+impl Trial {
+    /// A trial that never moved, because the goal was refused or time ran out.
+    fn ended(state: GoalState, reason: Reason, truth: WorldTruth, simulated_s: f64) -> Self {
+        Self {
+            end: GoalUpdate {
+                state,
+                reason,
+                ..GoalUpdate::default()
+            },
+            truth,
+            simulated_s,
+        }
+    }
+}
+
+impl OfflineRun {
+    /// Sets the scene and brings the controller to READY.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the world cannot be made.
+    pub fn new(
+        robot: &RobotModel,
+        scene: &Scene,
+        seed: u64,
+        settings: Settings,
+    ) -> Result<Self, SceneError> {
+        let mut run = Self::at_rest(robot, scene, seed, settings)?;
+        for _ in 0..READY_WITHIN_TICKS {
+            run.step(None);
+            if run.controller.mode().0 == Mode::READY {
+                break;
+            }
+        }
+        Ok(run)
+    }
+
+    /// Sets the scene; no tick has passed yet.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the world cannot be made.
+    pub fn at_rest(
+        robot: &RobotModel,
+        scene: &Scene,
+        seed: u64,
+        settings: Settings,
+    ) -> Result<Self, SceneError> {
+        let mut wiring = Wiring::default();
+        for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
+            hand.rate_hz = f64::from(rate_hz);
+        }
+        Ok(Self {
+            robot: robot.clone(),
+            world: World::new(robot, scene, seed)?,
+            controller: Controller::new(robot, wiring, settings),
+            sensed: Sensed::default(),
+            command: JointCommand::default(),
+            index: 0,
+            task: None,
+        })
+    }
+
+    /// Makes a task known besides the built-in ones, for goals that name it.
+    pub fn teach(&mut self, task: Option<Task>) {
+        self.task = task;
+    }
+
+    /// One tick: sense, decide, move.
+    pub fn step(&mut self, order: Option<&Order>) -> &Outputs {
+        self.world.sense(&mut self.sensed);
+        let frames = [
+            as_slice(&self.sensed.frames[0]),
+            as_slice(&self.sensed.frames[1]),
+        ];
+        let tick = Tick {
+            index: self.index,
+            now_ns: self.world.now_ns(),
+        };
+        let outputs = self.controller.step(&Inputs {
+            tick,
+            frames,
+            joints: Some(&self.sensed.joints),
+            order,
+        });
+        self.command = outputs.command;
+        self.world.advance(Some(&self.command));
+        self.index += 1;
+        outputs
+    }
+
+    /// Pursues a goal to its end, at most `limit_s` of simulated time; `watch` sees every tick.
+    pub fn run(
+        &mut self,
+        goal: &GoalRequest,
+        limit_s: f64,
+        mut watch: impl FnMut(&Outputs, &World),
+    ) -> Trial {
+        let now = self
+            .controller
+            .circumstances(&self.robot, self.task.as_slice());
+        let checked = match atas_core::check::check(goal, &now) {
+            Ok(checked) => checked,
+            Err(reason) => {
+                return Trial::ended(GoalState::REJECTED, reason, self.world.truth(), 0.0);
+            }
+        };
+        let first = self.index;
+        let limit_ticks = (limit_s * 1e9) as u64 / TICK_NS;
+        let mut order = Some(Order::Start(checked));
+        while self.index - first < limit_ticks {
+            let outputs = *self.step(order.take().as_ref());
+            watch(&outputs, &self.world);
+            if let Some(end) = outputs
+                .goal_update
+                .filter(|u| u.goal_id == goal.goal_id && u.state.is_final())
+            {
+                return Trial {
+                    end,
+                    truth: self.world.truth(),
+                    simulated_s: self.seconds(first),
+                };
+            }
+        }
+        let reason = Reason::limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);
+        Trial::ended(
+            GoalState::FAILED,
+            reason,
+            self.world.truth(),
+            self.seconds(first),
+        )
+    }
+
+    /// The world, for judges.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The controller.
+    #[must_use]
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    fn seconds(&self, first: u64) -> f64 {
+        (self.index - first) as f64 * TICK_NS as f64 * 1e-9
+    }
+}
+
+fn as_slice<T>(frame: &Option<T>) -> &[T] {
+    frame.as_slice()
+}
+
+/// What a client is told of an object or a place, as it would ask for it.
+fn target(hint: &GraspHint) -> Target {
+    Target {
+        at_m: hint.from_m,
+        yaw_rad: hint.yaw_rad,
+        width_m: hint.width_m,
+    }
+}
+
+/// The goal that a client would send for an object it expects at a place.
+#[must_use]
+pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> GoalRequest {
+    goal::grasp(&target(hint), Hand::BOTH[side.index()], lift_m, hold_s)
+}
+
+/// The goal that a client would send to carry an object to a place: where the fingertips shall be when it stands there.
+#[must_use]
+pub fn pick_place_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
+    goal::pick_place(&target(hint), Hand::BOTH[side.index()], to_m, lift_m)
+}
+
+/// The goal that a client would send to close a cap where it sits.
+#[must_use]
+pub fn screw_goal(hint: &GraspHint, side: Side) -> GoalRequest {
+    goal::screw(&target(hint), Hand::BOTH[side.index()])
+}
+
+/// The goal that a client would send to close a bottle with a cap from its stand; see [`goal::assemble`].
+#[must_use]
+pub fn assemble_goal(
+    cap: &GraspHint,
+    on_bottle: &GraspHint,
+    bottle_width_m: f64,
+    screws: Side,
+) -> GoalRequest {
+    let (cap, on_bottle) = (target(cap), target(on_bottle));
+    goal::assemble(&cap, &on_bottle, bottle_width_m, Hand::BOTH[screws.index()])
+}

@@ -1,0 +1,77 @@
+//! One trial: a member of an object's family, a world around it, a goal from nominal knowledge, and the judgement.
+
+use anyhow::Context;
+use atas_client::GoalProgress;
+use robot_model::RobotModel;
+use rustix::time::{ClockId, clock_gettime};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use sim_backend::random::split_mix;
+
+use crate::finding::{Finding, judge};
+use crate::judge::Load;
+use crate::offline::OfflineRun;
+use crate::plan::{Job, Plan};
+
+/// What turns a trial's seed into that of its noise scale (ours: any number does).
+const NOISE_STREAM: u64 = 0x6e_6f69_7365;
+
+/// The judgement of one trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Index of the object in the plan.
+    pub object: usize,
+    /// What became of it.
+    pub finding: Finding,
+    /// Simulated time, s.
+    pub simulated_s: f64,
+    /// Processor time of this thread, s. The only field that is not a function of the plan.
+    pub cpu_s: f64,
+}
+
+/// The seed of a trial: a function of the object's name and the trial's number, so that adding an object to a plan
+/// changes no other trial.
+#[must_use]
+pub fn trial_seed(object: &str, seed: u64) -> u64 {
+    split_mix(fnv1a(FNV_OFFSET, object.as_bytes()) ^ split_mix(seed))
+}
+
+pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
+    let begin_s = cpu_s();
+    let nominal = &plan.objects[job.object];
+    let seed = trial_seed(&nominal.name, job.number);
+    let mut scene = plan.task.scene(nominal, seed)?;
+    scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
+    scene.sensor_rate_hz = [job.condition.rate_hz; 2];
+    let goal = plan.task.goal(&scene)?;
+    let load = Load::of(&scene.objects[0].object, &plan.settings.grasp);
+    let mut progress = GoalProgress::default();
+    let settings = job.law.settings(&plan.settings);
+    let mut run = OfflineRun::new(robot, &scene, seed, settings)?;
+    let (goal, task) = job.law.goal(&goal);
+    run.teach(task);
+    let trial = run.run(&goal, plan.task.limit_s(), |outputs, _| {
+        outputs.goal_update.iter().for_each(|u| progress.add(u));
+    });
+    if let Some(fault) = run.world().fault() {
+        let name = &nominal.name;
+        return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
+    }
+    let [x_m, y_m, _] = goal.to_m;
+    Ok(Record {
+        object: job.object,
+        finding: judge(plan.task, &trial, &progress, load, [x_m, y_m]),
+        simulated_s: trial.simulated_s,
+        cpu_s: cpu_s() - begin_s,
+    })
+}
+
+/// A number from 0 to 1 from a seed.
+fn share(seed: u64) -> f64 {
+    (split_mix(seed) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Processor time of this thread, s.
+fn cpu_s() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}

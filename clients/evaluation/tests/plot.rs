@@ -1,0 +1,102 @@
+//! Figures: what they show, and the same bytes every time.
+
+use std::path::Path;
+
+use atas_evaluation::Task;
+use atas_evaluation::figures::draw;
+use sim_backend::Object;
+
+fn drawn(task: Task, object: &str, seed: u64) -> String {
+    let object = Object::built_in(object).expect("built in");
+    draw(task, &object, seed).expect("it can be drawn")
+}
+
+#[test]
+fn every_task_has_a_figure() {
+    let check = |task: Task, object: &str, words: &[&str], lines: usize| {
+        let svg = drawn(task, object, 1);
+        for word in words {
+            assert!(
+                svg.contains(word),
+                "{word:?} is missing from {}",
+                task.name()
+            );
+        }
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+        assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
+        let drawn = svg.matches("<polyline").count();
+        assert!(drawn >= lines, "{drawn} lines in {}", task.name());
+        assert!(
+            !svg.contains("NaN") && !svg.contains("inf"),
+            "{}",
+            task.name()
+        );
+        assert!(svg.len() < 400_000, "{} bytes", svg.len());
+    };
+    let modules = [
+        "1 first touch",
+        "2 slip",
+        "3 force limit",
+        "stiffness probe",
+    ];
+    let forces = ["F_n", "F_t", "F_1, F_2", "force, N", "lift, mm", "time, s"];
+    check(
+        Task::Grasp,
+        "bottle",
+        &[modules.as_slice(), &forces].concat(),
+        5,
+    );
+    let moments = ["support carries", "Module 4: hand opens", "fingertips off"];
+    check(Task::PickPlace, "wood", &moments, 7);
+    let turns = [
+        "initial square",
+        "cycles 1 to",
+        "angle, °",
+        "torque, mN·m",
+        "Module 4",
+    ];
+    check(Task::Screw, "cap", &turns, 6);
+    let hands = [
+        "right hand",
+        "left hand",
+        "screw",
+        "hold",
+        "grip, N",
+        "Module 4",
+    ];
+    check(Task::Assembly, "cap", &hands, 6);
+}
+
+#[test]
+fn the_same_seed_draws_the_same_bytes() {
+    let [first, again, other] = [1, 1, 2].map(|seed| drawn(Task::Grasp, "sponge", seed));
+    assert_eq!(first, again);
+    assert_ne!(first, other);
+}
+
+#[test]
+fn what_never_happened_cannot_be_drawn() {
+    let heavy = Object::built_in("heavy-block").expect("built in");
+    let error = draw(Task::PickPlace, &heavy, 1).expect_err("it is refused");
+    assert!(error.to_string().contains("never stood"), "{error}");
+}
+
+/// The README shows them, so they must be what its commands draw now.
+#[test]
+fn the_figures_of_the_readme_are_up_to_date() {
+    let check = |file: &str, task: Task, object: &str, seed: u64| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("figures")
+            .join(file);
+        let kept = std::fs::read_to_string(path).expect("readable");
+        assert!(
+            kept == drawn(task, object, seed),
+            "{file} is not what `atas plot {}` draws; draw it again",
+            task.name()
+        );
+    };
+    check("grasp.svg", Task::Grasp, "wood", 1);
+    check("placing.svg", Task::PickPlace, "wood", 1);
+    check("screwing.svg", Task::Screw, "cap", 2);
+    check("assembly.svg", Task::Assembly, "cap", 2);
+}

@@ -1,0 +1,68 @@
+//! Objects that no family contains: whole tasks in process, each a regression of something that once went wrong.
+
+use atas_core::Settings;
+use atas_evaluation::judge::Outcome;
+use atas_evaluation::offline::{OfflineRun, Trial, grasp_goal, pick_place_goal};
+use robot_model::{RobotModel, Side};
+use shm_schemas::{Cause, GoalState};
+use sim_backend::{Object, Scene};
+
+const SIDE: Side = Side::Right;
+const LIFT_M: f64 = 0.04;
+const LIMIT_S: f64 = 120.0;
+
+fn object(properties: &str) -> Object {
+    Object::parse(&format!("name = \"unseen\"\n{properties}"), "a test").unwrap()
+}
+
+fn rehearse(scene: &Scene, seed: u64) -> Trial {
+    let robot = RobotModel::two_hand_arm().unwrap();
+    let hint = scene.grasp_hint(0).unwrap();
+    let goal = match &scene.place {
+        Some(place) => pick_place_goal(&hint, SIDE, place.from_m, LIFT_M),
+        None => grasp_goal(&hint, SIDE, LIFT_M, 1.0),
+    };
+    let mut run = OfflineRun::new(&robot, scene, seed, Settings::default()).unwrap();
+    run.run(&goal, LIMIT_S, |_, _| {})
+}
+
+fn grasped(properties: &str, seed: u64) -> Outcome {
+    let trial = rehearse(&Scene::grasp(object(properties), SIDE).varied(seed), seed);
+    Outcome::of(&trial.end, &trial.truth, SIDE.index(), LIFT_M)
+}
+
+/// The hand came in lower than its top and pushed it over, without a word.
+#[test]
+fn a_tall_object_is_not_pushed_over_on_the_way_in() {
+    let tall = "mass_kg = 0.03\nfriction = 0.29\nstiffness_n_m = 6000.0\n\
+                shape = { kind = \"box\", size_m = [0.0364, 0.0232, 0.135] }";
+    for seed in [1000, 1001, 1002] {
+        assert_eq!(grasped(tall, seed), Outcome::Held, "seed {seed}");
+    }
+}
+
+/// It slid evenly through the fingers, which loaded them as steadily as if it hung, and counted as held.
+#[test]
+fn an_object_that_slides_evenly_is_refused_and_not_held() {
+    let heavy = "mass_kg = 0.119\nfriction = 0.27\nstiffness_n_m = 300.0\n\
+                 shape = { kind = \"cylinder\", radius_m = 0.0213, height_m = 0.144 }";
+    for seed in [1002, 1003] {
+        let outcome = grasped(heavy, seed);
+        assert_eq!(outcome, Outcome::Refused(Cause::TOO_HEAVY), "seed {seed}");
+    }
+}
+
+/// The correction of what gripping bends answered to the object's swaying between the fingers and fed it, until it fell.
+#[test]
+fn a_soft_heavy_object_does_not_sway_itself_loose() {
+    let swaying = "mass_kg = 0.225\nfriction = 0.46\nstiffness_n_m = 5000.0\n\
+                   shape = { kind = \"box\", size_m = [0.0278, 0.0589, 0.079] }";
+    let scene = Scene::pick_place(object(swaying), SIDE).varied(1001);
+    let trial = rehearse(&scene, 1001);
+    assert_eq!(
+        (trial.end.state, trial.truth.objects[0].dropped),
+        (GoalState::SUCCEEDED, 0),
+        "{}",
+        trial.end.reason
+    );
+}

@@ -1,0 +1,214 @@
+//! From sensors to the command across processes, both polling, against a bare ping-pong of the same words.
+
+use std::time::Duration;
+
+use anyhow::Context;
+use atas_client::Session;
+use atas_client::goal::{HOLD_S, LIFT_M};
+use atas_client::percentiles;
+use atas_evaluation::offline::grasp_goal;
+use robot_model::{RobotModel, Side};
+use shm_bus::{Bus, GoalClient, PendingGoal, Publisher, Realtime, Subscriber, now_ns};
+use shm_schemas::{
+    GoalRequest, HandFrame, JointCommand, JointState, Mode, Percentiles, TickReport, service,
+};
+use sim_backend::{Object, Scene, Sensed, World};
+
+use super::Plan;
+use super::pair::NO_CONFIGURATION;
+use super::punctual::body_ns;
+use super::site::Site;
+use super::transport::{poll, rounds, start_echo};
+use crate::demo::child::Child;
+
+/// Ticks of a grasp that are measured: from the approach into the lift.
+const TICKS: usize = 5_000;
+/// Most ticks until the goal begins.
+const PATIENCE_TICKS: usize = 2_000;
+/// Most reports taken in one look: all that can wait.
+const AT_ONCE: usize = 256;
+/// How long an answer may take before the sensors say again what they said.
+const GREET_AFTER: Duration = Duration::from_millis(50);
+/// How long the daemon may take to be there, and to answer.
+const DAEMON_WITHIN: Duration = Duration::from_secs(15);
+/// Ticks between two looks at the reports.
+const LOOK_EVERY: usize = 64;
+
+/// Durations of one repeat.
+pub(super) struct Answer {
+    /// From before the frames are written to the command's arrival.
+    pub(super) daemon: Percentiles,
+    /// The tick's body meanwhile.
+    pub(super) body: Percentiles,
+    /// The same words there and back with nothing in between.
+    pub(super) ping_pong: Percentiles,
+}
+
+impl Answer {
+    /// How much longer the daemon takes than the bare words and the body of a tick.
+    pub(super) fn ratio(&self) -> f64 {
+        self.daemon.p50_ns as f64 / (self.ping_pong.p50_ns + self.body.p50_ns) as f64
+    }
+}
+
+pub(super) fn measure(plan: &Plan<'_>) -> anyhow::Result<Answer> {
+    let ping_pong = ping_pong(plan)?;
+    let (daemon, body) = daemon(plan)?;
+    Ok(Answer {
+        daemon,
+        body,
+        ping_pong,
+    })
+}
+
+/// The sensors' end of the bus.
+struct Sensors {
+    frames: [Publisher<HandFrame>; 2],
+    joints: Publisher<JointState>,
+    commands: Subscriber<JointCommand>,
+    command: JointCommand,
+}
+
+impl Sensors {
+    fn open(bus: &Bus) -> anyhow::Result<Self> {
+        let [left, right] = service::HAND_FRAME;
+        Ok(Self {
+            frames: [bus.publisher(left)?, bus.publisher(right)?],
+            joints: bus.publisher(service::JOINT_STATE)?,
+            commands: bus.subscriber(service::JOINT_COMMAND)?,
+            command: JointCommand::default(),
+        })
+    }
+
+    fn send(&self, frames: [&HandFrame; 2], joints: &JointState) -> anyhow::Result<()> {
+        for (port, frame) in self.frames.iter().zip(frames) {
+            port.send(frame)?;
+        }
+        Ok(self.joints.send(joints)?)
+    }
+
+    /// What was sent before the daemon was there, it has not heard.
+    fn greet(&self) -> anyhow::Result<()> {
+        self.frames.iter().try_for_each(Publisher::greet)?;
+        Ok(self.joints.greet()?)
+    }
+
+    /// Whether the command that answers this joint state is there.
+    fn is_answered(&mut self, sequence: u64) -> anyhow::Result<bool> {
+        let news = self.commands.newest(&mut self.command)?;
+        Ok(news && self.command.answers_sequence == sequence)
+    }
+}
+
+fn ping_pong(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
+    let site = Site::new()?;
+    let mut echo = start_echo(&site, "words")?;
+    let bus = Bus::open(site.bus(), "bench", Realtime::Yes)?;
+    let mut sensors = Sensors::open(&bus)?;
+    let (frame, mut joints) = (HandFrame::default(), JointState::default());
+    rounds(plan, &mut echo, |sequence, limit| {
+        // The command of no tick answers 0.
+        joints.stamp.sequence = sequence + 1;
+        sensors.send([&frame, &frame], &joints)?;
+        poll(limit, || sensors.is_answered(sequence + 1))
+    })
+}
+
+/// A daemon in lock-step polls its sensors, which are played by this thread.
+fn daemon(plan: &Plan<'_>) -> anyhow::Result<(Percentiles, Percentiles)> {
+    let mut scene = Polled::set()?;
+    let (mut durations_ns, mut bodies_ns) = (Vec::new(), Vec::new());
+    for tick in 0..TICKS + PATIENCE_TICKS {
+        let duration_ns = scene.exchange(plan)?;
+        if scene.sensors.command.mode == Mode::RUN {
+            durations_ns.push(duration_ns);
+        }
+        if tick % LOOK_EVERY == 0 {
+            scene.reports.drain(AT_ONCE, |report| {
+                if report.mode == Mode::RUN {
+                    bodies_ns.push(body_ns(report));
+                }
+            })?;
+        }
+        if durations_ns.len() >= TICKS {
+            break;
+        }
+    }
+    anyhow::ensure!(
+        durations_ns.len() >= TICKS / 2,
+        "the daemon did not run the goal"
+    );
+    Ok((percentiles::of(durations_ns), percentiles::of(bodies_ns)))
+}
+
+/// A world in this process before a daemon in lock-step. The order of the fields is the order of the end.
+struct Polled {
+    world: World,
+    sensed: Sensed,
+    sensors: Sensors,
+    reports: Subscriber<TickReport>,
+    pending: Option<PendingGoal>,
+    client: GoalClient,
+    goal: GoalRequest,
+    _session: Session,
+    daemon: Child,
+    _site: Site,
+}
+
+impl Polled {
+    fn set() -> anyhow::Result<Self> {
+        let robot = RobotModel::two_hand_arm()?;
+        let scene = Scene::grasp(Object::built_in("wood")?, Side::Right);
+        let hint = scene.grasp_hint(0).context("the scene has no object")?;
+        let site = Site::new()?;
+        let session = Session::join(site.bus())?;
+        let sensors = Sensors::open(session.bus())?;
+        let reports = session.bus().subscriber(service::TICK_REPORT)?;
+        let name = ["--bus", site.bus().as_str(), "--lockstep"];
+        let control = [&name, &NO_CONFIGURATION[..]].concat();
+        Ok(Self {
+            world: World::new(&robot, &scene, 1)?,
+            sensed: Sensed::default(),
+            sensors,
+            reports,
+            pending: None,
+            client: session.bus().goal_client()?,
+            goal: grasp_goal(&hint, Side::Right, LIFT_M, HOLD_S),
+            daemon: Child::start("atasd", &control, site.folder())?,
+            _session: session,
+            _site: site,
+        })
+    }
+
+    /// One tick: from before the sensors write to the command's arrival, ns.
+    fn exchange(&mut self, plan: &Plan<'_>) -> anyhow::Result<u64> {
+        self.ask();
+        self.world.sense(&mut self.sensed);
+        let [Some(left), Some(right)] = self.sensed.frames else {
+            anyhow::bail!("a sensor at full rate sends a frame in every tick");
+        };
+        let sequence = self.sensed.joints.stamp.sequence;
+        let begin_ns = now_ns();
+        self.sensors.send([&left, &right], &self.sensed.joints)?;
+        while !poll(GREET_AFTER, || self.sensors.is_answered(sequence))? {
+            plan.interrupt.check("the bench waited for the daemon")?;
+            self.daemon.check()?;
+            anyhow::ensure!(
+                u128::from(now_ns() - begin_ns) < DAEMON_WITHIN.as_nanos(),
+                "the daemon does not answer"
+            );
+            self.ask();
+            self.sensors.greet()?;
+        }
+        let duration_ns = now_ns() - begin_ns;
+        self.world.advance(Some(&self.sensors.command));
+        Ok(duration_ns)
+    }
+
+    /// Sends the goal, which is refused as long as the daemon has not opened its door.
+    fn ask(&mut self) {
+        if self.pending.is_none() {
+            self.pending = self.client.send(&self.goal).ok();
+        }
+    }
+}

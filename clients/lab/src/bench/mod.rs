@@ -1,0 +1,113 @@
+//! `atas bench latency`: how punctual the daemon is on this machine, beside what it is compared with, in one run.
+//!
+//! ```text
+//!  repeats × ┬ cyclictest, same core ─┐
+//!            ├ bare loop, same core ──┤
+//!            ├ daemon, phase-locked ──┼─▶ medians ─▶ report: JSON, tables
+//!            ├ daemon, free-running ──┤
+//!            └ answer and ping-pong ──┘             the first three once more under load
+//!  once: counts of a tick, transports
+//! ```
+//!
+//! * **In:** a length and a number of repeats; programs of this machine where they are installed. **Out:** figures.
+//! * **Invariants:** what is compared runs in turn on the same core, never at once. Every wait has its limit. What was
+//!   not measured is `null`, and `not_measured` says why. No way out leaves a process or a bus behind; what `kill -9`
+//!   leaves in shared memory, the next bench or demo removes.
+//! * **Absent on purpose:** limits. A machine's microseconds are no gate; `tests/benches` hold ratios and counts.
+
+mod answer;
+mod bare;
+mod counts;
+mod cyclictest;
+mod echo;
+mod load;
+mod machine;
+mod pair;
+mod punctual;
+mod report;
+mod site;
+mod tables;
+mod tool;
+mod transport;
+
+use std::time::Duration;
+
+use atas_console::arguments::{Bench, BenchLatency};
+use atas_console::{Interrupt, Output};
+
+use counts::Counts;
+use punctual::{Loaded, Repeat};
+use report::Report;
+use tool::Notes;
+use transport::Transports;
+
+/// Length of a measurement, s.
+const SECONDS: u64 = 10;
+const SECONDS_SHORT: u64 = 2;
+
+/// What a run of the bench is told.
+struct Plan<'a> {
+    /// Where the ticks run, and what they are compared with.
+    core: usize,
+    window: Duration,
+    repeats: u32,
+    interrupt: &'a Interrupt,
+}
+
+/// `atas bench`.
+pub(crate) fn bench(
+    what: &Bench,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    match what {
+        Bench::Latency(arguments) => latency(arguments, interrupt, output),
+        Bench::Echo { by, bus, socket } => echo::run(*by, bus, socket, interrupt),
+    }
+}
+
+fn latency(
+    arguments: &BenchLatency,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let usual = if arguments.short {
+        SECONDS_SHORT
+    } else {
+        SECONDS
+    };
+    let plan = Plan {
+        core: machine::last_core()?,
+        window: Duration::from_secs(arguments.seconds.unwrap_or(usual)),
+        repeats: arguments.repeats,
+        interrupt,
+    };
+    let report = measure(&plan)?;
+    if output.is_json() {
+        output.json(&report.json(&plan))
+    } else {
+        report.print(&plan, output)
+    }
+}
+
+fn measure(plan: &Plan<'_>) -> anyhow::Result<Report> {
+    let mut notes = Notes::default();
+    let mut idle = Vec::new();
+    let mut loaded = Vec::new();
+    for index in 1..=plan.repeats {
+        notes.progress(format_args!("repeat {index} of {}", plan.repeats));
+        idle.push(Repeat::measure(plan, &mut notes)?);
+        loaded.extend(Loaded::measure(plan, &mut notes)?);
+    }
+    notes.progress("counts of a tick");
+    let counts = Counts::measure(plan, &mut notes)?;
+    notes.progress("transports");
+    let transports = Transports::measure(plan, &mut notes)?;
+    Ok(Report {
+        idle,
+        loaded,
+        counts,
+        transports,
+        notes,
+    })
+}

@@ -1,0 +1,137 @@
+//! A daemon and a simulator by the clock, on a bus of their own.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use atas_client::{POLL, Session};
+use atas_console::Interrupt;
+use shm_bus::{Subscriber, now_ns};
+use shm_schemas::{Mode, Status, TickReport, service};
+
+use super::site::Site;
+use crate::demo::child::Child;
+
+/// How long the daemon may take to be ready.
+const READY_WITHIN: Duration = Duration::from_secs(15);
+/// The simulator is at work before the daemon starts, so that the daemon's start is its own.
+const HEAD_START: Duration = Duration::from_millis(200);
+/// Name of the daemon's tick thread.
+const TICK_THREAD: &str = "atasd-tick";
+/// What the built-in defaults, whatever is installed on this machine, come from.
+pub(super) const NO_CONFIGURATION: [&str; 2] = ["--config", "/dev/null"];
+
+/// Both processes with a place on their bus. The order of the fields is the order of the end.
+pub(super) struct Pair {
+    statuses: Subscriber<Status>,
+    pub(super) reports: Subscriber<TickReport>,
+    pub(super) status: Status,
+    _session: Session,
+    daemon: Child,
+    simulator: Child,
+    site: Site,
+    started_ns: u64,
+}
+
+impl Pair {
+    /// Starts both. `start_daemon` is given the site and the daemon's arguments.
+    pub(super) fn start(
+        flags: &[&str],
+        start_daemon: impl FnOnce(&Site, &[&str]) -> anyhow::Result<Child>,
+    ) -> anyhow::Result<Self> {
+        let site = Site::new()?;
+        let bus = site.bus().as_str();
+        let simulate = ["run", "--bus", bus, "--object", "wood"];
+        let simulator = Child::start("atas-sim", &simulate, site.folder())?;
+        let session = Session::join(site.bus())?;
+        let reports = session.bus().subscriber(service::TICK_REPORT)?;
+        let statuses = session.bus().subscriber(service::STATUS)?;
+        std::thread::sleep(HEAD_START);
+        let control = [&["--bus", bus], &NO_CONFIGURATION[..], flags].concat();
+        let started_ns = now_ns();
+        let daemon = start_daemon(&site, &control)?;
+        Ok(Self {
+            statuses,
+            reports,
+            status: Status::default(),
+            _session: session,
+            daemon,
+            simulator,
+            site,
+            started_ns,
+        })
+    }
+
+    /// Waits until the daemon is as wanted, for a while.
+    pub(super) fn wait_until(
+        &mut self,
+        limit: Duration,
+        interrupt: &Interrupt,
+        wanted: impl Fn(&Status) -> bool,
+    ) -> anyhow::Result<bool> {
+        let begin = Instant::now();
+        while !wanted(&self.status) && begin.elapsed() < limit {
+            interrupt.check("the bench waited for the daemon")?;
+            self.check()?;
+            self.refresh()?;
+            std::thread::sleep(POLL);
+        }
+        Ok(wanted(&self.status))
+    }
+
+    /// Waits until the daemon is ready for goals.
+    pub(super) fn wait_until_ready(&mut self, interrupt: &Interrupt) -> anyhow::Result<()> {
+        let is_ready = |status: &Status| status.mode == Mode::READY;
+        let ready = self.wait_until(READY_WITHIN, interrupt, is_ready)?;
+        let status = &self.status;
+        anyhow::ensure!(
+            ready,
+            "the daemon was not ready within {READY_WITHIN:?}: mode {} ({})",
+            status.mode,
+            status.reason
+        );
+        Ok(())
+    }
+
+    /// Takes in the newest status.
+    pub(super) fn refresh(&mut self) -> anyhow::Result<()> {
+        self.statuses.newest(&mut self.status)?;
+        Ok(())
+    }
+
+    /// An error if one of the processes has ended.
+    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+        self.simulator.check().and_then(|()| self.daemon.check())
+    }
+
+    /// From the start of the daemon's process to its first tick, ns; `None` if its first report was missed.
+    pub(super) fn first_tick_ns(&mut self) -> anyhow::Result<Option<u64>> {
+        let mut first = None;
+        self.reports.drain(1, |report| first = Some(*report))?;
+        let first = first.filter(|report| report.tick == 0);
+        Ok(first.map(|report| report.stamp.captured_ns.saturating_sub(self.started_ns)))
+    }
+
+    pub(super) fn site(&self) -> &Site {
+        &self.site
+    }
+
+    /// `/proc` of the daemon.
+    pub(super) fn process(&self) -> PathBuf {
+        PathBuf::from(format!("/proc/{}", self.daemon.pid()))
+    }
+
+    /// `/proc` of its tick thread.
+    pub(super) fn tick_thread(&self) -> anyhow::Result<PathBuf> {
+        let folder = self.process().join("task");
+        let tasks = std::fs::read_dir(&folder)
+            .with_context(|| format!("could not read {}", folder.display()))?;
+        let is_tick = |path: &PathBuf| {
+            std::fs::read_to_string(path.join("comm")).is_ok_and(|name| name.trim() == TICK_THREAD)
+        };
+        let mut paths = tasks.flatten().map(|task| task.path());
+        paths
+            .find(is_tick)
+            .with_context(|| format!("could not find the thread {TICK_THREAD} of the daemon"))
+    }
+}

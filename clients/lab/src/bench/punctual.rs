@@ -1,0 +1,248 @@
+//! How punctual the daemon is, and what it is compared with, in turn on one core.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use atas_client::POLL;
+use atas_client::percentiles;
+use shm_schemas::capacity::STAGES;
+use shm_schemas::{Percentiles, StatusFlags, TickReport};
+
+use super::answer::{self, Answer};
+use super::load::Load;
+use super::pair::Pair;
+use super::tool::Notes;
+use super::{Plan, bare, cyclictest};
+use crate::demo::child::Child;
+
+/// How long the phase lock may take (ours: at 5 µs a tick a whole period takes 200 ticks; its lag needs longer).
+const LOCKED_WITHIN: Duration = Duration::from_secs(5);
+/// How long the daemon then runs before it is measured.
+const SETTLE: Duration = Duration::from_secs(1);
+/// Free-running daemons per repeat, which share its window: the phase to the frames is another one each time, and stays.
+const FREE_RUNS: u32 = 3;
+/// Most reports taken in one look: all that can wait.
+const AT_ONCE: usize = 256;
+
+/// One repeat on an otherwise idle machine.
+pub(super) struct Repeat {
+    pub(super) cyclictest: Option<Percentiles>,
+    pub(super) bare: Percentiles,
+    pub(super) locked: Measured,
+    pub(super) free: Vec<Measured>,
+    pub(super) answer: Answer,
+}
+
+impl Repeat {
+    pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
+        Ok(Self {
+            cyclictest: cyclictest::measure(plan, notes)?,
+            bare: bare::measure(plan)?,
+            locked: daemon(plan, plan.window, true, notes)?,
+            free: free(plan, notes)?,
+            answer: answer::measure(plan)?,
+        })
+    }
+}
+
+/// One repeat while the core has other work.
+pub(super) struct Loaded {
+    pub(super) cyclictest: Option<Percentiles>,
+    pub(super) bare: Percentiles,
+    pub(super) locked: Measured,
+}
+
+impl Loaded {
+    /// `None` where there is nothing to load the core with.
+    pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<Self>> {
+        let Some(_load) = Load::start(plan, notes)? else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
+            cyclictest: cyclictest::measure(plan, notes)?,
+            bare: bare::measure(plan)?,
+            locked: daemon(plan, plan.window, true, notes)?,
+        }))
+    }
+}
+
+/// What a daemon measured of itself, and what the kernel says it used.
+pub(super) struct Measured {
+    pub(super) wake: Percentiles,
+    pub(super) body: Percentiles,
+    pub(super) stages: [Percentiles; STAGES],
+    pub(super) sensor_to_command: Percentiles,
+    /// Of every tick, ns.
+    pub(super) frame_age_ns: Vec<u64>,
+    /// Of the tick thread: the spin and the tick, percent of one core.
+    pub(super) tick_cpu_percent: f64,
+    /// Of the whole process, percent of one core.
+    pub(super) cpu_percent: f64,
+    pub(super) resident_mib: f64,
+    pub(super) page_faults: u64,
+    pub(super) missed_ticks: u64,
+    pub(super) first_tick_ns: Option<u64>,
+    /// Whether the kernel granted it everything.
+    pub(super) is_realtime: bool,
+}
+
+fn free(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Vec<Measured>> {
+    let window = plan.window / FREE_RUNS;
+    (0..FREE_RUNS)
+        .map(|_| daemon(plan, window, false, notes))
+        .collect()
+}
+
+/// Runs the daemon on the plan's core.
+fn daemon(
+    plan: &Plan<'_>,
+    window: Duration,
+    phase_lock: bool,
+    notes: &mut Notes,
+) -> anyhow::Result<Measured> {
+    let cpu = format!("realtime.cpu={}", plan.core);
+    let lock = format!("realtime.phase_lock={phase_lock}");
+    let flags = ["--set", &cpu, "--set", &lock];
+    let start =
+        |site: &super::site::Site, control: &[&str]| Child::start("atasd", control, site.folder());
+    let mut pair = Pair::start(&flags, start)?;
+    pair.wait_until_ready(plan.interrupt)?;
+    let first_tick_ns = pair.first_tick_ns()?;
+    let is_locked = |status: &shm_schemas::Status| status.flags & StatusFlags::PHASE_LOCKED != 0;
+    if phase_lock && !pair.wait_until(LOCKED_WITHIN, plan.interrupt, is_locked)? {
+        notes.add(format!(
+            "the phase lock took longer than {LOCKED_WITHIN:?}; frame_age_us.locked is not what it should be"
+        ));
+    }
+    let mut ticks = Ticks::default();
+    // What came before the machine had settled does not count.
+    let settle = if phase_lock { SETTLE } else { SETTLE / 4 };
+    let _settled = gather(&mut pair, settle, plan, &mut Ticks::default())?;
+    let used = gather(&mut pair, window, plan, &mut ticks)?;
+    Ok(Measured {
+        wake: percentiles::of(ticks.wake),
+        body: percentiles::of(ticks.body),
+        stages: ticks.stages.map(percentiles::of),
+        sensor_to_command: percentiles::of(ticks.sensor_to_command),
+        frame_age_ns: ticks.frame_age,
+        tick_cpu_percent: used.tick_cpu_percent,
+        cpu_percent: used.cpu_percent,
+        page_faults: used.page_faults,
+        missed_ticks: used.missed_ticks,
+        resident_mib: resident_mib(&pair.process())?,
+        first_tick_ns,
+        is_realtime: pair.status.flags & StatusFlags::DEGRADED == 0,
+    })
+}
+
+/// Durations of every tick, ns.
+#[derive(Default)]
+struct Ticks {
+    wake: Vec<u64>,
+    frame_age: Vec<u64>,
+    body: Vec<u64>,
+    stages: [Vec<u64>; STAGES],
+    sensor_to_command: Vec<u64>,
+}
+
+impl Ticks {
+    fn add(&mut self, report: &TickReport) {
+        self.wake.push(report.wake_late_ns.into());
+        self.body.push(body_ns(report));
+        let ages = report.hands.iter().map(|hand| hand.frame_age_ns);
+        self.frame_age.push(ages.min().unwrap_or(u64::MAX));
+        self.sensor_to_command
+            .push(report.sensor_to_command_ns.into());
+        for (stage, ns) in self.stages.iter_mut().zip(report.stage_ns) {
+            stage.push(ns.into());
+        }
+    }
+}
+
+/// From the wake-up to the published command, ns: every stage but the recording, which comes after it.
+pub(super) fn body_ns(report: &TickReport) -> u64 {
+    let before = &report.stage_ns[..STAGES - 1];
+    before.iter().map(|ns| u64::from(*ns)).sum()
+}
+
+/// What the kernel counted over a window.
+struct Used {
+    tick_cpu_percent: f64,
+    cpu_percent: f64,
+    page_faults: u64,
+    missed_ticks: u64,
+}
+
+/// Listens for a while.
+fn gather(
+    pair: &mut Pair,
+    window: Duration,
+    plan: &Plan<'_>,
+    ticks: &mut Ticks,
+) -> anyhow::Result<Used> {
+    let (process, thread) = (pair.process(), pair.tick_thread()?);
+    pair.refresh()?;
+    let missed = pair.status.missed_ticks;
+    let (tick_cpu, cpu) = (thread_cpu_s(&thread)?, process_cpu_s(&process)?);
+    let (faults, begin) = (page_faults(&thread)?, Instant::now());
+    while begin.elapsed() < window {
+        plan.interrupt.check("the daemon was being measured")?;
+        pair.reports.drain(AT_ONCE, |report| ticks.add(report))?;
+        std::thread::sleep(POLL);
+    }
+    pair.check()?;
+    pair.refresh()?;
+    let percent = |used_s: f64| 100.0 * used_s / begin.elapsed().as_secs_f64();
+    Ok(Used {
+        tick_cpu_percent: percent(thread_cpu_s(&thread)? - tick_cpu),
+        cpu_percent: percent(process_cpu_s(&process)? - cpu),
+        page_faults: page_faults(&thread)? - faults,
+        missed_ticks: pair.status.missed_ticks - missed,
+    })
+}
+
+fn read(path: &Path) -> anyhow::Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("could not read {}", path.display()))
+}
+
+/// Processor time of the living threads of a process, s.
+fn process_cpu_s(process: &Path) -> anyhow::Result<f64> {
+    let folder = process.join("task");
+    let tasks = std::fs::read_dir(&folder);
+    let tasks = tasks.with_context(|| format!("could not read {}", folder.display()))?;
+    tasks.flatten().map(|task| thread_cpu_s(&task.path())).sum()
+}
+
+/// Processor time of a thread, s.
+fn thread_cpu_s(thread: &Path) -> anyhow::Result<f64> {
+    let text = read(&thread.join("schedstat"))?;
+    let first = text.split_whitespace().next();
+    let ns = first.and_then(|word| word.parse::<u64>().ok());
+    let ns = ns.with_context(|| format!("could not read a time from {text:?}"))?;
+    Ok(ns as f64 * 1e-9)
+}
+
+/// Page faults of a thread so far: fields 10 and 12 of its `stat`, minor and major.
+fn page_faults(thread: &Path) -> anyhow::Result<u64> {
+    let text = read(&thread.join("stat"))?;
+    // The name before may contain anything but ends with the last parenthesis.
+    let (_, fields) = text.rsplit_once(')').unwrap_or_default();
+    let field = |number: usize| {
+        fields
+            .split_whitespace()
+            .nth(number - 3)?
+            .parse::<u64>()
+            .ok()
+    };
+    let sum = field(10).zip(field(12)).map(|(minor, major)| minor + major);
+    sum.with_context(|| format!("could not read page faults from {text:?}"))
+}
+
+/// Resident memory of a process, MiB.
+fn resident_mib(process: &Path) -> anyhow::Result<f64> {
+    let text = read(&process.join("status"))?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kib = line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
+    Ok(kib.context("could not read VmRSS")? / 1024.0)
+}

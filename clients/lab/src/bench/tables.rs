@@ -1,0 +1,159 @@
+//! The figures as tables for people.
+
+use atas_console::{Output, number, table};
+use serde_json::Value;
+use shm_schemas::TickReport;
+
+/// What stands for a figure that was not measured.
+const NOTHING: &str = "–";
+
+/// Prints the figures that the JSON holds.
+pub(super) fn print(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
+    let text = |key: &str| figures[key].as_str().unwrap_or(NOTHING).to_owned();
+    let heading = [text("machine"), text("kernel")].join(", ");
+    output.line(format_args!("{heading}; ticks on core {}", figures["core"]))?;
+    wake(figures, output)?;
+    durations(figures, output)?;
+    single(figures, output)
+}
+
+fn wake(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["wake-up, µs late", "p50", "p99", "p99.9", "max"]);
+    for (state, name) in [("idle", "idle"), ("loaded", "under load")] {
+        let of = &figures["wake"][state];
+        if of.is_null() {
+            continue;
+        }
+        rows.add_row(row(format!("{name}: daemon"), &of["daemon_us"], 2));
+        rows.add_row(row(format!("{name}: bare loop"), &of["bare_loop_us"], 2));
+        rows.add_row(row(format!("{name}: cyclictest"), &of["cyclictest_us"], 2));
+        rows.add_row(row(
+            format!("{name}: daemon / cyclictest"),
+            &of["to_cyclictest"],
+            4,
+        ));
+        rows.add_row(row(
+            format!("{name}: daemon / bare loop"),
+            &of["to_bare_loop"],
+            4,
+        ));
+    }
+    output.line(rows)
+}
+
+fn durations(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["µs", "p50", "p99", "p99.9", "max"]);
+    let ages = &figures["frame_age_us"];
+    rows.add_row(row("frame age, phase-locked".into(), &ages["locked"], 1));
+    rows.add_row(row("frame age, free-running".into(), &ages["free"], 1));
+    let answers = &figures["sensor_to_command_us"];
+    rows.add_row(row(
+        "sensor to command, phase-locked".into(),
+        &answers["locked"],
+        1,
+    ));
+    rows.add_row(row(
+        "sensor to command, free-running".into(),
+        &answers["free"],
+        1,
+    ));
+    rows.add_row(row(
+        "tick body, back to back".into(),
+        &figures["tick_us"],
+        2,
+    ));
+    for name in TickReport::STAGE_NAMES {
+        let of = &figures["tick_stages_us"][name];
+        if !of.is_null() {
+            rows.add_row(row(format!("  {name}"), of, 2));
+        }
+    }
+    let daemon = &figures["daemon"];
+    rows.add_row(row(
+        "tick body, in the daemon at rest".into(),
+        &daemon["tick_us"],
+        2,
+    ));
+    output.line(rows)
+}
+
+fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["", ""]);
+    let daemon = &figures["daemon"];
+    let transports = &figures["transports_us"];
+    let answers = &figures["sensor_to_command_us"];
+    let frame = format!("one way of {} bytes, µs:", transports["payload_bytes"]);
+    let lines = [
+        (
+            "allocations per tick".to_owned(),
+            &figures["allocs_per_tick"],
+            3,
+        ),
+        (
+            "system calls per tick, the sleep".into(),
+            &figures["syscalls_per_tick"],
+            3,
+        ),
+        (
+            "instructions per tick".into(),
+            &figures["instructions_per_tick"],
+            0,
+        ),
+        ("page faults of all ticks".into(), &daemon["page_faults"], 0),
+        (
+            "tick body recording / not".into(),
+            &figures["recording"]["body_ratio"],
+            3,
+        ),
+        (
+            "recording after the body, µs".into(),
+            &figures["recording"]["after_body_us"],
+            2,
+        ),
+        (
+            "sensor to command, polling, µs".into(),
+            &answers["polling"],
+            1,
+        ),
+        ("  bare ping-pong, µs".into(), &answers["ping_pong"], 1),
+        (
+            "  ratio to ping-pong and body".into(),
+            &figures["sensor_to_command_ratio"],
+            2,
+        ),
+        (format!("{frame} iceoryx2"), &transports["iceoryx2"], 2),
+        (
+            format!("{frame} Unix socket"),
+            &transports["unix_socket"],
+            2,
+        ),
+        (format!("{frame} zenoh"), &transports["zenoh"], 2),
+        (
+            "CPU of the ticks, %".into(),
+            &figures["wake"]["cpu_percent"],
+            1,
+        ),
+        ("CPU of the daemon, %".into(), &daemon["cpu_percent"], 1),
+        ("resident memory, MiB".into(), &daemon["resident_mib"], 1),
+        (
+            "start to first tick, ms".into(),
+            &daemon["first_tick_ms"],
+            1,
+        ),
+        ("missed ticks".into(), &daemon["missed_ticks"], 0),
+    ];
+    for (name, value, digits) in lines {
+        rows.add_row([name, figure(value, digits)]);
+    }
+    output.line(rows)
+}
+
+fn row(name: String, of: &Value, digits: usize) -> [String; 5] {
+    let at = |key: &str| figure(&of[key], digits);
+    [name, at("p50"), at("p99"), at("p999"), at("max")]
+}
+
+fn figure(value: &Value, digits: usize) -> String {
+    let value = value.as_f64();
+    value.map_or(NOTHING.to_owned(), |value| number(value, digits))
+}

@@ -1,0 +1,78 @@
+//! Programs that a measurement uses where they are there, and what is missing where they are not.
+
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+use std::process::ExitStatus;
+use std::time::{Duration, Instant};
+
+use atas_console::Interrupt;
+
+use crate::demo::child::Child;
+
+/// How often a waiting measurement looks.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// What was not measured and why, told once each.
+#[derive(Debug, Default)]
+pub(super) struct Notes(pub(super) Vec<String>);
+
+impl Notes {
+    /// Notes something and tells it.
+    pub(super) fn add(&mut self, text: String) {
+        if !self.0.contains(&text) {
+            self.progress(&text);
+            self.0.push(text);
+        }
+    }
+
+    /// Tells what happens now, on standard error.
+    pub(super) fn progress(&self, text: impl std::fmt::Display) {
+        // Whoever closed standard error does not want to know.
+        let _ = writeln!(std::io::stderr(), "bench: {text}");
+    }
+}
+
+/// Starts an installed program; `None`, with a note, if it is not there.
+pub(super) fn start(
+    program: &Path,
+    name: &'static str,
+    cure: &str,
+    arguments: &[&str],
+    folder: &Path,
+    notes: &mut Notes,
+) -> anyhow::Result<Option<Child>> {
+    let started = Child::start_program(program, name, arguments, folder);
+    let is_missing = |error: &anyhow::Error| {
+        let io = error.downcast_ref::<std::io::Error>();
+        io.is_some_and(|io| io.kind() == ErrorKind::NotFound)
+    };
+    match started {
+        Ok(child) => Ok(Some(child)),
+        Err(error) if is_missing(&error) => {
+            notes.add(format!("{name} is not there; {cure}"));
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Waits for the end of a program.
+pub(super) fn wait(
+    child: &mut Child,
+    limit: Duration,
+    interrupt: &Interrupt,
+) -> anyhow::Result<ExitStatus> {
+    let begin = Instant::now();
+    loop {
+        if let Some(status) = child.ended()? {
+            return Ok(status);
+        }
+        interrupt.check("the bench was measuring")?;
+        anyhow::ensure!(
+            begin.elapsed() < limit,
+            "a program of the bench (pid {}) did not end within {limit:?}",
+            child.pid()
+        );
+        std::thread::sleep(LOOK);
+    }
+}

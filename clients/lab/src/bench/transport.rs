@@ -1,0 +1,182 @@
+//! One frame there and back between two processes that both poll: through shared memory, a Unix socket, zenoh. Half of
+//! the round is reported.
+
+use std::io::Write;
+use std::os::unix::net::UnixStream;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use atas_client::percentiles;
+use atas_evaluation::median;
+use shm_bus::{Bus, Realtime, now_ns};
+use shm_schemas::{HandFrame, Percentiles, service};
+
+use super::Plan;
+use super::echo::{PAYLOAD_BYTES, read_polling};
+use super::site::Site;
+use super::tool::{self, Notes};
+use crate::demo::child::{Child, beside_this_program};
+
+/// Rounds of one repeat that are measured.
+const ROUNDS: u64 = 5_000;
+/// Rounds before, for caches and connections.
+const WARM_UP: u64 = 500;
+/// How long an answer may take, and how long the other process may take to be there.
+const ANSWER_WITHIN: Duration = Duration::from_secs(5);
+/// How long the first answer is waited for before the question is asked again: the echo may not have heard it.
+const ASK_AGAIN: Duration = Duration::from_millis(20);
+/// The program of the network middleware, which is no part of the workspace.
+const ZENOH: &str = "atas-bench-zenoh";
+const ZENOH_CURE: &str = "to compare with zenoh: cargo install --locked --path tests/zenoh; without it \
+    transports_us.zenoh is null";
+/// How long its rounds may take.
+const ZENOH_WITHIN: Duration = Duration::from_secs(60);
+
+/// Medians over the repeats of half a round's p50, µs.
+pub(super) struct Transports {
+    pub(super) iceoryx2: Option<f64>,
+    pub(super) unix_socket: Option<f64>,
+    pub(super) zenoh: Option<f64>,
+}
+
+impl Transports {
+    pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
+        let (mut shared, mut socket, mut zenoh) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..plan.repeats {
+            shared.push(half_us(&shared_memory(plan)?));
+            socket.push(half_us(&unix_socket(plan)?));
+            zenoh.extend(middleware(plan, notes)?);
+        }
+        Ok(Self {
+            iceoryx2: median(shared),
+            unix_socket: median(socket),
+            zenoh: median(zenoh),
+        })
+    }
+}
+
+fn half_us(round: &Percentiles) -> f64 {
+    round.p50_ns as f64 * 0.5e-3
+}
+
+/// Starts the other end.
+pub(super) fn start_echo(site: &Site, by: &str) -> anyhow::Result<Child> {
+    let socket = site.folder().join("socket");
+    let socket = socket.display().to_string();
+    let bus = site.bus().as_str();
+    let arguments = ["bench", "echo", by, "--bus", bus, "--socket", &socket];
+    Child::start("atas-lab", &arguments, site.folder())
+}
+
+fn shared_memory(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
+    let site = Site::new()?;
+    let mut echo = start_echo(&site, "iceoryx2")?;
+    let bus = Bus::open(site.bus(), "bench", Realtime::Yes)?;
+    let [there, back] = service::HAND_FRAME;
+    let mut pongs = bus.subscriber::<HandFrame>(back)?;
+    let pings = bus.publisher::<HandFrame>(there)?;
+    let (mut ping, mut pong) = (HandFrame::default(), HandFrame::default());
+    rounds(plan, &mut echo, |sequence, limit| {
+        ping.stamp.sequence = sequence;
+        pings.send(&ping)?;
+        poll(limit, || {
+            Ok(pongs.newest(&mut pong)? && pong.stamp.sequence == sequence)
+        })
+    })
+}
+
+fn unix_socket(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
+    let site = Site::new()?;
+    let mut echo = start_echo(&site, "unix-socket")?;
+    let path = site.folder().join("socket");
+    let begin = Instant::now();
+    let mut stream = loop {
+        echo.check()?;
+        match UnixStream::connect(&path) {
+            Ok(stream) => break stream,
+            Err(error) if begin.elapsed() > ANSWER_WITHIN => {
+                return Err(error).with_context(|| format!("could not reach {}", path.display()));
+            }
+            Err(_) => std::thread::sleep(Duration::from_millis(2)),
+        }
+    };
+    stream.set_nonblocking(true)?;
+    let mut bytes = [0; PAYLOAD_BYTES];
+    rounds(plan, &mut echo, |_, _| {
+        stream.write_all(&bytes)?;
+        read_polling(&mut stream, &mut bytes, plan.interrupt)
+    })
+}
+
+/// zenoh over loopback TCP: both ends are processes of its program, which prints half a round's p50 in µs.
+fn middleware(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
+    let site = Site::new()?;
+    let program = beside_this_program(ZENOH).unwrap_or_else(|_| ZENOH.into());
+    let place = site.folder().join("place").display().to_string();
+    let arguments = ["echo", &place];
+    let echo = tool::start(
+        &program,
+        ZENOH,
+        ZENOH_CURE,
+        &arguments,
+        site.folder(),
+        notes,
+    )?;
+    let Some(_echo) = echo else {
+        return Ok(None);
+    };
+    let size = PAYLOAD_BYTES.to_string();
+    let other = Site::new()?;
+    let mut ping = Child::start_program(&program, ZENOH, &["ping", &place, &size], other.folder())?;
+    let status = tool::wait(&mut ping, ZENOH_WITHIN, plan.interrupt)?;
+    let half = ping.results().first().and_then(|line| line.parse().ok());
+    if !status.success() || half.is_none() {
+        notes.add(format!("zenoh was not measured ({})", ping.tail().trim()));
+    }
+    Ok(half)
+}
+
+/// Times rounds; the first is asked again until the echo is there.
+pub(super) fn rounds(
+    plan: &Plan<'_>,
+    echo: &mut Child,
+    mut round: impl FnMut(u64, Duration) -> anyhow::Result<bool>,
+) -> anyhow::Result<Percentiles> {
+    let begin = Instant::now();
+    let mut sequence = 0;
+    while !round(sequence, ASK_AGAIN)? {
+        plan.interrupt.check("the bench waited for the echo")?;
+        echo.check()?;
+        anyhow::ensure!(begin.elapsed() < ANSWER_WITHIN, "the echo does not answer");
+        sequence += 1;
+    }
+    let mut durations_ns = Vec::new();
+    for index in 0..WARM_UP + ROUNDS {
+        sequence += 1;
+        let begin_ns = now_ns();
+        let answered = round(sequence, ANSWER_WITHIN)?;
+        let duration_ns = now_ns() - begin_ns;
+        plan.interrupt
+            .check("the bench was measuring a transport")?;
+        anyhow::ensure!(answered, "the echo did not answer within {ANSWER_WITHIN:?}");
+        if index >= WARM_UP {
+            durations_ns.push(duration_ns);
+        }
+    }
+    Ok(percentiles::of(durations_ns))
+}
+
+/// Asks until there is an answer or the time is over.
+pub(super) fn poll(
+    limit: Duration,
+    mut answered: impl FnMut() -> anyhow::Result<bool>,
+) -> anyhow::Result<bool> {
+    let begin_ns = now_ns();
+    while !answered()? {
+        if u128::from(now_ns() - begin_ns) > limit.as_nanos() {
+            return Ok(false);
+        }
+        std::hint::spin_loop();
+    }
+    Ok(true)
+}

@@ -1,0 +1,76 @@
+//! Assembly: one hand holds the bottle, the other puts the cap on and screws it tight; the bottle stands.
+
+use atas_console::arguments::Running;
+use atas_evaluation::Task;
+use atas_evaluation::judge;
+use shm_schemas::{GoalRequest, WorldTruth};
+use sim_backend::Scene;
+
+use super::run::{SIDE, Seen};
+use super::scenario::{Figure, Judged, Scenario};
+use super::screw::{turned, turning};
+
+/// A cap on a stand, and a free bottle.
+pub(super) struct Assembly {
+    argument: String,
+    scene: Scene,
+    goal: GoalRequest,
+}
+
+impl Assembly {
+    /// A cap by name or file.
+    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+        let scene = Scene::assembly(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
+        let scene = super::varied(scene, running);
+        Ok(Self {
+            argument: argument.to_owned(),
+            goal: Task::Assembly.goal(&scene)?,
+            scene,
+        })
+    }
+}
+
+impl Scenario for Assembly {
+    fn name(&self) -> &str {
+        &self.scene.objects[0].object.name
+    }
+
+    fn setting(&self) -> Vec<String> {
+        ["--scene", "assembly", "--cap", &self.argument]
+            .map(str::to_owned)
+            .to_vec()
+    }
+
+    fn goal(&self) -> GoalRequest {
+        self.goal
+    }
+
+    fn live(&self, truth: &WorldTruth) -> String {
+        format!("{}, {}", super::lifted(truth), turned(truth))
+    }
+
+    fn judge(&self, seen: &Seen) -> Judged {
+        let assembly = judge::Assembly::of(seen.progress.last(), &seen.truth);
+        let mut figures = turning(seen, assembly.tightness);
+        let [cap, bottle, ..] = &seen.truth.objects;
+        figures.push(Figure::new(
+            "tilt °",
+            "bottle_tilt_deg",
+            assembly.tilt_rad.to_degrees(),
+            2,
+        ));
+        figures.push(Figure::hidden("cap_closed", cap.cap_closed != 0));
+        figures.push(Figure::hidden(
+            "bottle_stands",
+            bottle.table_n > 0.0 && bottle.tipped == 0,
+        ));
+        Judged {
+            figures,
+            as_expected: assembly.failure.is_none(),
+            outcome: assembly
+                .failure
+                .unwrap_or_else(|| "closed, standing".to_owned()),
+            should: "closed, standing",
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! The grasp: held if physics allows it, else put back unharmed.
+
+use atas_client::goal::LIFT_M;
+use atas_console::arguments::Running;
+use atas_core::Settings;
+use atas_evaluation::Task;
+use atas_evaluation::judge::{Load, Outcome};
+use robot_model::FINGERS;
+use serde_json::Value;
+use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};
+use sim_backend::{Object, Scene};
+
+use super::run::{SIDE, Seen};
+use super::scenario::{Figure, Judged, Scenario, finite};
+
+/// One object before one hand.
+pub(super) struct Grasp {
+    argument: String,
+    scene: Scene,
+    goal: GoalRequest,
+}
+
+impl Grasp {
+    /// An object by name or file.
+    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+        let scene = super::varied(Scene::grasp(super::object(argument)?, SIDE), running);
+        Ok(Self {
+            argument: argument.to_owned(),
+            goal: Task::Grasp.goal(&scene)?,
+            scene,
+        })
+    }
+
+    fn object(&self) -> &Object {
+        &self.scene.objects[0].object
+    }
+}
+
+impl Scenario for Grasp {
+    fn name(&self) -> &str {
+        &self.object().name
+    }
+
+    fn setting(&self) -> Vec<String> {
+        vec!["--object".into(), self.argument.clone()]
+    }
+
+    fn goal(&self) -> GoalRequest {
+        self.goal
+    }
+
+    fn live(&self, truth: &WorldTruth) -> String {
+        super::lifted(truth)
+    }
+
+    fn judge(&self, seen: &Seen) -> Judged {
+        let hand = SIDE.index();
+        let load = Load::of(self.object(), &Settings::default().grasp);
+        let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
+        let slip_m = seen.attempt.slip_m[hand][..FINGERS]
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
+        let lifted_m = seen.truth.objects[0].lifted_m;
+        let mut figures = vec![
+            Figure::new("needed N", "needed_n", load.needed_n, 2),
+            Figure::hidden("crush_n", finite(load.crush_n)),
+            Figure::hidden("feasible", load.is_feasible()),
+        ];
+        figures.extend(gripped(seen.progress.figures()));
+        figures.push(Figure::new("slip mm", "slip_mm", slip_m * 1e3, 2));
+        figures.push(Figure::new("lifted mm", "lifted_mm", lifted_m * 1e3, 1));
+        Judged {
+            figures,
+            outcome: outcome.name().to_owned(),
+            should: if load.is_feasible() {
+                "held"
+            } else {
+                "refused"
+            },
+            as_expected: outcome.is_expected(load.is_feasible()),
+        }
+    }
+}
+
+/// What the hand knew and pressed.
+pub(super) fn gripped(figures: &GraspFigures) -> Vec<Figure> {
+    let pressed_n = &figures.normal_n[..FINGERS];
+    let mean_n = pressed_n.iter().sum::<f32>() / pressed_n.len() as f32;
+    let shown = |head, key, value: f32, digits| Figure::new(head, key, value.into(), digits);
+    vec![
+        Figure {
+            value: pressed_n
+                .iter()
+                .map(|force_n| Value::from(*force_n))
+                .collect(),
+            ..shown("F_n N", "normal_n", mean_n, 2)
+        },
+        Figure::hidden("f1_n", figures.f1_n),
+        shown("F_2 N", "f2_n", figures.f2_n, 2),
+        shown("stiffness N/m", "stiffness_n_m", figures.stiffness_n_m, 0),
+    ]
+}

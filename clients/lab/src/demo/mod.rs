@@ -1,0 +1,126 @@
+//! Demos: the real processes on a bus of their own, a goal, and the judgement by physical truth.
+//!
+//! ```text
+//!  grasp, pick_place, screw, assembly: a scenario each ─ scene, goal, judgement
+//!   │
+//!   └─▶ run ─┬─ processes ── child: atas-sim, atasd     (ends and wipes on drop)
+//!            ├─ Pursuit: the goal, as any client would send it
+//!            ├─ the simulator's truth, and the daemon's status ─▶ punctuality
+//!            └─▶ judgement ─▶ table
+//!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal, against what evolution saw
+//! ```
+//!
+//! A demo is a client like any other: it uses nothing of the daemon but the bus.
+
+mod assembly;
+pub(crate) mod child;
+mod grasp;
+pub(crate) mod logs;
+mod pick_place;
+mod processes;
+mod punctuality;
+mod run;
+mod scenario;
+mod screw;
+mod swarm;
+mod table;
+mod turns;
+
+use atas_console::arguments::{Demo, Running};
+use atas_console::{Ended, Exit, Interrupt, Output, number};
+use shm_schemas::WorldTruth;
+use sim_backend::{Object, Scene};
+
+use scenario::Scenario;
+use table::Row;
+
+/// `atas demo`.
+pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
+    match task {
+        Demo::Grasp(arguments) => {
+            let running = &arguments.running;
+            let names: Vec<&str> = if arguments.all {
+                Object::names().collect()
+            } else {
+                vec![&arguments.object]
+            };
+            let objects = names
+                .into_iter()
+                .map(|name| grasp::Grasp::new(name, running));
+            let scenarios: Vec<grasp::Grasp> = objects.collect::<anyhow::Result<_>>()?;
+            show("grasp", &scenarios, running, interrupt, output)
+        }
+        Demo::PickPlace(arguments) => {
+            let running = &arguments.running;
+            let scenario = pick_place::PickPlace::new(&arguments.object, running)?;
+            show("pick-place", &[scenario], running, interrupt, output)
+        }
+        Demo::Screw(arguments) => {
+            let running = &arguments.running;
+            let scenario = screw::Screw::new(&arguments.cap, running)?;
+            show("screw", &[scenario], running, interrupt, output)
+        }
+        Demo::Assembly(arguments) => {
+            let running = &arguments.running;
+            let scenario = assembly::Assembly::new(&arguments.cap, running)?;
+            show("assembly", &[scenario], running, interrupt, output)
+        }
+        Demo::Swarm(arguments) => swarm::swarm(arguments, interrupt, output),
+    }
+}
+
+/// Performs scenarios one after another, prints what became of them, and holds them to what should have.
+fn show(
+    task: &str,
+    scenarios: &[impl Scenario],
+    running: &Running,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let mut rows = Vec::new();
+    let mut ended = Ok(());
+    for scenario in scenarios {
+        match run::run(scenario, running, interrupt) {
+            Ok(seen) => rows.push(Row::new(scenario.name(), scenario.judge(&seen), &seen)),
+            Err(error) => {
+                ended = Err(error);
+                break;
+            }
+        }
+    }
+    // What was performed before an error is worth seeing.
+    table::print(task, &rows, output)?;
+    ended?;
+    table::verdict(&rows)
+}
+
+/// An object by name or file.
+fn object(argument: &str) -> anyhow::Result<Object> {
+    Object::named_or_file(argument).map_err(|error| Ended::with(Exit::Usage, error.to_string()))
+}
+
+/// An object that can be screwed.
+fn cap(argument: &str) -> anyhow::Result<Object> {
+    let cap = object(argument)?;
+    if cap.thread.is_some() {
+        return Ok(cap);
+    }
+    let sentence = format!(
+        "could not screw {argument:?} because it has no thread; name an object that has one"
+    );
+    Err(Ended::with(Exit::Usage, sentence))
+}
+
+/// The scene as the simulator will draw it.
+fn varied(scene: Scene, running: &Running) -> Scene {
+    if running.vary {
+        scene.varied(running.seed)
+    } else {
+        scene
+    }
+}
+
+/// How high the first object is, for people who watch.
+fn lifted(truth: &WorldTruth) -> String {
+    format!("lifted {} mm", number(truth.objects[0].lifted_m * 1e3, 1))
+}

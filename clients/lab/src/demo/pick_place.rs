@@ -1,0 +1,98 @@
+//! Pick and place: within 5 mm of its place, let go when it stands and not above it; what is too heavy is put back.
+
+use atas_client::goal::LIFT_M;
+use atas_console::arguments::Running;
+use atas_core::Settings;
+use atas_evaluation::Task;
+use atas_evaluation::judge::{Load, Outcome, Placing};
+use shm_schemas::{GoalRequest, WorldTruth};
+use sim_backend::{Object, Scene};
+
+use super::grasp::gripped;
+use super::run::{SIDE, Seen};
+use super::scenario::{Figure, Judged, Scenario};
+
+/// One object on a plate, and another plate.
+pub(super) struct PickPlace {
+    argument: String,
+    scene: Scene,
+    goal: GoalRequest,
+}
+
+impl PickPlace {
+    /// An object by name or file.
+    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+        let scene = super::varied(Scene::pick_place(super::object(argument)?, SIDE), running);
+        Ok(Self {
+            argument: argument.to_owned(),
+            goal: Task::PickPlace.goal(&scene)?,
+            scene,
+        })
+    }
+
+    fn object(&self) -> &Object {
+        &self.scene.objects[0].object
+    }
+}
+
+impl Scenario for PickPlace {
+    fn name(&self) -> &str {
+        &self.object().name
+    }
+
+    fn setting(&self) -> Vec<String> {
+        ["--scene", "pick-place", "--object", &self.argument]
+            .map(str::to_owned)
+            .to_vec()
+    }
+
+    fn goal(&self) -> GoalRequest {
+        self.goal
+    }
+
+    fn live(&self, truth: &WorldTruth) -> String {
+        super::lifted(truth)
+    }
+
+    fn judge(&self, seen: &Seen) -> Judged {
+        let [x_m, y_m, _] = self.goal.to_m;
+        let end = seen.progress.last();
+        let placing = Placing::of(end, &seen.truth, [x_m, y_m], seen.progress.let_go_ns());
+        let feasible = Load::of(self.object(), &Settings::default().grasp).is_feasible();
+        let outcome = Outcome::of(end, &seen.truth, SIDE.index(), LIFT_M);
+        let refused = !feasible && outcome.is_expected(feasible);
+        let mut figures = gripped(seen.progress.figures());
+        figures.extend([
+            Figure::new("off mm", "off_mm", placing.off_m * 1e3, 1),
+            Figure::new(
+                "released after ms",
+                "released_after_ms",
+                placing.latency_s * 1e3,
+                1,
+            ),
+            Figure::new(
+                "fingers off ms",
+                "parted_after_ms",
+                placing.parting_s * 1e3,
+                1,
+            ),
+            Figure::new(
+                "above mm",
+                "released_above_mm",
+                placing.released_above_m * 1e3,
+                2,
+            ),
+        ]);
+        let word = match &placing.failure {
+            Some(_) if refused => "refused".to_owned(),
+            Some(failure) => failure.clone(),
+            None => "placed".to_owned(),
+        };
+        Judged {
+            figures,
+            outcome: word,
+            should: if feasible { "placed" } else { "refused" },
+            as_expected: refused || (feasible && placing.failure.is_none()),
+        }
+    }
+}

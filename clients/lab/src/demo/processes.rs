@@ -1,0 +1,102 @@
+//! The processes of a demo: a bus of its own, the simulator and the daemon on it, and their logs.
+//!
+//! Dropping them ends the processes and wipes the bus, on every way out. Whoever joined the bus must have left it by then:
+//! declare them first.
+
+use std::time::{Duration, Instant};
+
+use atas_client::{POLL, Session};
+use atas_console::Interrupt;
+use atas_console::arguments::Running;
+use shm_bus::{BusName, FreshBus};
+use shm_schemas::{Mode, Status, service};
+
+use super::child::Child;
+use super::logs::{self, Logs};
+
+/// How long both processes may take until the daemon is ready (ours: it promises 150 ms; a loaded machine takes longer).
+const READY_WITHIN: Duration = Duration::from_secs(15);
+/// How long it must have been ready without a break (ours: ten statuses). While two processes start, the clock hands out
+/// milliseconds unevenly, and the daemon holds in between.
+const STEADY_FOR: Duration = Duration::from_millis(200);
+/// A configuration file without content: the built-in defaults, whatever is installed on this machine.
+const NO_CONFIGURATION: &str = "/dev/null";
+
+/// Simulator and daemon, running. The order of the fields is the order of the end.
+pub(super) struct Processes {
+    daemon: Child,
+    simulator: Child,
+    bus: FreshBus,
+    logs: Logs,
+}
+
+impl Processes {
+    /// Starts simulator and daemon.
+    pub(super) fn set(scene: &[String], running: &Running) -> anyhow::Result<Self> {
+        logs::sweep();
+        let bus = FreshBus::new("demo");
+        let logs = Logs::new(&bus)?;
+        let (name, seed) = (bus.as_str(), running.seed.to_string());
+        let mut simulate = vec!["run", "--bus", name, "--seed", &seed];
+        simulate.extend(scene.iter().map(String::as_str));
+        let mut control = vec!["--bus", name, "--config", NO_CONFIGURATION];
+        if running.vary {
+            simulate.push("--vary");
+        }
+        if running.lockstep {
+            simulate.push("--lockstep");
+            control.push("--lockstep");
+        }
+        let simulator = Child::start("atas-sim", &simulate, &logs.folder)?;
+        let daemon = Child::start("atasd", &control, &logs.folder)?;
+        Ok(Self {
+            daemon,
+            simulator,
+            bus,
+            logs,
+        })
+    }
+
+    /// The bus.
+    pub(super) fn bus(&self) -> &BusName {
+        &self.bus
+    }
+
+    /// An error if one of the processes has ended; the logs are kept then.
+    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+        let checked = self.simulator.check().and_then(|()| self.daemon.check());
+        self.logs.keep |= checked.is_err();
+        checked
+    }
+
+    /// Waits until the daemon is ready for a goal.
+    pub(super) fn wait_until_ready(
+        &mut self,
+        session: &Session,
+        interrupt: &Interrupt,
+    ) -> anyhow::Result<()> {
+        let mut statuses = session.bus().subscriber::<Status>(service::STATUS)?;
+        let mut status = Status::default();
+        let begin = Instant::now();
+        let mut unready = begin;
+        while unready.elapsed() < STEADY_FOR {
+            self.check()?;
+            interrupt.check("the demo was starting")?;
+            if begin.elapsed() > READY_WITHIN {
+                self.logs.keep = true;
+                anyhow::bail!(
+                    "the daemon was not ready within {READY_WITHIN:?}: mode {} ({}); its log is in {}",
+                    status.mode,
+                    status.reason,
+                    self.logs.folder.display()
+                );
+            }
+            statuses.newest(&mut status)?;
+            if status.mode != Mode::READY {
+                unready = Instant::now();
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+}

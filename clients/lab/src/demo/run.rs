@@ -1,0 +1,157 @@
+//! One run of a scenario: processes started, goal sent, truth observed to the end.
+
+use std::time::{Duration, Instant};
+
+use atas_client::GoalProgress;
+use atas_client::{Cancelled, POLL, Pursuit, Session};
+use atas_console::arguments::Running;
+use atas_console::{Interrupt, Progress};
+use robot_model::Side;
+use shm_bus::Subscriber;
+use shm_schemas::{Status, WorldTruth, service};
+
+use super::processes::Processes;
+use super::punctuality::Punctuality;
+use super::scenario::Scenario;
+use super::turns::Turns;
+
+/// The hand that acts.
+pub(super) const SIDE: Side = Side::Right;
+/// Longest time of one goal (ours: several times what the longest clean task takes).
+const GOAL_WITHIN: Duration = Duration::from_secs(600);
+/// How long to wait for truth and status of the goal's last tick, which come 50 times a second (ours).
+const SETTLED_WITHIN: Duration = Duration::from_secs(1);
+
+/// What was seen of a run.
+pub(super) struct Seen {
+    pub(super) progress: GoalProgress,
+    /// The truth at the end.
+    pub(super) truth: WorldTruth,
+    /// The truth when the hand last tried, before it backed out of a refused object.
+    pub(super) attempt: WorldTruth,
+    /// Turns of a cap.
+    pub(super) turns: u32,
+    pub(super) punctuality: Punctuality,
+}
+
+/// Runs a scenario from start to clean-up.
+pub(super) fn run(
+    scenario: &dyn Scenario,
+    running: &Running,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Seen> {
+    let mut live = Progress::new(scenario.name());
+    live.note("starting atasd and atas-sim");
+    let mut processes = Processes::set(&scenario.setting(), running)?;
+    let session = Session::join(processes.bus())?;
+    processes.wait_until_ready(&session, interrupt)?;
+    let watched = watch(&mut processes, &session, scenario, interrupt, &mut live);
+    // If a process died, its own words explain more than what its death led to.
+    processes.check()?;
+    watched
+}
+
+/// Sends the goal and watches it to its end.
+fn watch(
+    processes: &mut Processes,
+    session: &Session,
+    scenario: &dyn Scenario,
+    interrupt: &Interrupt,
+    live: &mut Progress,
+) -> anyhow::Result<Seen> {
+    let mut observer = Observer::join(session)?;
+    let pursuit = Pursuit {
+        session,
+        stop: interrupt.flag(),
+        timeout: Some(GOAL_WITHIN),
+    };
+    let (progress, cancelled) = pursuit.run(&scenario.goal(), |progress| {
+        processes.check()?;
+        observer.look(progress)?;
+        live.show(
+            progress,
+            Some(&observer.status),
+            &scenario.live(&observer.now),
+        );
+        anyhow::Ok(())
+    })?;
+    match cancelled {
+        Some(Cancelled::Interrupted) => {
+            interrupt.check("the demo ended its processes and wiped its bus")?
+        }
+        Some(Cancelled::TimedOut(limit)) => {
+            anyhow::bail!("{} took longer than {limit:?}", scenario.name())
+        }
+        None => {}
+    }
+    observer.settle(&progress)?;
+    Ok(observer.recount(progress))
+}
+
+/// Observes truth and status.
+struct Observer {
+    truths: Subscriber<WorldTruth>,
+    statuses: Subscriber<Status>,
+    first: Option<(WorldTruth, Status)>,
+    now: WorldTruth,
+    attempt: WorldTruth,
+    status: Status,
+    turns: Turns,
+}
+
+impl Observer {
+    fn join(session: &Session) -> anyhow::Result<Self> {
+        let bus = session.bus();
+        Ok(Self {
+            truths: bus.subscriber(service::WORLD_TRUTH)?,
+            statuses: bus.subscriber(service::STATUS)?,
+            first: None,
+            now: WorldTruth::default(),
+            attempt: WorldTruth::default(),
+            status: Status::default(),
+            turns: Turns::default(),
+        })
+    }
+
+    fn look(&mut self, progress: &GoalProgress) -> anyhow::Result<()> {
+        self.truths.newest(&mut self.now)?;
+        self.statuses.newest(&mut self.status)?;
+        if self.now.object_count > 0 && self.status.pid > 0 {
+            self.first.get_or_insert((self.now, self.status));
+        }
+        if !progress.lets_go() {
+            self.attempt = self.now;
+        }
+        self.turns.look(&self.now, SIDE.index());
+        Ok(())
+    }
+
+    /// Waits for truth and status of the goal's last tick.
+    fn settle(&mut self, progress: &GoalProgress) -> anyhow::Result<()> {
+        let begin = Instant::now();
+        let end_ns = progress.last().stamp.captured_ns;
+        while self.now.stamp.captured_ns < end_ns || self.status.stamp.captured_ns < end_ns {
+            anyhow::ensure!(
+                begin.elapsed() < SETTLED_WITHIN,
+                "could not judge the outcome because truth and status of the goal's last tick did not come within \
+                 {SETTLED_WITHIN:?}"
+            );
+            self.look(progress)?;
+            std::thread::sleep(POLL);
+        }
+        Ok(())
+    }
+
+    fn recount(self, progress: GoalProgress) -> Seen {
+        let (first, status) = self.first.unwrap_or((self.now, self.status));
+        let ticks = (progress.took_s() * f64::from(self.status.rate_hz)).round() as u64;
+        let ends = [(&first, &status), (&self.now, &self.status)];
+        Seen {
+            punctuality: Punctuality::between(ends, ticks),
+            progress,
+            truth: self.now,
+            attempt: self.attempt,
+            turns: self.turns.count,
+        }
+    }
+}

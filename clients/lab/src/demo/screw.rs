@@ -1,0 +1,84 @@
+//! Cap screwing: closed, and as tight as Module 4 should make it.
+
+use atas_console::arguments::Running;
+use atas_evaluation::Task;
+use atas_evaluation::judge::Screwing;
+use shm_schemas::{GoalRequest, WorldTruth};
+use sim_backend::Scene;
+
+use super::run::{SIDE, Seen};
+use super::scenario::{Figure, Judged, Scenario};
+
+/// A cap on the neck of a clamped bottle.
+pub(super) struct Screw {
+    argument: String,
+    scene: Scene,
+    goal: GoalRequest,
+}
+
+impl Screw {
+    /// A cap by name or file.
+    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+        let scene = Scene::screw(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
+        let scene = super::varied(scene, running);
+        Ok(Self {
+            argument: argument.to_owned(),
+            goal: Task::Screw.goal(&scene)?,
+            scene,
+        })
+    }
+}
+
+impl Scenario for Screw {
+    fn name(&self) -> &str {
+        &self.scene.objects[0].object.name
+    }
+
+    fn setting(&self) -> Vec<String> {
+        ["--scene", "screw", "--cap", &self.argument]
+            .map(str::to_owned)
+            .to_vec()
+    }
+
+    fn goal(&self) -> GoalRequest {
+        self.goal
+    }
+
+    fn live(&self, truth: &WorldTruth) -> String {
+        turned(truth)
+    }
+
+    fn judge(&self, seen: &Seen) -> Judged {
+        let screwing = Screwing::of(seen.progress.last(), &seen.truth);
+        Judged {
+            figures: turning(seen, screwing.tightness),
+            as_expected: screwing.failure.is_none(),
+            outcome: screwing.failure.unwrap_or_else(|| "tight".to_owned()),
+            should: "tight",
+        }
+    }
+}
+
+/// How far the cap was turned, for people who watch.
+pub(super) fn turned(truth: &WorldTruth) -> String {
+    let angle_deg = truth.objects[0].cap_angle_rad.to_degrees();
+    format!("turned {}°", atas_console::number(angle_deg, 0))
+}
+
+/// How far a cap was turned in how many turns, and how tight it is.
+pub(super) fn turning(seen: &Seen, tightness: f64) -> Vec<Figure> {
+    let cap = &seen.truth.objects[0];
+    let friction_mn_m = cap.cap_friction_n_m * 1e3;
+    vec![
+        Figure::count("turns", "turns", seen.turns),
+        Figure::new("turned °", "turned_deg", cap.cap_angle_rad.to_degrees(), 0),
+        Figure::new(
+            "closes at °",
+            "closes_at_deg",
+            cap.cap_closing_rad.to_degrees(),
+            0,
+        ),
+        Figure::new("thread mN·m", "thread_mn_m", friction_mn_m, 1),
+        Figure::new("tight × thread", "tight_over_thread", tightness, 2),
+    ]
+}

@@ -1,0 +1,114 @@
+//! The processes of the demo on a bus of their own, watched until every goal had its trial.
+
+use anyhow::Context;
+use atas_client::POLL;
+use atas_console::{Interrupt, Progress};
+use ebts::condition::GOALS;
+use ebts::table_file::TableFile;
+use shm_bus::{Bus, FreshBus, Realtime};
+use shm_schemas::{AgentSensors, service};
+use sim_backend::swarm::TrialReport;
+
+use super::super::child::Child;
+use super::super::logs::{self, Logs};
+
+/// Field and agents. The order of the fields is the order of the end.
+pub(super) struct Arena {
+    field: Child,
+    agents: Child,
+    bus: FreshBus,
+    logs: Logs,
+}
+
+impl Arena {
+    /// Starts the field that a table was evolved for, and the agents. Without a frame rate they run in lock-step.
+    pub(super) fn set(
+        table: &str,
+        file: &TableFile,
+        frame_rate_hz: Option<u32>,
+    ) -> anyhow::Result<Self> {
+        logs::sweep();
+        let bus = FreshBus::new("demo");
+        let logs = Logs::new(&bus)?;
+        let preset = logs.folder.join("preset.toml");
+        std::fs::write(&preset, toml::to_string(file.condition.model.preset())?)
+            .with_context(|| format!("could not write {}", preset.display()))?;
+        let (preset, team) = (
+            preset.to_string_lossy(),
+            file.condition.team.get().to_string(),
+        );
+        let mut host = vec!["field", "--bus", bus.as_str(), "--format", "json"];
+        host.extend(["--preset", &*preset, "--agents", &*team]);
+        let rate = frame_rate_hz.map(|rate| rate.to_string());
+        match &rate {
+            Some(rate) => host.extend(["--frame-rate-hz", rate]),
+            None => host.push("--lockstep"),
+        }
+        let drive = ["agents", "--bus", bus.as_str(), "--table", table];
+        let field = Child::start("atas-sim", &host, &logs.folder)?;
+        let agents = Child::start("ebts", &drive, &logs.folder)?;
+        Ok(Self {
+            field,
+            agents,
+            bus,
+            logs,
+        })
+    }
+
+    /// Shows the trials as they go on, and returns what became of them.
+    pub(super) fn watch(
+        mut self,
+        interrupt: &Interrupt,
+        progress: &mut Progress,
+    ) -> anyhow::Result<Vec<TrialReport>> {
+        let watched = self.trials(interrupt, progress);
+        self.logs.keep |= watched.is_err() && !interrupt.is_set();
+        watched
+    }
+
+    fn trials(
+        &mut self,
+        interrupt: &Interrupt,
+        progress: &mut Progress,
+    ) -> anyhow::Result<Vec<TrialReport>> {
+        let bus = Bus::open(&self.bus, "atas-demo", Realtime::No)?;
+        let mut frames = bus.subscriber::<AgentSensors>(service::AGENT_SENSORS)?;
+        let (mut frame, mut told) = (AgentSensors::default(), 0);
+        loop {
+            interrupt.check("the demo ended its processes and wiped its bus")?;
+            // The field ends after its last trial: what it said counts before that it is gone.
+            let (field, agents) = (self.field.check(), self.agents.check());
+            let trials = self.reports()?;
+            for trial in &trials[told..] {
+                progress.note(&sentence(trial));
+            }
+            told = trials.len();
+            if told == GOALS {
+                return Ok(trials);
+            }
+            field.and(agents)?;
+            if frames.newest(&mut frame)? {
+                progress.live(&format!("goal {}: frame {}", frame.trial + 1, frame.frame));
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    fn reports(&self) -> anyhow::Result<Vec<TrialReport>> {
+        let lines = self.field.results();
+        let parse = |line: &String| serde_json::from_str(line).context("atas-sim spoke no JSON");
+        lines.iter().map(parse).collect()
+    }
+}
+
+/// One trial in a sentence.
+fn sentence(trial: &TrialReport) -> String {
+    let px = trial.outcomes[0].evaluated.goal_px;
+    match trial.solved() {
+        0 => format!("goal {}: the object is {px:.0} px away", trial.goal),
+        _ => format!(
+            "goal {}: carried there, {px:.0} px from its centre",
+            trial.goal
+        ),
+    }
+}

@@ -1,0 +1,47 @@
+//! `atas demo swarm`: a team of robots, each driven by an evolved table in a process of its own, on a field in another.
+//!
+//! What the bus carries is what evolution simulated: as long as no frame is missed, every goal is worth the very points
+//! that the table file says, and the demo holds the run to that.
+
+mod arena;
+mod report;
+
+use anyhow::Context;
+use atas_console::arguments::DemoSwarm;
+use atas_console::{Ended, Exit, Interrupt, Output, Progress};
+use ebts::built_in;
+use ebts::table_file::TableFile;
+
+use arena::Arena;
+use report::Report;
+
+/// `atas demo swarm`.
+pub(crate) fn swarm(
+    arguments: &DemoSwarm,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let file = built_in::table(&arguments.table)
+        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+    let mut progress = Progress::new("swarm");
+    progress.note("starting atas-sim field and ebts agents");
+    let pace = (!arguments.lockstep).then_some(arguments.frame_rate_hz);
+    let trials = Arena::set(&arguments.table, &file, pace)?.watch(interrupt, &mut progress)?;
+    drop(progress);
+    if let Some(path) = &arguments.replay {
+        write_replay(&file, path)?;
+    }
+    let report = Report {
+        table: &arguments.table,
+        file: &file,
+        trials: &trials,
+        replay: arguments.replay.as_deref(),
+    };
+    report.print(output)?;
+    report.verdict()
+}
+
+fn write_replay(file: &TableFile, path: &std::path::Path) -> anyhow::Result<()> {
+    let page = ebts::replay::page(file)?;
+    std::fs::write(path, page).with_context(|| format!("could not write {}", path.display()))
+}

@@ -1,0 +1,107 @@
+//! The results of a demo.
+
+use atas_console::{Ended, Exit, Output, table};
+use serde_json::{Map, Value};
+
+use super::punctuality::Punctuality;
+use super::run::Seen;
+use super::scenario::{Figure, Judged};
+
+/// What became of one scenario.
+pub(super) struct Row {
+    name: String,
+    judged: Judged,
+    /// Why it did not succeed; empty if it did.
+    reason: String,
+    took_s: f64,
+    punctuality: Punctuality,
+}
+
+impl Row {
+    pub(super) fn new(name: &str, judged: Judged, seen: &Seen) -> Self {
+        let reason = if seen.progress.last().reason.is_some() {
+            seen.progress.sentence()
+        } else {
+            String::new()
+        };
+        Self {
+            name: name.to_owned(),
+            judged,
+            reason,
+            took_s: seen.progress.took_s(),
+            punctuality: seen.punctuality,
+        }
+    }
+
+    fn value(&self) -> Value {
+        let mut value = Map::new();
+        value.insert("object".into(), self.name.as_str().into());
+        for Figure { key, value: of, .. } in &self.judged.figures {
+            value.insert((*key).into(), of.clone());
+        }
+        value.insert("outcome".into(), self.judged.outcome.as_str().into());
+        value.insert("as_expected".into(), self.judged.as_expected.into());
+        value.insert("reason".into(), self.reason.as_str().into());
+        value.insert("took_s".into(), self.took_s.into());
+        if let Value::Object(punctuality) = self.punctuality.value() {
+            value.extend(punctuality);
+        }
+        value.into()
+    }
+}
+
+/// Prints the results in the format asked for.
+pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Result<()> {
+    let Some(first) = rows.first() else {
+        return Ok(());
+    };
+    if output.is_json() {
+        let as_expected = rows.iter().all(|row| row.judged.as_expected);
+        let objects: Vec<Value> = rows.iter().map(Row::value).collect();
+        return output.json(
+            &serde_json::json!({ "task": task, "as_expected": as_expected, "objects": objects }),
+        );
+    }
+    let heads = first.judged.figures.iter().filter_map(|figure| figure.head);
+    let header: Vec<&str> = ["object"]
+        .into_iter()
+        .chain(heads)
+        .chain(["took s", "outcome", "reason"])
+        .collect();
+    let mut lines = table(&header);
+    for row in rows {
+        let shown = row
+            .judged
+            .figures
+            .iter()
+            .filter(|figure| figure.head.is_some());
+        let mut cells: Vec<comfy_table::Cell> = vec![row.name.as_str().into()];
+        cells.extend(shown.map(|figure| figure.text.as_str().into()));
+        cells.push(format!("{:.1}", row.took_s).into());
+        cells.push(output.verdict(&row.judged.outcome, row.judged.as_expected));
+        cells.push(row.reason.as_str().into());
+        lines.add_row(cells);
+    }
+    output.line(lines)?;
+    match Punctuality::sum(rows.iter().map(|row| row.punctuality)).sentence() {
+        Some(sentence) => output.line(sentence),
+        None => Ok(()),
+    }
+}
+
+/// An error that names what did not end as physics says it should.
+pub(super) fn verdict(rows: &[Row]) -> anyhow::Result<()> {
+    let unexpected = rows.iter().filter(|row| !row.judged.as_expected);
+    let sentences: Vec<String> = unexpected
+        .map(|row| {
+            format!(
+                "{}: {}, should be {}",
+                row.name, row.judged.outcome, row.judged.should
+            )
+        })
+        .collect();
+    if sentences.is_empty() {
+        return Ok(());
+    }
+    Err(Ended::with(Exit::Unexpected, sentences.join("; ")))
+}

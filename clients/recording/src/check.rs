@@ -1,0 +1,100 @@
+//! Whether a file is whole, and what of it can be saved.
+
+use std::path::{Path, PathBuf};
+
+use shm_schemas::TickInputs;
+
+use super::reader::{Entry, Reader, payload};
+use super::writer::Writer;
+
+/// What a file holds, as far as it can be read.
+#[derive(Debug, Default)]
+pub struct Contents {
+    /// Messages of any kind.
+    pub messages: u64,
+    /// Parts of ticks.
+    pub parts: u64,
+    /// Parts that are missing in between.
+    pub lost: u64,
+    /// Sequence of the first part.
+    pub first: Option<u64>,
+    next: Option<u64>,
+    /// Why it cannot be read to its end.
+    pub damage: Option<String>,
+}
+
+impl Contents {
+    fn of(path: &Path, mut each: impl FnMut(&Entry) -> anyhow::Result<()>) -> anyhow::Result<Self> {
+        let mut contents = Self::default();
+        for entry in Reader::open(path)? {
+            match entry {
+                Ok(entry) => {
+                    contents.count(&entry);
+                    each(&entry)?;
+                }
+                Err(error) => contents.damage = Some(one_line(&error)),
+            }
+        }
+        Ok(contents)
+    }
+
+    fn count(&mut self, entry: &Entry) {
+        let Entry::Message(message) = entry else {
+            return;
+        };
+        self.messages += 1;
+        let Some(part) = payload::<TickInputs>(message) else {
+            return;
+        };
+        self.parts += 1;
+        let sequence = part.stamp.sequence;
+        self.first.get_or_insert(sequence);
+        self.lost += self.next.map_or(0, |next| sequence.saturating_sub(next));
+        self.next = Some(sequence.saturating_add(1));
+    }
+}
+
+/// What a file holds; says why if it cannot be read to its end.
+///
+/// # Errors
+/// It cannot be opened.
+pub fn check(path: &Path) -> anyhow::Result<Contents> {
+    Contents::of(path, |_| Ok(()))
+}
+
+/// Saves what can be read of a recording into `out`, or into a file of a name like its own. Returns which, and what was
+/// saved.
+///
+/// # Errors
+/// It cannot be opened, or the new file cannot be made.
+pub fn repair(path: &Path, out: Option<&Path>) -> anyhow::Result<(PathBuf, Contents)> {
+    let out = out.map_or_else(|| repaired(path), Path::to_owned);
+    let contents = save(path, &out)?;
+    Ok((out, contents))
+}
+
+/// Writes what can be read into a new, whole file.
+fn save(path: &Path, out: &Path) -> anyhow::Result<Contents> {
+    let mut writer = Writer::create(out)?;
+    let contents = Contents::of(path, |entry| match entry {
+        Entry::Message(message) => writer.copy(message),
+        Entry::Metadata(metadata) => writer.describe(metadata),
+    })?;
+    writer.finish()?;
+    Ok(contents)
+}
+
+/// The parser of records draws pictures over several lines; the first says what it is about.
+fn one_line(error: &anyhow::Error) -> String {
+    let text = format!("{error:#}");
+    let line = text.lines().next().unwrap_or_default();
+    line.trim_end_matches([' ', ':']).to_owned()
+}
+
+fn repaired(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-repaired.mcap"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+//! The first tick and field in which two recordings differ, and how both ended.
+//!
+//! Times, writers, sequences and checksums are not compared: they differ between any two runs by the clock.
+
+use std::path::Path;
+
+use shm_schemas::{HandFrame, JointCommand, JointState, OrderRecord, Status, TickInputs};
+use zerocopy::{Immutable, IntoBytes};
+
+use super::reader::{Entry, Reader, payload};
+
+/// Fields that say when and by whom, not what.
+const NOT_COMPARED: [&str; 4] = ["stamp", "valid_until_ns", "crc32", "answers_sequence"];
+
+/// What two recordings have in common, and where they part.
+pub struct Difference {
+    /// Ticks that are equal before the first difference.
+    pub equal_ticks: u64,
+    /// The first tick that differs, and in what; `None` if none does.
+    pub first: Option<(u64, String)>,
+    /// The last status of each.
+    pub ends: [Option<Box<Status>>; 2],
+}
+
+/// Compares two recordings.
+///
+/// # Errors
+/// One cannot be read.
+pub fn diff(a: &Path, b: &Path) -> anyhow::Result<Difference> {
+    let (mut first, mut second) = (Ticks::open(a)?, Ticks::open(b)?);
+    let mut equal_ticks = 0_u64;
+    let difference = loop {
+        match (first.next()?, second.next()?) {
+            (Some(a), Some(b)) => match part_difference(&a, &b) {
+                Some(field) => break Some((a.tick, field)),
+                None => equal_ticks += u64::from(a.part == 0),
+            },
+            (None, None) => break None,
+            (Some(longer), None) => {
+                break Some((longer.tick, "the second recording ends here".into()));
+            }
+            (None, Some(longer)) => {
+                break Some((longer.tick, "the first recording ends here".into()));
+            }
+        }
+    };
+    Ok(Difference {
+        equal_ticks,
+        first: difference,
+        ends: [first.end()?, second.end()?],
+    })
+}
+
+/// The ticks of a file, and its last status.
+struct Ticks {
+    entries: Reader,
+    last: Option<Box<Status>>,
+}
+
+impl Ticks {
+    fn open(path: &Path) -> anyhow::Result<Self> {
+        Ok(Self {
+            entries: Reader::open(path)?,
+            last: None,
+        })
+    }
+
+    fn next(&mut self) -> anyhow::Result<Option<Box<TickInputs>>> {
+        for entry in &mut self.entries {
+            let Entry::Message(message) = entry? else {
+                continue;
+            };
+            if let Some(part) = payload::<TickInputs>(&message) {
+                return Ok(Some(part));
+            }
+            self.last = payload::<Status>(&message).or(self.last.take());
+        }
+        Ok(None)
+    }
+
+    /// The last status: reads to the end.
+    fn end(mut self) -> anyhow::Result<Option<Box<Status>>> {
+        while self.next()?.is_some() {}
+        Ok(self.last)
+    }
+}
+
+/// Inputs first: where they differ, the commands may.
+fn part_difference(a: &TickInputs, b: &TickInputs) -> Option<String> {
+    let under = |of: &str, field: Option<String>| field.map(|field| format!("{of}.{field}"));
+    let counts = |part: &TickInputs| (part.tick, part.part, part.has_frame, part.has_joints);
+    if counts(a) != counts(b) {
+        return Some("which inputs arrived".into());
+    }
+    under(
+        "frames[0]",
+        difference(HandFrame::FIELDS, &a.frames[0], &b.frames[0]),
+    )
+    .or_else(|| {
+        under(
+            "frames[1]",
+            difference(HandFrame::FIELDS, &a.frames[1], &b.frames[1]),
+        )
+    })
+    .or_else(|| {
+        under(
+            "joints",
+            difference(JointState::FIELDS, &a.joints, &b.joints),
+        )
+    })
+    .or_else(|| under("order", order_difference(&a.order, &b.order)))
+    .or_else(|| command_difference(&a.command, &b.command, &NOT_COMPARED))
+}
+
+fn order_difference(a: &OrderRecord, b: &OrderRecord) -> Option<String> {
+    let (mut a, mut b) = (*a, *b);
+    // When a goal was sent and how its client counts is not what it asks for.
+    for order in [&mut a, &mut b] {
+        order.goal_id = 0;
+        (order.goal.stamp, order.goal.goal_id) = Default::default();
+    }
+    difference(OrderRecord::FIELDS, &a, &b)
+}
+
+/// The first field in which two commands differ, but for some, with both values where people want to see them.
+#[must_use]
+pub fn command_difference(a: &JointCommand, b: &JointCommand, except: &[&str]) -> Option<String> {
+    let joints = |name: &str, a: &[f64], b: &[f64]| {
+        let at = a
+            .iter()
+            .zip(b)
+            .position(|(a, b)| a.to_bits() != b.to_bits())?;
+        Some(format!(
+            "command.{name}[{at}] is {:?} and {:?}",
+            a[at], b[at]
+        ))
+    };
+    joints("position_rad", &a.position_rad, &b.position_rad)
+        .or_else(|| joints("velocity_rad_s", &a.velocity_rad_s, &b.velocity_rad_s))
+        .or_else(|| {
+            (a.mode != b.mode).then(|| format!("command.mode is {} and {}", a.mode, b.mode))
+        })
+        .or_else(|| field(JointCommand::FIELDS, a, b, except).map(|name| format!("command.{name}")))
+}
+
+fn difference<T: IntoBytes + Immutable>(
+    fields: &'static [(&'static str, usize, usize)],
+    a: &T,
+    b: &T,
+) -> Option<String> {
+    field(fields, a, b, &NOT_COMPARED).map(str::to_owned)
+}
+
+/// The name of the first field in which two payloads differ.
+fn field<T: IntoBytes + Immutable>(
+    fields: &'static [(&'static str, usize, usize)],
+    a: &T,
+    b: &T,
+    except: &[&str],
+) -> Option<&'static str> {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let differs = |offset: usize, size: usize| a[offset..offset + size] != b[offset..offset + size];
+    let mut compared = fields.iter().filter(|(name, ..)| !except.contains(name));
+    compared
+        .find(|(_, offset, size)| differs(*offset, *size))
+        .map(|(name, ..)| *name)
+}

@@ -1,0 +1,131 @@
+//! One MCAP file being read, from its beginning, in bounded memory. The file may be cut off or damaged: what stands
+//! before the damage is read, then the damage is an error.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use mcap::Message;
+use mcap::read::ChannelAccumulator;
+use mcap::records::{Metadata, Record};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::payloads::Recorded;
+
+/// Longest record that is believed, bytes: a hundred times a chunk. A damaged length must not take all memory.
+const RECORD_MAX_BYTES: usize = 128 << 20;
+
+/// Something in a file.
+pub enum Entry {
+    /// A message with its channel.
+    Message(Message<'static>),
+    /// A named table of texts.
+    Metadata(Metadata),
+}
+
+/// A file, entry by entry.
+pub struct Reader {
+    file: BufReader<File>,
+    records: LinearReader,
+    channels: ChannelAccumulator<'static>,
+    path: PathBuf,
+    has_ended: bool,
+}
+
+impl Reader {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// It cannot be opened.
+    pub fn open(path: &Path) -> anyhow::Result<Self> {
+        let file =
+            File::open(path).with_context(|| format!("could not open {}", path.display()))?;
+        let options = LinearReaderOptions::default()
+            .with_validate_chunk_crcs(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true)
+            .with_record_length_limit(RECORD_MAX_BYTES);
+        Ok(Self {
+            file: BufReader::new(file),
+            records: LinearReader::new_with_options(options),
+            channels: ChannelAccumulator::default(),
+            path: path.to_owned(),
+            has_ended: false,
+        })
+    }
+
+    fn next_entry(&mut self) -> anyhow::Result<Option<Entry>> {
+        while let Some(event) = self.records.next_event() {
+            match event? {
+                LinearReadEvent::ReadRequest(bytes) => {
+                    let read = self.file.read(self.records.insert(bytes))?;
+                    self.records.notify_read(read);
+                }
+                LinearReadEvent::Record { data, opcode } => {
+                    let record = mcap::parse_record(opcode, data)?;
+                    if let Some(entry) = entry_of(&mut self.channels, record)? {
+                        return Ok(Some(entry));
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn entry_of(
+    channels: &mut ChannelAccumulator<'static>,
+    record: Record<'_>,
+) -> mcap::McapResult<Option<Entry>> {
+    match record {
+        Record::Schema { header, data } => {
+            channels.add_schema(header, Cow::Owned(data.into_owned()))?;
+        }
+        Record::Channel(channel) => channels.add_channel(channel)?,
+        Record::Message { header, data } => {
+            let unknown = mcap::McapError::UnknownChannel(header.sequence, header.channel_id);
+            return Ok(Some(Entry::Message(Message {
+                channel: channels.get(header.channel_id).ok_or(unknown)?,
+                sequence: header.sequence,
+                log_time: header.log_time,
+                publish_time: header.publish_time,
+                data: Cow::Owned(data.into_owned()),
+            })));
+        }
+        Record::Metadata(metadata) => return Ok(Some(Entry::Metadata(metadata))),
+        _ => {}
+    }
+    Ok(None)
+}
+
+impl Iterator for Reader {
+    type Item = anyhow::Result<Entry>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.has_ended {
+            return None;
+        }
+        let entry = self.next_entry().with_context(|| {
+            let path = self.path.display();
+            format!("could not read {path} to its end; `atas record repair {path}` saves what can be read")
+        });
+        self.has_ended = !matches!(entry, Ok(Some(_)));
+        entry.transpose()
+    }
+}
+
+/// The payload in a message, if it is of this type.
+#[must_use]
+pub fn payload<T: Recorded>(message: &Message<'_>) -> Option<Box<T>> {
+    let is_it = message.channel.topic == T::TOPIC
+        && message
+            .channel
+            .schema
+            .as_ref()
+            .is_some_and(|schema| schema.name == T::TYPE_NAME);
+    let read = is_it.then(|| T::read_from_bytes(&message.data).ok())?;
+    read.map(Box::new)
+}
