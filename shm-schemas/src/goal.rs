@@ -69,7 +69,7 @@ code! {
         RUNNING = 3, "running";
         /// Done as asked.
         SUCCEEDED = 4, "succeeded";
-        /// The robot refused the object while trying, and backed out safely (for example: too heavy for its hardness).
+        /// The robot refused the object while trying, and backed out safely (for example: too heavy for the hand).
         REFUSED = 5, "refused";
         /// Ended without success; `reason` says why.
         FAILED = 6, "failed";

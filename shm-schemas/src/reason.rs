@@ -30,7 +30,7 @@ code! {
         ARMS_COLLIDE = 9, "arms-collide";
         /// No object was touched on the way in.
         NOTHING_TOUCHED = 10, "nothing-touched";
-        /// The object needs more force than its hardness allows.
+        /// The object needs more force than the fingers may press with (`grasp.f2_max_n`).
         TOO_HEAVY = 11, "too-heavy";
         /// The object slipped out of the hand.
         LOST_OBJECT = 12, "lost-object";
@@ -88,6 +88,8 @@ code! {
         ESTOP = 42, "estop";
         /// The daemon is shutting down.
         SHUTDOWN = 43, "shutdown";
+        /// The object needs more force than its stiffness bears (`grasp.compression_m`).
+        TOO_SOFT = 50, "too-soft";
     }
 }
 

@@ -12,7 +12,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.cause.0 {
             0..=9 | 19 => self.write_goal(f),
-            10..=19 | 29 => self.write_task(f),
+            10..=19 | 29 | 50..=59 => self.write_task(f),
             20..=29 => self.write_frames(f),
             30..=39 => self.write_joints(f),
             _ => self.write_daemon(f),
@@ -132,7 +132,14 @@ impl Reason {
             Cause::TOO_HEAVY => {
                 write!(
                     f,
-                    "needs more than {value:.2} N, F_2 is {limit:.2} N: object too heavy for its hardness"
+                    "needs more than {value:.2} N, and the fingers may press with {limit:.2} N at most (`grasp.f2_max_n`): object too heavy"
+                )
+            }
+            Cause::TOO_SOFT => {
+                write!(
+                    f,
+                    "needs more than {value:.2} N, and an object of this stiffness bears {limit:.2} N (F_2): too heavy to be \
+                     held without crushing it"
                 )
             }
             Cause::LOST_OBJECT => write!(

@@ -14,6 +14,11 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+/// The examples of the contributor's guide.
+#[cfg(doctest)]
+#[doc = include_str!("../../CONTRIBUTING.md")]
+struct Contributing;
+
 /// Long enough for any machine; nothing is measured against it.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 

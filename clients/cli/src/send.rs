@@ -169,7 +169,8 @@ mod tests {
                 running("leave"),
                 (GoalState::REFUSED, "leave", heavy),
             ],
-            "lift: needs more than 8.00 N, F_2 is 8.00 N: object too heavy for its hardness (module 3, force limit)",
+            "lift: needs more than 8.00 N, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy (module 3, \
+             force limit)",
         );
         check(
             &[(GoalState::REJECTED, "", Reason::of(Cause::BUSY))],

@@ -17,8 +17,8 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// Looks up the codes of a request, and its task among the built-in ones or, for [`GoalKind::CUSTOM`], among the
-    /// user's own. Says nothing about numbers and reach: that is [`crate::check`]'s.
+    /// Looks up the codes of a request, and its task among the built-in ones or, for [`GoalKind::CUSTOM`], by
+    /// its name: among the user's own, then among the built-in ones. Says nothing about numbers and reach: that is [`crate::check`]'s.
     ///
     /// # Errors
     /// The [`Reason`] for the refusal.
@@ -30,6 +30,7 @@ impl Goal {
             GoalKind::CUSTOM => own
                 .iter()
                 .find(|task| task.name == request.task.as_str())
+                .or_else(|| tasks::named(request.task.as_str()))
                 .ok_or(Reason::of(Cause::UNKNOWN_TASK))?,
             kind => tasks::of(kind).ok_or(unknown(0, kind.0))?,
         };

@@ -14,7 +14,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HandVector};
+use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HandVector};
 
 type Arm = SVector<f64, ARM_JOINTS>;
 type Finger = SVector<f64, FINGER_JOINTS>;

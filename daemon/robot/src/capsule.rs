@@ -4,8 +4,7 @@ use core::ops::Deref;
 
 use nalgebra::Vector3;
 
-use crate::forward::HandPose;
-use crate::model::HandModel;
+use crate::transform::Transform;
 
 /// Most capsules of one hand: the built-in robot has 15 (shoulder, upper arm, forearm, wrist, palm; per finger root,
 /// proximal, distal, dome and the stem behind it).
@@ -62,6 +61,19 @@ impl Capsules {
     }
 }
 
+impl Capsules {
+    /// The same bodies, each moved from the frame of its joint to the base frame.
+    pub(crate) fn placed(&self, base_from_joint: &[Transform]) -> Self {
+        let mut placed = self.clone();
+        for capsule in &mut placed.shapes[..placed.count] {
+            let frame = &base_from_joint[capsule.joint];
+            capsule.a_m = frame.point(&capsule.a_m);
+            capsule.b_m = frame.point(&capsule.b_m);
+        }
+        placed
+    }
+}
+
 impl Default for Capsules {
     fn default() -> Capsules {
         Capsules::new()
@@ -73,20 +85,6 @@ impl Deref for Capsules {
 
     fn deref(&self) -> &[Capsule] {
         &self.shapes[..self.count]
-    }
-}
-
-impl HandModel {
-    /// The collision bodies of the hand at a pose, base frame.
-    #[must_use]
-    pub fn capsules(&self, pose: &HandPose) -> Capsules {
-        let mut placed = self.capsules.clone();
-        for capsule in &mut placed.shapes[..placed.count] {
-            let frame = &pose.base_from_joint[capsule.joint];
-            capsule.a_m = frame.point(&capsule.a_m);
-            capsule.b_m = frame.point(&capsule.b_m);
-        }
-        placed
     }
 }
 

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
+use crate::capsule::Capsules;
 use crate::model::{HandModel, PARENT, finger_root};
+use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
 use crate::transform::Transform;
-use crate::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
 
 /// Where everything of one hand is for one joint vector; all coordinates in the base frame.
 ///
@@ -94,5 +95,13 @@ impl HandModel {
             base_from_tip: [tip(0), tip(1)],
             base_from_joint,
         }
+    }
+}
+
+impl HandModel {
+    /// The collision bodies of the hand at a pose, base frame.
+    #[must_use]
+    pub fn capsules(&self, pose: &HandPose) -> Capsules {
+        self.capsules.placed(&pose.base_from_joint)
     }
 }

@@ -16,8 +16,8 @@ use crate::arrow::{ArrowSystem, FingerBlock};
 use crate::forward::HandPose;
 use crate::jacobian::HandJacobian;
 use crate::model::{HandModel, finger_root};
+use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
 use crate::target::HandTarget;
-use crate::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Solves per step: joints found outside the box are held at its edge and the rest solved again. Ours: three bound the

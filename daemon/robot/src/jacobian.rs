@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::forward::HandPose;
 use crate::model::{HandModel, finger_root};
-use crate::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
+use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
 
 /// 3 × 11: one direction or position of the hand per radian of each joint.
 pub type Rows3 = SMatrix<f64, 3, HAND_JOINTS>;

@@ -63,6 +63,7 @@ mod ik;
 mod jacobian;
 mod model;
 mod reach;
+mod sizes;
 mod solve;
 mod target;
 mod transform;
@@ -75,8 +76,11 @@ pub use capsule::{
 pub use forward::HandPose;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
 pub use jacobian::{HandJacobian, Rows3, Rows6};
-pub use model::{HandModel, JOINT_NAMES, Joint, RobotModel, Side, TIP_LINKS, finger_root};
+pub use model::{
+    HandModel, JOINT_NAMES, Joint, RobotModel, Side, TIP_LINKS, TWO_HAND_ARM_URDF, finger_root,
+};
 pub use reach::{ReachError, Workspace};
+pub use sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS};
 pub use solve::{
     POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,
 };
@@ -84,20 +88,3 @@ pub use target::{GraspFrame, HandTarget};
 pub use transform::Transform;
 #[cfg(feature = "std")]
 pub use urdf::ModelError;
-
-/// Joints of an arm: shoulder yaw and pitch, elbow pitch, wrist pitch and roll (paper: arm 5 DOF).
-pub const ARM_JOINTS: usize = 5;
-/// Joints of a finger: root, knuckle, distal (paper: finger 3 DOF).
-pub const FINGER_JOINTS: usize = 3;
-/// Fingers of a hand. Ours.
-pub const FINGERS: usize = 2;
-/// Joints of one arm with its hand.
-pub const HAND_JOINTS: usize = ARM_JOINTS + FINGERS * FINGER_JOINTS;
-/// Joints of the robot.
-pub const ROBOT_JOINTS: usize = 2 * HAND_JOINTS;
-
-/// One value per joint of a hand, in hand order.
-pub type HandVector = nalgebra::SVector<f64, HAND_JOINTS>;
-
-/// The built-in robot's URDF.
-pub const TWO_HAND_ARM_URDF: &str = include_str!("../two_hand_arm.urdf");

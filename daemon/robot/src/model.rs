@@ -5,8 +5,11 @@ use core::ops::Range;
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
+use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS};
 use crate::transform::Transform;
-use crate::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS};
+
+/// The built-in robot's URDF.
+pub const TWO_HAND_ARM_URDF: &str = include_str!("../two_hand_arm.urdf");
 
 /// Which of the two arms with its hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

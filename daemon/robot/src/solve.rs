@@ -5,8 +5,8 @@ use core::fmt;
 use crate::forward::HandPose;
 use crate::ik::{IkStatus, IkWeights};
 use crate::model::HandModel;
+use crate::sizes::{ARM_JOINTS, FINGERS, HandVector};
 use crate::target::{GraspFrame, HandTarget};
-use crate::{ARM_JOINTS, FINGERS, HandVector};
 
 /// Time that one iteration of [`HandModel::solve`] may use of each joint's speed, seconds: 0.4–1 rad per iteration. Ours:
 /// so wide that joints are rarely held back; at 0.05 s and a secondary gain of 1, 0.4 % of the workspace did not converge.

@@ -4,8 +4,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
-use crate::FINGERS;
 use crate::model::HandModel;
+use crate::sizes::FINGERS;
 
 /// Target of the inverse kinematics of one hand, base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,10 +24,11 @@ use joint::{joint_axis, load_joint, reference_rad, turn_z_to};
 use tree::{Tree, transform};
 
 use crate::model::{
-    HandModel, JOINT_NAMES, Joint, PARENT, RobotModel, Side, TIP_LINKS, finger_root,
+    HandModel, JOINT_NAMES, Joint, PARENT, RobotModel, Side, TIP_LINKS, TWO_HAND_ARM_URDF,
+    finger_root,
 };
+use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, ROBOT_JOINTS};
 use crate::transform::Transform;
-use crate::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, ROBOT_JOINTS, TWO_HAND_ARM_URDF};
 
 impl RobotModel {
     /// Loads a robot from the text of a URDF.

@@ -69,7 +69,12 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::TOO_HEAVY, 8.031, 8.0, 0),
-            "needs more than 8.03 N, F_2 is 8.00 N: object too heavy for its hardness",
+            "needs more than 8.03 N, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy",
+        ),
+        (
+            limit(Cause::TOO_SOFT, 0.812, 0.83, 0),
+            "needs more than 0.81 N, and an object of this stiffness bears 0.83 N (F_2): too heavy to be held without crushing \
+             it",
         ),
         (
             limit(Cause::LOST_OBJECT, 0.01, 0.03, 0),

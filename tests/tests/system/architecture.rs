@@ -76,6 +76,7 @@ const ARROWS: &[(&str, &[&str])] = &[
 const TOP_LEVEL: &[&str] = &[
     "Cargo.toml",
     "Cargo.lock",
+    "CONTRIBUTING.md",
     "README.md",
     "rust-toolchain.toml",
     "LICENSE-MIT",
@@ -91,7 +92,7 @@ const TOP_LEVEL: &[&str] = &[
     "target",
 ];
 
-fn root() -> &'static Path {
+pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("the workspace")

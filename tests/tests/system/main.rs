@@ -3,6 +3,7 @@
 mod architecture;
 mod determinism;
 mod faults;
+mod imports;
 mod optoforce;
 mod readme;
 mod recordings;

@@ -3,8 +3,9 @@
 //! The paper's robot lifts, conveys and lowers between its tactile behaviours without naming a module for it; here it
 //! is one proposal among the others, so that slip can slow it down.
 
-use super::{Context, Module, PoseCommand, Proposal};
+use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::perception::Percept;
+use shm_schemas::ModuleId;
 
 /// How far along its path the hand is, s of path time.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +14,13 @@ pub(super) struct Carry {
 }
 
 impl Module for Carry {
+    const ID: ModuleId = ModuleId::CARRY;
+    const ROLES: Roles = Roles {
+        moves_hand: true,
+        forgets_each_step: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
         self.path_s = (self.path_s + context.step_s * context.carry_scale).max(0.0);
         let arrived = self.path_s >= context.path.duration_s();

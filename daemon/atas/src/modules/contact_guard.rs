@@ -16,6 +16,8 @@ const TOUCH_FACTOR: f64 = 2.0;
 pub(super) struct ContactGuard;
 
 impl Module for ContactGuard {
+    const ID: ModuleId = ModuleId::CONTACT_GUARD;
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let limit_n = TOUCH_FACTOR * context.settings.perception.touch_on_n;
         let touching = percept.fingers[..FINGERS]

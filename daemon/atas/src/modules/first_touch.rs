@@ -6,15 +6,22 @@
 //! hand carries already is not touched for the first time: what is left to do is to keep in touch with it. The module is
 //! active while it enhances.
 
-use super::{Context, Module, Proposal, force_range_n};
+use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::Percept;
 use robot_model::FINGERS;
+use shm_schemas::ModuleId;
 
 /// The module has no memory: what the fingers feel decides.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FirstTouch;
 
 impl Module for FirstTouch {
+    const ID: ModuleId = ModuleId::FIRST_TOUCH;
+    const ROLES: Roles = Roles {
+        closes_fingers: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let (weakest_n, _) = force_range_n(percept);
         let enhance: [bool; FINGERS] = if context.all_touched {

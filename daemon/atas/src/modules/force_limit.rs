@@ -24,6 +24,8 @@ pub(super) struct ForceLimit {
 }
 
 impl Module for ForceLimit {
+    const ID: ModuleId = ModuleId::FORCE_LIMIT;
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
@@ -39,12 +41,12 @@ impl Module for ForceLimit {
             true => 0.0,
             false => f64::INFINITY,
         };
-        let too_heavy = self.slides(percept, context);
-        let reason = Reason::limit(Cause::TOO_HEAVY, strongest_n, f2_n).by(ModuleId::FORCE_LIMIT);
+        let slides = self.slides(percept, context);
+        let reason = too_heavy(strongest_n, context).by(ModuleId::FORCE_LIMIT);
         Proposal {
             active: self.active,
             closing_ceiling_m_s: [ceiling_m_s; FINGERS],
-            verdict: if too_heavy {
+            verdict: if slides {
                 Verdict::Refuse(reason)
             } else {
                 Verdict::None
@@ -52,6 +54,17 @@ impl Module for ForceLimit {
             ..Proposal::default()
         }
     }
+}
+
+/// Why an object that needs more than F_2 is refused: the hand may not press harder, or the object would give way.
+pub(super) fn too_heavy(strongest_n: f64, context: &Context<'_>) -> Reason {
+    let f2_n = context.thresholds.f2_n;
+    let cause = if f2_n < context.settings.grasp.f2_max_n {
+        Cause::TOO_SOFT
+    } else {
+        Cause::TOO_HEAVY
+    };
+    Reason::limit(cause, strongest_n, f2_n)
 }
 
 impl ForceLimit {

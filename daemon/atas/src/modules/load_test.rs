@@ -5,10 +5,11 @@
 //! object that hangs keeps its load; one that still stands gives it back to its support. Then the fingers press harder
 //! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
 
+use super::force_limit::too_heavy;
 use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n};
 use crate::perception::Percept;
 use robot_model::FINGERS;
-use shm_schemas::{Cause, ModuleId, Reason};
+use shm_schemas::ModuleId;
 
 /// How far the tug goes back, m (ours: beyond what the rim of a patch stretches, well below what was lifted before).
 const TUG_M: f64 = 0.0004;
@@ -50,12 +51,14 @@ pub(super) struct Tug {
 }
 
 impl Module for LoadTest {
+    const ID: ModuleId = ModuleId::LOAD_TEST;
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let (weakest_n, strongest_n) = force_range_n(percept);
         let at_ceiling = strongest_n > RELEASE_SHARE * context.thresholds.f2_n;
         let stands = self.follow(percept, context, weakest_n, at_ceiling);
-        let reason = Reason::limit(Cause::TOO_HEAVY, strongest_n, context.thresholds.f2_n);
+        let reason = too_heavy(strongest_n, context);
         let (closing_m_s, carry_ceiling) = match self {
             Self::Tugging(tug) if tug.frames == 0 => (0.0, -1.0),
             Self::Tugging(_) => (0.0, 0.0),

@@ -6,9 +6,10 @@
 //! say of a hard object is uncertain, so the probe goes on listening: whenever the fingers press harder than ever
 //! before, the fit is refined and F_2 with it. What slips tells nothing: its faces move by more than they give.
 
-use super::{Context, Module, Proposal, Verdict, force_range_n};
+use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
 use crate::perception::{Percept, StiffnessEstimate, StiffnessFit};
 use robot_model::FINGERS;
+use shm_schemas::ModuleId;
 
 /// The samples so far.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +20,12 @@ pub(super) struct Probe {
 }
 
 impl Module for Probe {
+    const ID: ModuleId = ModuleId::PROBE;
+    const ROLES: Roles = Roles {
+        closes_fingers: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         self.elapsed_s += context.step_s;

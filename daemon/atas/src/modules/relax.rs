@@ -9,6 +9,7 @@ use super::{Context, Module, Proposal, force_range_n};
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{FingerPercept, Percept};
 use robot_model::FINGERS;
+use shm_schemas::ModuleId;
 
 /// Multiple of the least force down to which the module relaxes: a little above, so that Module 1 need not answer (ours).
 const LEAST_MARGIN: f64 = 1.1;
@@ -28,6 +29,8 @@ pub(super) struct Relax {
 }
 
 impl Module for Relax {
+    const ID: ModuleId = ModuleId::RELAX;
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let fingers = &percept.fingers[..FINGERS];

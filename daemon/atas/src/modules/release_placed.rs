@@ -7,8 +7,9 @@
 //! noise and tremble have been seen to do, whichever is most, concludes the step when it lasts for `place.rise_s`: three
 //! frames of a fast sensor, one of a slow one.
 
-use super::{Context, Module, Proposal, Verdict, force_up_n};
+use super::{Context, Module, Proposal, Roles, Verdict, force_up_n};
 use crate::perception::Percept;
+use shm_schemas::ModuleId;
 
 /// Time constant of the reference while the descent settles, s (prototype: 50 ms).
 const SETTLING_FILTER_S: f64 = 0.05;
@@ -31,6 +32,13 @@ pub(super) struct ReleasePlaced {
 }
 
 impl Module for ReleasePlaced {
+    const ID: ModuleId = ModuleId::RELEASE_PLACED;
+    const ROLES: Roles = Roles {
+        concludes: true,
+        forgets_each_step: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.place;
         if context.lowering_m.is_none() {

@@ -10,10 +10,11 @@
 //!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S.
 //! It stays active for `slip_latch_s` after the last cause. While pressing can still help it slows the hand down.
 
-use super::{Context, Module, Proposal, force_range_n};
+use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::{FingerPercept, Percept};
 use crate::settings::Grasp;
 use robot_model::FINGERS;
+use shm_schemas::ModuleId;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,12 @@ pub(super) struct Slip {
 }
 
 impl Module for Slip {
+    const ID: ModuleId = ModuleId::SLIP;
+    const ROLES: Roles = Roles {
+        closes_fingers: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let mut cause = false;

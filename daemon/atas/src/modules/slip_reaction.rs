@@ -6,10 +6,11 @@
 //! It is told of slip by the same friction utilisation as Module 2, not by the high-pass filtered forces and the
 //! accelerometer of the published one: what is compared is the law, not the sense.
 
-use super::{Context, Module, Proposal, force_range_n};
+use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::{FingerPercept, Percept};
 use crate::settings::Grasp;
 use robot_model::FINGERS;
+use shm_schemas::ModuleId;
 
 /// Share by which the target rises per sample that shows slip: 8 %, as 0.2 % per millisecond for the 41 ms of a sample of
 /// its pressure sensors in the authors' controller for the PR2.
@@ -27,6 +28,12 @@ pub(super) struct SlipReaction {
 }
 
 impl Module for SlipReaction {
+    const ID: ModuleId = ModuleId::SLIP_REACTION;
+    const ROLES: Roles = Roles {
+        closes_fingers: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         self.since_s += context.step_s;

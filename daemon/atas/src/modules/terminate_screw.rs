@@ -6,10 +6,11 @@
 //! turn began (but not what the closing fingers dragged the cap back with); "the first touch" is the first turn. A short
 //! window instead of the turn stops early or never (prototype).
 
-use super::{Context, Module, Proposal, Verdict};
+use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::perception::Percept;
 use nalgebra::Vector3;
 use robot_model::FINGERS;
+use shm_schemas::ModuleId;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +28,13 @@ pub(super) struct TerminateScrew {
 }
 
 impl Module for TerminateScrew {
+    const ID: ModuleId = ModuleId::TERMINATE_SCREW;
+    const ROLES: Roles = Roles {
+        concludes: true,
+        forgets_each_step: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.screw;
         let share = context.step_s / (settings.finish_filter_s + context.step_s);

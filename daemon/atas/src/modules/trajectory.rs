@@ -12,9 +12,10 @@
 //! Two reflexes keep the square on the cap: a finger that presses harder than the other gives way, and the hand presses
 //! lightly down, so that it follows the cap along its thread.
 
-use super::{Context, Module, PoseCommand, Proposal, force_range_n, force_up_n};
+use super::{Context, Module, PoseCommand, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::Percept;
 use robot_model::{FINGERS, GraspFrame};
+use shm_schemas::ModuleId;
 
 /// Samples of the learnt offset along the turn (prototype: 29, one per half millimetre).
 const BINS: usize = 29;
@@ -83,6 +84,14 @@ impl Default for Trajectory {
 }
 
 impl Module for Trajectory {
+    const ID: ModuleId = ModuleId::TRAJECTORY;
+    const ROLES: Roles = Roles {
+        moves_hand: true,
+        closes_fingers: true,
+        forgets_each_step: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         self.anchor.get_or_insert(*context.frame);
         match self.edge {

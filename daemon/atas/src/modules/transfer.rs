@@ -5,10 +5,11 @@
 //! `place.lower_m_s` from where the path ends. It does not know how high the support lies: it stops when Module 4 ends
 //! the step, or, having arrived, at the step's bound.
 
-use super::{Context, Module, PoseCommand, Proposal};
+use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::limits::LOWERING_ACCELERATION_M_S2;
 use crate::perception::Percept;
 use nalgebra::Vector3;
+use shm_schemas::ModuleId;
 
 /// How far along its way the hand is.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +23,13 @@ pub(super) struct Transfer {
 }
 
 impl Module for Transfer {
+    const ID: ModuleId = ModuleId::TRANSFER;
+    const ROLES: Roles = Roles {
+        moves_hand: true,
+        forgets_each_step: true,
+        ..Roles::NONE
+    };
+
     fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
         let scaled_s = context.step_s * context.carry_scale;
         self.path_s = (self.path_s + scaled_s).max(0.0);

@@ -39,7 +39,7 @@ impl Noise {
         {
             let changes = elements_n[..count].iter().zip(&before_n);
             let sum: f64 = changes
-                .map(|([_, t1, t2], [_, b1, b2])| (t1 - b1).powi(2) + (t2 - b2).powi(2))
+                .map(|([_, t1, t2], [_, b1, b2])| (t1 - b1) * (t1 - b1) + (t2 - b2) * (t2 - b2))
                 .sum();
             let now_n2 = sum / (2 * count) as f64 / (2.0 * share);
             let old_n2 = self.variance_n2.unwrap_or(now_n2);

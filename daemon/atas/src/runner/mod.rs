@@ -356,7 +356,7 @@ impl Runner {
         self.step_s = 0.0;
         self.path = self.plan(now, settings);
         self.arrive();
-        modules.restart_path();
+        modules.restart_step();
         match self.step().motion {
             Motion::Carry(_) if self.retreat.is_none() => self.lifted_from_m = Some(now.centre_m),
             Motion::Open | Motion::LetGo | Motion::Square => self.holds = false,
@@ -390,7 +390,7 @@ impl Runner {
     fn in_hold(&self, reason: Reason) -> Reason {
         let held =
             self.step().transition == Transition::Held || self.step().motion == Motion::Square;
-        if held && reason.cause == Cause::TOO_HEAVY {
+        if held && matches!(reason.cause, Cause::TOO_HEAVY | Cause::TOO_SOFT) {
             Reason {
                 cause: Cause::OUT_OF_FORCE,
                 ..reason

@@ -11,6 +11,9 @@
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
 //! | assembly | all | `assemble` |
 //!
+//! A new built-in task is a file here and its line in the list in `built_in`: `atas task NAME` runs it. A verb of its own
+//! is its [`GoalKind`](shm_schemas::GoalKind) and a line of the command line; `CONTRIBUTING.md` shows one.
+//!
 //! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`WITHDRAW`] turns
 //! back from what is in the way, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends.
 
@@ -27,7 +30,7 @@ mod track;
 mod words;
 
 pub use assemble::ASSEMBLE;
-pub use built_in::{BUILT_IN, of};
+pub use built_in::{BUILT_IN, named, of};
 pub use demands::Demands;
 pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND, WITHDRAW};
 pub use name::Name;

@@ -6,22 +6,12 @@
 use super::name::Name;
 use super::step::{Motion, Step, Transition};
 use super::track::{STEPS_MAX, Task, Track};
-use crate::modules::Selection;
+use crate::modules::{IDS, ROLES, Roles};
 use core::fmt;
 use shm_schemas::ModuleId;
 
 /// Longest time that a step may be given, s (ours, as for a goal's holding time).
 pub const TIMEOUT_MAX_S: f64 = 3600.0;
-/// Modules that say where the hand goes.
-const MOVERS: [ModuleId; 3] = [ModuleId::CARRY, ModuleId::TRANSFER, ModuleId::TRAJECTORY];
-/// Modules that close fingers.
-const CLOSERS: [ModuleId; 5] = [
-    ModuleId::FIRST_TOUCH,
-    ModuleId::PROBE,
-    ModuleId::SLIP,
-    ModuleId::SLIP_REACTION,
-    ModuleId::TRAJECTORY,
-];
 
 /// Which of the two hands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -252,8 +242,8 @@ fn check_mover(step: &Step) -> Result<(), Rule> {
     if let Some(id) = needed.filter(|id| !has(id)) {
         return Err(Rule::NoMover(id));
     }
-    let other = MOVERS.iter().find(|id| has(id) && Some(**id) != needed);
-    other.map_or(Ok(()), |id| Err(Rule::WrongMover(*id)))
+    let other = with_role(step, |roles| roles.moves_hand).find(|id| Some(*id) != needed);
+    other.map_or(Ok(()), |id| Err(Rule::WrongMover(id)))
 }
 
 fn check_end(step: &Step) -> Result<(), Rule> {
@@ -264,7 +254,7 @@ fn check_end(step: &Step) -> Result<(), Rule> {
             Err(Rule::NoModule(id))
         }
     };
-    let ends = Selection::of(&[ModuleId::RELEASE_PLACED, ModuleId::TERMINATE_SCREW]);
+    let has_end = with_role(step, |roles| roles.concludes).next().is_some();
     let concludes = step.transition == Transition::Concluded;
     match (step.motion, step.transition) {
         (Motion::Lower, _) if !concludes || !step.modules.contains(ModuleId::RELEASE_PLACED) => {
@@ -276,9 +266,7 @@ fn check_end(step: &Step) -> Result<(), Rule> {
         (Motion::Stay, Transition::Arrived) => Err(Rule::NeverArrives),
         (_, Transition::AllTouched | Transition::Gripped) => needs(ModuleId::FIRST_TOUCH),
         (_, Transition::StiffnessKnown) => needs(ModuleId::PROBE),
-        (_, Transition::Concluded) if !step.modules.ids().any(|id| ends.contains(id)) => {
-            Err(Rule::NoModule(ModuleId::RELEASE_PLACED))
-        }
+        (_, Transition::Concluded) if !has_end => Err(Rule::NoModule(ModuleId::RELEASE_PLACED)),
         _ => Ok(()),
     }
 }
@@ -290,8 +278,16 @@ fn presses(step: &Step) -> bool {
         Transition::StiffnessKnown => Some(ModuleId::PROBE),
         _ => None,
     };
-    let closes = |id: ModuleId| CLOSERS.contains(&id) && Some(id) != searches;
-    step.motion.needs_grip() || step.modules.ids().any(closes)
+    let mut closers = with_role(step, |roles| roles.closes_fingers);
+    step.motion.needs_grip() || closers.any(|id| Some(id) != searches)
+}
+
+/// The modules of a step that have this role.
+fn with_role(step: &Step, has: fn(&Roles) -> bool) -> impl Iterator<Item = ModuleId> {
+    let selected = step.modules;
+    let known = IDS.into_iter().zip(ROLES);
+    let with = known.filter(move |(id, roles)| selected.contains(*id) && has(roles));
+    with.map(|(id, _)| id)
 }
 
 fn check_grip(step: &Step, grips: bool) -> Result<(), Rule> {

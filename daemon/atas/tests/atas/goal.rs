@@ -120,7 +120,8 @@ fn own_tasks_are_found_by_name() {
             .map_err(|reason| reason.cause)
     };
     assert_eq!(ask("let-go", |_| ()).as_deref(), Ok("let-go"));
-    for name in ["", "let", "let-go-", "grasp", "Let-go"] {
+    assert_eq!(ask("grasp", |_| ()).as_deref(), Ok("grasp"), "built in");
+    for name in ["", "let", "let-go-", "custom", "Let-go"] {
         assert_eq!(ask(name, |_| ()), Err(Cause::UNKNOWN_TASK), "{name}");
     }
     let far: fn(&mut GoalRequest) = |g| g.from_m[0] = 9.0;

@@ -62,7 +62,7 @@ fn what_stands_at_f2_is_refused() {
         };
         assert_eq!(
             (reason.cause, reason.module, reason.value, reason.limit),
-            (Cause::TOO_HEAVY, ModuleId::LOAD_TEST, ABOVE_F2_N, 4.0)
+            (Cause::TOO_SOFT, ModuleId::LOAD_TEST, ABOVE_F2_N, 4.0)
         );
     }
 }

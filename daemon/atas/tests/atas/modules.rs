@@ -147,8 +147,13 @@ fn module_3_refuses_what_slides_out_at_f2() {
     };
     assert_eq!(
         (reason.cause, reason.module, reason.value, reason.limit),
-        (Cause::TOO_HEAVY, ModuleId::FORCE_LIMIT, 4.1, 4.0)
+        (Cause::TOO_SOFT, ModuleId::FORCE_LIMIT, 4.1, 4.0)
     );
+    // Where F_2 is what the fingers may ever press, it is not the object that gives way.
+    let mut rigid = Bench::new(ModuleId::FORCE_LIMIT);
+    rigid.settings.grasp.f2_max_n = 4.0;
+    let verdict = rigid.evaluate_for(999, &sliding(4.1, 1.05)).verdict;
+    assert!(matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_HEAVY));
     // The same slipping below F_2, or with friction to spare, is nobody's fault.
     for innocent in [sliding(3.0, 1.05), sliding(4.1, 0.7)] {
         assert_eq!(
@@ -314,7 +319,7 @@ fn carry_goes_back_but_not_beyond_the_start() {
     assert!(back < ahead);
     let start = bench.evaluate_for(9000, &pressed(1.0)).pose.unwrap();
     assert_eq!(start.frame, path().at(0.0));
-    bench.modules.restart_path();
+    bench.modules.restart_step();
     bench.carry_scale = 1.0;
     assert!(!bench.evaluate(&pressed(1.0)).pose.unwrap().arrived);
 }

@@ -9,8 +9,8 @@ use urdf_rs::Geometry;
 
 use super::error::{ModelError, misfit};
 use super::tree::{Tree, finite, transform};
-use crate::HAND_JOINTS;
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
+use crate::sizes::HAND_JOINTS;
 use crate::transform::Transform;
 
 /// Radius of the one collision sphere of a tip link, metres.

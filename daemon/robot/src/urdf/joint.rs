@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::error::{ModelError, misfit};
 use crate::model::{Joint, Side};
+use crate::sizes::{HAND_JOINTS, HandVector};
 use crate::transform::Transform;
-use crate::{HAND_JOINTS, HandVector};
 
 /// How far the length of a joint axis may be from 1: room for axes written with three decimals. Ours.
 const AXIS_LENGTH_TOLERANCE: f64 = 1e-3;

@@ -1,0 +1,163 @@
+//! What a module is: what it may know, what it may propose, and what the rules of tasks must know of it.
+
+use crate::path::Path;
+use crate::perception::{Percept, StiffnessFit};
+use crate::settings::Settings;
+use crate::thresholds::Thresholds;
+use nalgebra::Matrix3;
+use robot_model::{FINGERS, GraspFrame};
+use shm_schemas::{ModuleId, Reason};
+
+/// What a module may know besides what the hand feels.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// Every tunable number.
+    pub settings: &'a Settings,
+    /// Time since the tick before, s.
+    pub step_s: f64,
+    /// F_1 and F_2 for the present object.
+    pub thresholds: Thresholds,
+    /// Least force that each finger shall press with, N: F_1 at first touch, less once the object is carried.
+    pub least_n: f64,
+    /// Whether every finger has touched since the approach began.
+    pub all_touched: bool,
+    /// Total measured closing of the fingers since every finger touched, m.
+    pub closing_m: f64,
+    /// How far the hand has carried the object, m.
+    pub carried_m: f64,
+    /// The path of the present step.
+    pub path: &'a Path,
+    /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
+    pub carry_scale: f64,
+    /// Closing speed of each finger that arbitration made of the tick before, m/s.
+    pub closing_m_s: [f64; FINGERS],
+    /// The commanded pose.
+    pub frame: &'a GraspFrame,
+    /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
+    pub turning: f64,
+    /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
+    pub lowering_m: Option<f64>,
+    /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
+    pub base_from_tip: &'a [Matrix3<f64>; FINGERS],
+}
+
+/// What one module would do now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proposal {
+    /// Whether the module's condition holds.
+    pub active: bool,
+    /// Closing speed that the module wants of each finger, m/s; 0 for no wish, negative to open if nobody closes.
+    pub closing_m_s: [f64; FINGERS],
+    /// Highest closing speed that the module tolerates on each finger, m/s; negative demands opening.
+    pub closing_ceiling_m_s: [f64; FINGERS],
+    /// Highest factor on the hand's speed along its path that the module tolerates, −1 (back) to 1.
+    pub carry_ceiling: f64,
+    /// Where the module wants the hand to be.
+    pub pose: Option<PoseCommand>,
+    /// What the module concludes.
+    pub verdict: Verdict,
+}
+
+/// A wanted pose of the hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseCommand {
+    /// The pose.
+    pub frame: GraspFrame,
+    /// Whether the pose includes the opening of the fingers; otherwise they keep what the closing speeds made.
+    pub with_fingers: bool,
+    /// Whether the path has ended.
+    pub arrived: bool,
+}
+
+/// A module's conclusion about the task.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Verdict {
+    /// Nothing to conclude.
+    #[default]
+    None,
+    /// The stiffness of the object.
+    Stiffness(StiffnessFit),
+    /// What the step is for has happened.
+    Done,
+    /// The object cannot be handled, because of this.
+    Refuse(Reason),
+}
+
+impl Default for Proposal {
+    fn default() -> Self {
+        Self {
+            active: false,
+            closing_m_s: [0.0; FINGERS],
+            closing_ceiling_m_s: [f64::INFINITY; FINGERS],
+            carry_ceiling: 1.0,
+            pose: None,
+            verdict: Verdict::None,
+        }
+    }
+}
+
+/// What a module does besides proposing speeds: what the rules of a task must know of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Roles {
+    /// Says where the hand goes: a step that moves has exactly one such module.
+    pub moves_hand: bool,
+    /// Closes fingers by itself: a step that has it needs Module 3 as well.
+    pub closes_fingers: bool,
+    /// Ends a step by its verdict: Module 4.
+    pub concludes: bool,
+    /// Begins anew with every step; the others remember until the object is let go.
+    pub forgets_each_step: bool,
+}
+
+impl Roles {
+    /// None of them.
+    pub const NONE: Self = Self {
+        moves_hand: false,
+        closes_fingers: false,
+        concludes: false,
+        forgets_each_step: false,
+    };
+}
+
+/// One behaviour of the paper.
+pub trait Module {
+    /// Its name on the bus, in tasks and in events.
+    const ID: ModuleId;
+    /// What the rules of a task must know of it.
+    const ROLES: Roles = Roles::NONE;
+
+    /// Says from sensor information whether it is active and what it would do.
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal;
+}
+
+/// Smallest and largest normal force over the fingers that grip, N.
+#[must_use]
+pub fn force_range_n(percept: &Percept) -> (f64, f64) {
+    percept.fingers[..FINGERS].iter().fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(low, high), finger| {
+            (
+                if finger.normal_n < low {
+                    finger.normal_n
+                } else {
+                    low
+                },
+                if finger.normal_n > high {
+                    finger.normal_n
+                } else {
+                    high
+                },
+            )
+        },
+    )
+}
+
+/// Vertical force of the object on all fingers that grip, base frame, N; negative while the object hangs.
+#[must_use]
+pub fn force_up_n(percept: &Percept, context: &Context<'_>) -> f64 {
+    percept.fingers[..FINGERS]
+        .iter()
+        .zip(context.base_from_tip)
+        .map(|(finger, base_from_tip)| (base_from_tip * finger.force_tip_n).z)
+        .sum()
+}

@@ -1,0 +1,36 @@
+//! Sets of modules.
+
+use shm_schemas::ModuleId;
+
+/// Which modules a step of a task consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Selection(u32);
+
+impl Selection {
+    /// The modules with these names.
+    #[must_use]
+    pub const fn of(modules: &[ModuleId]) -> Self {
+        let mut bits = 0;
+        let mut i = 0;
+        while i < modules.len() {
+            bits |= 1 << modules[i].0;
+            i += 1;
+        }
+        Self(bits)
+    }
+
+    /// No modules.
+    pub const NONE: Self = Self(0);
+
+    /// These modules and those.
+    #[must_use]
+    pub const fn and(self, more: Self) -> Self {
+        Self(self.0 | more.0)
+    }
+
+    /// Whether a module is among them.
+    #[must_use]
+    pub const fn contains(self, module: ModuleId) -> bool {
+        self.0 >> module.0 & 1 == 1
+    }
+}
