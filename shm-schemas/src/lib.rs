@@ -36,6 +36,7 @@ mod sentence;
 pub mod service;
 mod stamp;
 mod status;
+mod stop;
 mod swarm;
 mod text;
 mod tick;
@@ -57,6 +58,7 @@ pub use record::{
 };
 pub use stamp::{Hand, Stamp};
 pub use status::{HandStatus, JointStatus, Percentiles, SensorStatus, Status, StatusFlags};
+pub use stop::{StopAnswer, StopOutcome, StopRequest};
 pub use swarm::{AgentSensors, WheelCommands};
 pub use text::Text;
 pub use tick::{FingerReport, HandReport, TickReport};

@@ -149,7 +149,7 @@ fn main() {
             now_ns() - host.sensors.stamp.captured_ns < START_NS,
             "ebts agents does not answer"
         );
-        host.publisher.greet().expect("reachable");
+        host.publisher.connect_readers().expect("reachable");
     }
     host.drive();
 

@@ -32,7 +32,7 @@ impl RecordStream {
             super::telemetry::report_failure(self.inputs.send(&part));
             tape.give_back(part);
         }
-        super::telemetry::report_failure(self.headers.greet());
+        super::telemetry::report_failure(self.headers.connect_readers());
     }
 }
 

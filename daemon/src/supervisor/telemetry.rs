@@ -73,7 +73,7 @@ impl Telemetry {
         self.sequence += 1;
         report_failure(self.status.send(&status));
         // Who joined while nothing happened gets the past events now.
-        report_failure(self.events.greet());
+        report_failure(self.events.connect_readers());
     }
 }
 

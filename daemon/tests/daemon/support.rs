@@ -192,8 +192,8 @@ impl World {
     pub(crate) fn greet(&self) {
         self.frames
             .iter()
-            .for_each(|publisher| publisher.greet().expect("sent"));
-        self.joints.greet().expect("sent");
+            .for_each(|publisher| publisher.connect_readers().expect("sent"));
+        self.joints.connect_readers().expect("sent");
     }
 
     /// Takes what the daemon said since the last call.

@@ -4,7 +4,7 @@
 //! killed between the two, the next cleaner misses the tag, skips the port, and the place is lost as long as anyone
 //! has the service open: with one place for a publisher, the stream is dead. So the tags are noted down before, and a
 //! cleaner that finds the notes of a killed one first puts the tags back. iceoryx2's own occasions for cleaning up are
-//! switched off ([`crate::bus`]); everything goes through [`remove_dead`], under the start-up lock.
+//! switched off ([`crate::node::config`]); everything goes through [`remove_dead`], under the start-up lock.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,9 +13,10 @@ use std::time::Duration;
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
 
-use crate::bus::Ipc;
-use crate::recover;
-use crate::root::{Place, entries};
+use crate::folder::entries;
+use crate::node::Ipc;
+use crate::place::Place;
+use crate::remains;
 
 /// Folder of the notes, below the bus's folder.
 const NOTES: &str = "cleaning";
@@ -28,7 +29,7 @@ const OTHER_CLEANER: Duration = Duration::from_millis(100);
 
 /// Removes what dead nodes left; returns how many nodes. Call under the start-up lock only.
 pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
-    let (nodes, notes) = (place.root.join("nodes"), place.root.join(NOTES));
+    let (nodes, notes) = (place.root().join("nodes"), place.root().join(NOTES));
     let dead = dead_nodes(node);
     if dead.is_empty() {
         return 0;
@@ -79,7 +80,7 @@ fn remove_remains(nodes: &Path, id: &str) {
         name == folder || name.contains(&file)
     };
     for (path, _) in entries(nodes).filter(|(path, _)| of_node(path)) {
-        recover::remove(&path);
+        remains::remove(&path);
     }
 }
 

@@ -13,16 +13,19 @@ pub fn now_ns() -> u64 {
 
 /// A fresh, non-zero number for [`shm_schemas::Stamp::writer_epoch`]. Draw one at each start of a writer.
 ///
-/// From the kernel's random numbers; early in boot, when there are none yet, from the clock and the process id.
 #[must_use]
 pub fn writer_epoch() -> u64 {
+    nonce().max(1)
+}
+
+/// From the kernel's random numbers; early in boot, when there are none yet, from the clock and the process id.
+pub(crate) fn nonce() -> u64 {
     let mut bytes = [0_u8; 8];
     let filled = getrandom(&mut bytes, GetRandomFlags::NONBLOCK);
-    let drawn = match filled {
+    match filled {
         Ok(8) => u64::from_ne_bytes(bytes),
         _ => now_ns().rotate_left(24) ^ u64::from(std::process::id()),
-    };
-    drawn.max(1)
+    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,11 @@ use std::time::{Duration, Instant};
 use shm_schemas::service::CONTROL;
 use shm_schemas::{ControlReply, ControlRequest};
 
-use crate::rpc::{Client, Exchange, Request, Server};
-use crate::{Bus, BusError};
+use crate::bus::Bus;
+use crate::client::Client;
+use crate::error::BusError;
+use crate::exchange::Exchange;
+use crate::server::{Request, Server};
 
 const EXCHANGE: Exchange = Exchange {
     service: CONTROL,

@@ -115,9 +115,7 @@ pub enum BusError {
         payload: &'static str,
     },
     /// iceoryx2 could not join or create.
-    #[error(
-        "could not open {what} on {root} because of: {why}; if a process of another version runs on this bus, stop it"
-    )]
+    #[error("could not open {what} on {root} because of: {why}; {cure}")]
     Open {
         /// A service, or the bus itself.
         what: &'static str,
@@ -125,6 +123,41 @@ pub enum BusError {
         root: PathBuf,
         /// iceoryx2's answer.
         why: String,
+        /// What to do.
+        cure: &'static str,
+    },
+    /// The machine or this process has too little of something.
+    #[error("could not set up {what} because {why}")]
+    Short {
+        /// What was to be set up.
+        what: &'static str,
+        /// Of what, how much there is, and what to do.
+        why: String,
+    },
+    /// There is no such bus.
+    #[error(
+        "could not find the bus {bus:?} because nobody made it (folder {folder}); start atasd on it, or choose another bus with --bus"
+    )]
+    NoBus {
+        /// The bus.
+        bus: String,
+        /// Where its folder would be.
+        folder: PathBuf,
+    },
+    /// This user has no such bus, but another user has buses on this machine.
+    #[error(
+        "could not find the bus {bus:?} because this user has none (folder {folder}), and the buses in {place} are owned by \
+         user {user}; run this as {user}, for example with `sudo -u {user}`"
+    )]
+    OtherUser {
+        /// The bus.
+        bus: String,
+        /// Where its folder would be.
+        folder: PathBuf,
+        /// The other user's folder.
+        place: PathBuf,
+        /// Name of the other user.
+        user: String,
     },
     /// A payload could not be sent.
     #[error("could not send on {service} because {why}; restart this process")]

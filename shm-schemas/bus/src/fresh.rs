@@ -2,7 +2,8 @@
 
 use std::ops::Deref;
 
-use crate::{Bus, BusName};
+use crate::bus::Bus;
+use crate::name::BusName;
 
 /// A bus name that nobody else uses, and whose bus is wiped when this is dropped: declare it before all that uses it.
 #[derive(Debug)]

@@ -3,8 +3,11 @@
 use shm_schemas::service::GOAL;
 use shm_schemas::{GoalRequest, GoalUpdate};
 
-use crate::rpc::{Client, Exchange, Pending, Request, Server};
-use crate::{Bus, BusError};
+use crate::bus::Bus;
+use crate::client::{Client, Pending};
+use crate::error::BusError;
+use crate::exchange::Exchange;
+use crate::server::{Request, Server};
 
 /// Updates wait 64 deep: more than a second at the 50 Hz of the daemon's supervisor.
 const EXCHANGE: Exchange = Exchange {

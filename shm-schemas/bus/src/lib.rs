@@ -1,10 +1,11 @@
 //! The bus: typed, isolated shared-memory services between the processes of one robot.
 //!
 //! ```text
-//!  BusName ─▶ Place (own folder, own /dev/shm prefix) ─▶ Bus (one node per thread)
-//!                                                          ├─ publisher / subscriber    streams, newest wins
-//!                                                          ├─ goal_server / goal_client one request, many updates
-//!                                                          └─ control_server / _client  one request, one reply
+//!  BusName ─▶ Folder (private) ─▶ Place (random prefix in /dev/shm) ─▶ Bus (one node per thread)
+//!                │                                                      ├─ publisher / subscriber    streams, newest wins
+//!                │                                                      ├─ goal_server / goal_client one request, many updates
+//!                │                                                      └─ control_server / _client  one request, one reply
+//!                └─▶ stop: a socket of its own, beside all this
 //! ```
 //!
 //! * **In:** a bus name (`--bus`, `ATAS_BUS`), a role, and whether the thread is real-time.
@@ -12,10 +13,14 @@
 //! * **Invariants**
 //!   * No other crate names iceoryx2. Every service is opened with the one line that [`STREAMS`] has for it.
 //!   * Two buses share nothing: neither files nor shared-memory names (`tests/isolation.rs`).
-//!   * Everything belongs to one user; other users can neither attach nor prepare a trap (`root.rs`).
+//!   * Everything belongs to one user. Other users can neither attach, nor prepare a trap, nor open anything in the moment
+//!     in which it is made (`folder.rs`, `place.rs`, `node.rs`, `tests/isolation.rs`).
+//!   * Who only looks makes nothing: [`Bus::join`].
+//!   * A stop gets through, whatever the bus is in ([`stop`], `tests/stop.rs`).
 //!   * Whoever sets something up holds the bus's start-up lock, so what looks half-made under that lock was left by
-//!     a killed process, and is removed (`recover.rs`, `tests/crash.rs`).
+//!     a killed process, and is removed (`remains.rs`, `tests/crash.rs`).
 //!   * Cleaning up after the dead may itself be killed at any moment (`clean.rs`, `tests/crash.rs`).
+//!   * What is short (memory, descriptors, inodes, stack) is refused by name, not met by a signal (`tests/shortage.rs`).
 //!   * Sending and receiving never wait for a peer. A full buffer loses its oldest content.
 //! * **Threads:** ports are not `Send`. Each thread opens its own [`Bus`]; the compiler holds it to that.
 //! * **Cost:** [`Publisher::send`] allocates once (48 bytes, inside iceoryx2 0.10), receiving never
@@ -26,29 +31,44 @@
 
 mod bus;
 mod clean;
+mod client;
 mod clock;
 mod control;
 mod error;
+mod exchange;
+mod folder;
 mod fresh;
 mod goal;
 mod lock;
+mod log;
+mod member;
 mod name;
+mod node;
 mod owner;
 mod peer;
-mod port;
+mod place;
+mod publisher;
 mod qos;
-mod recover;
-mod root;
-mod rpc;
+mod refusal;
+mod remains;
+mod server;
+mod shortage;
+mod startup;
+pub mod stop;
+mod stream;
+mod subscriber;
+mod user;
 
-pub use bus::{Bus, Realtime};
+pub use bus::Bus;
 pub use clock::{now_ns, writer_epoch};
 pub use control::{ControlCall, ControlClient, ControlServer};
 pub use error::BusError;
 pub use fresh::FreshBus;
 pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
 pub use name::BusName;
+pub use node::Realtime;
 pub use owner::OwnerLock;
 pub use peer::Peer;
-pub use port::{Publisher, Subscriber};
+pub use publisher::Publisher;
 pub use qos::{STREAMS, Stream};
+pub use subscriber::Subscriber;

@@ -4,19 +4,14 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read};
 use std::os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt};
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 
-use crate::recover;
-use crate::root::Place;
-use crate::{BusError, now_ns};
+use crate::clock::now_ns;
+use crate::error::BusError;
+use crate::folder::Folder;
 
-/// How long to wait for another process's start-up. A start-up takes some milliseconds; ours.
-const STARTUP_WAIT: Duration = Duration::from_secs(2);
-/// Pause between two attempts.
-const STARTUP_POLL: Duration = Duration::from_millis(1);
 /// File in the bus's folder by which one process at a time sets something up.
 pub(crate) const STARTUP_LOCK: &str = "startup.lock";
 /// File in the bus's folder by which one daemon owns the bus.
@@ -75,13 +70,13 @@ impl Drop for FileLock {
 impl FileLock {
     /// Takes the lock if nobody has it; otherwise says who has.
     pub(crate) fn try_take(
-        place: &Place,
+        folder: &Folder,
         name: &str,
         role: &str,
     ) -> Result<Result<Self, Holder>, BusError> {
-        let path = place.root.join(name);
+        let path = folder.path.join(name);
         loop {
-            place.make()?;
+            folder.make()?;
             let mut file = match open(&path) {
                 // Another process wiped the bus just now.
                 Err(e) if e.kind() == io::ErrorKind::NotFound => continue,
@@ -135,48 +130,6 @@ fn read(file: &mut File) -> Holder {
 fn write(file: &File, holder: &Holder) -> io::Result<()> {
     let text = format!("{} {} {:.64}", holder.pid, holder.since_ns, holder.role);
     file.write_all_at(format!("{text:<127}\n").as_bytes(), 0)
-}
-
-/// The lock under which nodes, services and ports of a bus are set up, one process at a time.
-///
-/// It makes start-up free of races, and it proves that what is half-made was left by a killed process.
-#[derive(Debug)]
-pub(crate) struct StartupLock {
-    _lock: FileLock,
-}
-
-impl StartupLock {
-    /// Waits for the lock, then removes what a killed predecessor left half-made.
-    pub(crate) fn take(place: &Place, role: &str) -> Result<Self, BusError> {
-        let begin = Instant::now();
-        loop {
-            match Self::attempt(place, role)? {
-                Ok(lock) => return Ok(lock),
-                Err(holder) if begin.elapsed() >= STARTUP_WAIT => {
-                    let bus = place.bus.to_string();
-                    return Err(BusError::StartUp {
-                        bus,
-                        pid: holder.pid,
-                        waited: STARTUP_WAIT,
-                    });
-                }
-                Err(_) => std::thread::sleep(STARTUP_POLL),
-            }
-        }
-    }
-
-    /// The lock, if nobody has it.
-    pub(crate) fn try_take(place: &Place, role: &str) -> Result<Option<Self>, BusError> {
-        Ok(Self::attempt(place, role)?.ok())
-    }
-
-    fn attempt(place: &Place, role: &str) -> Result<Result<Self, Holder>, BusError> {
-        let taken = FileLock::try_take(place, STARTUP_LOCK, role)?;
-        Ok(taken.map(|lock| {
-            recover::sweep(place);
-            Self { _lock: lock }
-        }))
-    }
 }
 
 #[cfg(test)]

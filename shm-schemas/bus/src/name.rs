@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::BusError;
+use crate::error::BusError;
 
 /// Longest name, bytes. Ours: together with the longest folder it keeps every path below the 108 bytes of a socket
 /// address, which iceoryx2 needs for its events.
@@ -12,7 +12,7 @@ const NAME_MAX: usize = 24;
 
 /// Which bus: 1 to 24 characters out of `a-z`, `0-9` and `-`, neither first nor last a `-`.
 ///
-/// The name decides the bus's folder and its prefix in `/dev/shm`. Parse it from `--bus`, or take it
+/// The name decides the bus's folder. Parse it from `--bus`, or take it
 /// [from the environment](BusName::from_env).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BusName(String);

@@ -6,9 +6,10 @@ use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
 
-use crate::BusError;
-use crate::bus::Ipc;
-use crate::root::Place;
+use crate::error::BusError;
+use crate::node::Ipc;
+use crate::place::Place;
+use crate::shortage;
 
 /// Someone on the bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,11 +38,11 @@ impl Peer {
         });
         match listed {
             Ok(()) => Ok(peers),
-            Err(e) => Err(BusError::Open {
-                what: "the list of peers",
-                root: place.root.clone(),
-                why: format!("{e:?}"),
-            }),
+            Err(e) => Err(shortage::explain(
+                place,
+                "the list of peers",
+                format!("{e:?}"),
+            )),
         }
     }
 

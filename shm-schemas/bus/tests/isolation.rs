@@ -1,8 +1,11 @@
 //! A bus is alone: other buses, other users and iceoryx2's own defaults stay out of it.
 
+use std::collections::HashSet;
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use cargo_metadata::MetadataCommand;
 use shm_bus::{Bus, BusError, BusName, FreshBus, Realtime};
@@ -122,4 +125,98 @@ fn the_bus_is_never_opened_to_every_user() {
         Vec::<&String>::new(),
         "remove the feature that passes dev_permissions on"
     );
+}
+
+/// iceoryx2 alone opens its node counter to every user for a moment at each start.
+#[test]
+fn nothing_is_open_to_others_for_a_moment() {
+    let name = FreshBus::new("moment");
+    let (watched, done) = (BusName::clone(&name), Arc::new(AtomicBool::new(false)));
+    let ended = Arc::clone(&done);
+    let watch = std::thread::spawn(move || {
+        let (mut seen, mut open) = (0, Vec::new());
+        while !ended.load(Ordering::Acquire) {
+            for path in memory(&watched) {
+                let Ok(meta) = fs::symlink_metadata(&path) else {
+                    continue;
+                };
+                seen += 1;
+                if meta.mode() & 0o077 != 0 {
+                    open.push((path, meta.mode()));
+                }
+            }
+        }
+        (seen, open)
+    });
+    let mut prefixes = HashSet::new();
+    for _ in 0..40 {
+        prefixes.insert(open(&name, "starter").prefix().to_owned());
+    }
+    done.store(true, Ordering::Release);
+    let (seen, open) = watch.join().expect("watched");
+    assert!(seen > 0, "the watcher saw the memory");
+    assert_eq!(open, Vec::new());
+    assert_eq!(
+        prefixes.len(),
+        40,
+        "each life of a bus has a prefix of its own"
+    );
+}
+
+/// Runs what needs another user; as root it is `nobody`.
+fn as_another_user(what: impl FnOnce(u32)) {
+    if rustix::process::geteuid().is_root() {
+        what(65534);
+    } else {
+        eprintln!("SKIPPED: only root can act as another user");
+    }
+}
+
+#[test]
+fn files_of_strangers_are_no_part_of_the_bus() {
+    as_another_user(|stranger| {
+        let name = FreshBus::new("squat");
+        let bus = open(&name, "here");
+        // What a stranger can know of a living bus: its prefix, and how iceoryx2 names things.
+        let squatted = ["x", "node.0_10_0.y", "z.dynamic", "1.connection", "2.data"]
+            .map(|rest| Path::new("/dev/shm").join(format!("{}{rest}", bus.prefix())));
+        for path in &squatted {
+            fs::write(path, "junk").expect("written");
+            std::os::unix::fs::chown(path, Some(stranger), Some(stranger)).expect("given away");
+        }
+        let publisher = bus.publisher::<Status>(STATUS).expect("publisher");
+        let second = Bus::join(&name, "second", Realtime::No).expect("joins");
+        let mut subscriber = second.subscriber::<Status>(STATUS).expect("subscriber");
+        publisher.send(&Status::default()).expect("sent");
+        assert!(subscriber.newest(&mut Status::default()).expect("received"));
+        drop((publisher, subscriber, second));
+        assert_eq!(bus.clean_dead(), 0);
+        let before = bus.prefix().to_owned();
+        drop(bus);
+        let next = open(&name, "next");
+        assert_ne!(next.prefix(), before, "what was seen is worth nothing now");
+        drop(next);
+        for path in &squatted {
+            assert!(path.exists(), "what is not ours stays");
+            fs::remove_file(path).expect("removed");
+        }
+    });
+}
+
+#[test]
+fn looking_at_a_bus_that_nobody_made_leaves_nothing() {
+    let made = FreshBus::new("made");
+    let base = open(&made, "here")
+        .folder()
+        .parent()
+        .expect("a base")
+        .to_owned();
+    let mistyped = BusName::fresh("mistyped");
+    let refused = Bus::join(&mistyped, "looker", Realtime::No).expect_err("no such bus");
+    assert!(
+        matches!(refused, BusError::NoBus { .. } | BusError::OtherUser { .. }),
+        "{refused}"
+    );
+    assert!(!base.join(mistyped.as_str()).exists());
+    assert_eq!(memory(&mistyped), Vec::<std::path::PathBuf>::new());
 }

@@ -158,7 +158,7 @@ fn who_joins_later_gets_the_history() {
     let mut late = bus
         .subscriber::<ModuleEvent>(MODULE_EVENT)
         .expect("subscriber");
-    publisher.greet().expect("greeted");
+    publisher.connect_readers().expect("greeted");
     let mut seen = Vec::new();
     late.drain(usize::MAX, |event| seen.push(event.tick))
         .expect("drained");

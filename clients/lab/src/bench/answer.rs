@@ -89,8 +89,10 @@ impl Sensors {
 
     /// What was sent before the daemon was there, it has not heard.
     fn greet(&self) -> anyhow::Result<()> {
-        self.frames.iter().try_for_each(Publisher::greet)?;
-        Ok(self.joints.greet()?)
+        self.frames
+            .iter()
+            .try_for_each(Publisher::connect_readers)?;
+        Ok(self.joints.connect_readers()?)
     }
 
     /// Whether the command that answers this joint state is there.

@@ -1,11 +1,11 @@
 //! Peers as real processes: a test starts its own executable again, and there only the test `peer` does something.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use shm_bus::BusName;
+use shm_bus::{Bus, BusName, Realtime};
 
 const ROLE: &str = "SHM_BUS_TEST_ROLE";
 
@@ -52,6 +52,17 @@ impl Peer {
         self.child.id()
     }
 
+    /// Sends a signal, for example to stop the process.
+    pub(crate) fn signal(&self, signal: rustix::process::Signal) {
+        let pid = rustix::process::Pid::from_child(&self.child);
+        rustix::process::kill_process(pid, signal).expect("the peer lives");
+    }
+
+    /// Whether the process ended by itself, and well.
+    pub(crate) fn succeeded(mut self) -> bool {
+        self.child.wait().expect("waited").success()
+    }
+
     /// SIGKILL, and waits until the process is gone.
     pub(crate) fn kill(mut self) {
         self.end();
@@ -79,6 +90,24 @@ pub(crate) fn peer_role() -> Option<(String, BusName)> {
 #[allow(clippy::print_stderr, reason = "how a peer talks to its test")]
 pub(crate) fn ready() {
     eprintln!("ready");
+}
+
+/// In a peer process: ready, and here until killed.
+pub(crate) fn sleep_on() {
+    ready();
+    std::thread::sleep(Duration::from_secs(60));
+}
+
+/// In a peer process: holds the lock under which others set something up, as one that was stopped meanwhile does.
+pub(crate) fn hold_startup_lock(name: &BusName) {
+    let bus = Bus::join(name, "starting", Realtime::No).expect("joins");
+    let mut file = std::fs::File::options()
+        .write(true)
+        .open(bus.folder().join("startup.lock"))
+        .expect("the lock is there");
+    rustix::fs::flock(&file, rustix::fs::FlockOperation::LockExclusive).expect("locked");
+    writeln!(file, "{} 0 starting", std::process::id()).expect("written");
+    sleep_on();
 }
 
 /// Waits until a condition holds; a test that waits longer than 10 s hangs for another reason.

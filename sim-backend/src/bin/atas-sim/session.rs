@@ -87,10 +87,10 @@ impl Session {
     /// Lets readers that came late have the last frames and the last joint state.
     pub(crate) fn greet(&self) -> Result<(), Failure> {
         for side in Side::BOTH {
-            self.frames[side.index()].greet()?;
+            self.frames[side.index()].connect_readers()?;
         }
-        self.joints.greet()?;
-        Ok(self.truth.greet()?)
+        self.joints.connect_readers()?;
+        Ok(self.truth.connect_readers()?)
     }
 
     /// The newest command, if one came since the last call.

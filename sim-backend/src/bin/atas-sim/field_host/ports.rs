@@ -49,6 +49,6 @@ impl Ports {
 
     /// Lets an agents process that came late have the present frame.
     pub(super) fn greet(&self) -> Result<(), Failure> {
-        Ok(self.publisher.greet()?)
+        Ok(self.publisher.connect_readers()?)
     }
 }

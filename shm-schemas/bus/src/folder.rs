@@ -1,16 +1,13 @@
-//! Where a bus lives: its own folder for iceoryx2's files and locks, its own prefix for names in `/dev/shm`.
+//! The folder of a bus: where it is, and that nobody else can meddle with it.
 
-use std::ffi::OsStr;
-use std::fs::{self, DirBuilder, Metadata, Permissions};
+use std::fs::{self, DirBuilder, Metadata};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-use iceoryx2::config::Config;
-use iceoryx2::prelude::{FileName, Path as IoxPath, SemanticString};
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
-
-use crate::{BusError, BusName};
+use crate::error::BusError;
+use crate::name::BusName;
+use crate::user::{User, uid};
 
 /// Folder of the service, made by systemd (`RuntimeDirectory=atas`).
 const SERVICE_BASE: &str = "/run/atas";
@@ -19,111 +16,87 @@ const ROOT_MAX: usize = 64;
 /// Where Linux keeps POSIX shared memory.
 pub(crate) const SHM: &str = "/dev/shm";
 
-/// The place of one bus. Made, and known to be private, when this value exists.
+/// The folder of one bus. It need not exist.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Folder {
     pub(crate) bus: BusName,
-    /// Folder of the bus.
-    pub(crate) root: PathBuf,
-    /// What every name of the bus in `/dev/shm` begins with. It contains a hash of the folder, so that buses of the
-    /// same name in different folders do not meet either.
-    pub(crate) prefix: String,
+    pub(crate) path: PathBuf,
 }
 
-impl Place {
-    /// Finds or makes the place: `/run/atas/<bus>` for the service's user, else `$XDG_RUNTIME_DIR/atas/<bus>`, else
-    /// `/dev/shm/atas-<uid>/<bus>`.
+impl Folder {
+    /// `/run/atas/<bus>` for the service's user, else `$XDG_RUNTIME_DIR/atas/<bus>`, else `/dev/shm/atas-<uid>/<bus>`.
     pub(crate) fn of(bus: &BusName) -> Result<Self, BusError> {
         let xdg = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
-        let place = Self::under(base(Path::new(SERVICE_BASE), xdg.as_deref()), bus)?;
-        place.make()?;
-        Ok(place)
+        Self::under(base(Path::new(SERVICE_BASE), xdg.as_deref()), bus)
     }
 
     fn under(base: PathBuf, bus: &BusName) -> Result<Self, BusError> {
-        let root = base.join(bus.as_str());
-        if root.as_os_str().len() > ROOT_MAX {
+        let path = base.join(bus.as_str());
+        if path.as_os_str().len() > ROOT_MAX {
             let why = format!("its name has more than {ROOT_MAX} bytes");
-            return Err(BusError::UnsafeRoot { path: root, why });
+            return Err(BusError::UnsafeRoot { path, why });
         }
-        let hash = fnv1a(FNV_OFFSET, root.as_os_str().as_encoded_bytes()) as u32;
         Ok(Self {
             bus: bus.clone(),
-            prefix: format!("{bus}_{hash:08x}_"),
-            root,
+            path,
         })
     }
 
     /// Makes the folder and the one above it where they do not exist, and checks both.
     pub(crate) fn make(&self) -> Result<(), BusError> {
-        if let Some(base) = self.root.parent() {
+        if let Some(base) = self.path.parent() {
             make_private(base)?;
         }
-        make_private(&self.root)
+        make_private(&self.path)
     }
 
-    /// iceoryx2's settings for this place.
-    pub(crate) fn config(&self) -> Result<Config, BusError> {
-        let why = |e| BusError::UnsafeRoot {
-            path: self.root.clone(),
-            why: format!("iceoryx2 refuses its name: {e:?}"),
-        };
-        let mut config = Config::default();
-        config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(why)?;
-        let root = IoxPath::new(self.root.as_os_str().as_encoded_bytes()).map_err(why)?;
-        config.global.set_root_path(&root);
-        Ok(config)
-    }
-
-    /// Everything of this bus in `/dev/shm`, whoever made it.
-    pub(crate) fn shared_memory(&self) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
-        let prefix = self.prefix.clone();
-        let named = move |path: &Path| {
-            path.file_name()
-                .is_some_and(|name| starts_with(name, &prefix))
-        };
-        entries(Path::new(SHM)).filter(move |(path, _)| named(path))
-    }
-
-    /// Refuses if someone else put something under our names into `/dev/shm`, where every user may make files.
-    pub(crate) fn check_shared_memory(&self) -> Result<(), BusError> {
-        match self
-            .shared_memory()
-            .find(|(_, meta)| !meta.is_file() || meta.uid() != uid())
-        {
-            None => Ok(()),
-            Some((path, meta)) => {
-                let why = format!("user {} put it there", meta.uid());
-                Err(BusError::UnsafeRoot { path, why })
-            }
+    /// Checks the folder without making anything: for those who only look.
+    ///
+    /// Fails with [`BusError::OtherUser`] when only another user has buses here, else with [`BusError::NoBus`].
+    pub(crate) fn find(&self) -> Result<(), BusError> {
+        match fs::symlink_metadata(&self.path) {
+            Ok(meta) => check_private(&self.path, &meta),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Err(self.missing()),
+            Err(e) => Err(BusError::io("examine", &self.path)(e)),
         }
     }
 
-    /// Takes from others what iceoryx2 grants them: its node counter is open to all users.
-    pub(crate) fn close_shared_memory(&self) -> Result<(), BusError> {
-        for (path, _) in self
-            .shared_memory()
-            .filter(|(_, meta)| meta.mode() & 0o077 != 0)
-        {
-            let private = Permissions::from_mode(0o600);
-            fs::set_permissions(&path, private).map_err(BusError::io("close to others", &path))?;
+    /// Why there is no bus.
+    fn missing(&self) -> BusError {
+        let (bus, folder) = (self.bus.to_string(), self.path.clone());
+        match others(Path::new(SERVICE_BASE), Path::new(SHM)).next() {
+            Some((place, user)) => BusError::OtherUser {
+                bus,
+                folder,
+                place,
+                user: user.to_string(),
+            },
+            None => BusError::NoBus { bus, folder },
         }
-        Ok(())
     }
 }
 
-fn starts_with(name: &OsStr, prefix: &str) -> bool {
-    name.as_encoded_bytes().starts_with(prefix.as_bytes())
+/// Folders with buses of other users: the service's, and those below `/dev/shm`.
+fn others(service: &Path, shm: &Path) -> impl Iterator<Item = (PathBuf, User)> {
+    let named = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.strip_prefix("atas-")
+            .is_some_and(|uid| uid.parse::<u32>().is_ok())
+    };
+    let below = entries(shm)
+        .map(|(path, _)| path)
+        .filter(move |path| named(path));
+    let candidates = std::iter::once(service.to_owned()).chain(below);
+    candidates.filter_map(|path| {
+        let meta = fs::symlink_metadata(&path).ok()?;
+        (meta.is_dir() && meta.uid() != uid()).then(|| (path, User(meta.uid())))
+    })
 }
 
 /// The files and folders in a folder; nothing if it cannot be read. Links are not followed.
 pub(crate) fn entries(folder: &Path) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| Some((entry.path(), entry.metadata().ok()?)))
-}
-
-pub(crate) fn uid() -> u32 {
-    rustix::process::geteuid().as_raw()
 }
 
 /// The folder that holds this user's buses.
@@ -150,14 +123,18 @@ fn make_private(path: &Path) -> Result<(), BusError> {
         }
         _ => {
             let meta = fs::symlink_metadata(path).map_err(BusError::io("examine", path))?;
-            match flaw(&meta) {
-                None => Ok(()),
-                Some(why) => Err(BusError::UnsafeRoot {
-                    path: path.to_owned(),
-                    why,
-                }),
-            }
+            check_private(path, &meta)
         }
+    }
+}
+
+fn check_private(path: &Path, meta: &Metadata) -> Result<(), BusError> {
+    match flaw(meta) {
+        None => Ok(()),
+        Some(why) => Err(BusError::UnsafeRoot {
+            path: path.to_owned(),
+            why,
+        }),
     }
 }
 
@@ -169,8 +146,8 @@ fn flaw(meta: &Metadata) -> Option<String> {
     if meta.uid() != uid() {
         return Some(format!(
             "it belongs to user {}, not to user {}",
-            meta.uid(),
-            uid()
+            User(meta.uid()),
+            User(uid())
         ));
     }
     let open = meta.mode() & 0o027;
@@ -185,7 +162,7 @@ fn flaw(meta: &Metadata) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::os::unix::fs::symlink;
+    use std::os::unix::fs::{PermissionsExt, symlink};
 
     fn scratch(label: &str) -> PathBuf {
         let path = std::env::temp_dir().join(BusName::fresh(label).as_str());
@@ -254,14 +231,23 @@ mod tests {
     }
 
     #[test]
-    fn long_folders_are_refused_and_prefixes_differ() {
-        let bus = BusName::default();
-        assert!(Place::under(PathBuf::from(format!("/{}", "x".repeat(ROOT_MAX))), &bus).is_err());
-        let prefix = |base: &str| {
-            Place::under(PathBuf::from(base), &bus)
-                .expect("short")
-                .prefix
-        };
-        assert_ne!(prefix("/run/atas"), prefix("/tmp/atas-1000"));
+    fn long_folders_are_refused() {
+        let base = PathBuf::from(format!("/{}", "x".repeat(ROOT_MAX)));
+        assert!(Folder::under(base, &BusName::default()).is_err());
+    }
+
+    #[test]
+    fn folders_of_other_users_are_told_by_their_names() {
+        let shm = scratch("others");
+        let own = shm.join("atas-1000");
+        fs::create_dir(&own).expect("folder");
+        let found: Vec<_> = others(Path::new("/proc/1"), &shm).collect();
+        let foreign = fs::metadata("/proc/1").expect("there").uid() != uid();
+        assert_eq!(
+            found.len(),
+            usize::from(foreign),
+            "one's own folder is none of another's: {found:?}"
+        );
+        fs::remove_dir_all(&shm).expect("clean");
     }
 }

@@ -5,7 +5,8 @@
 //!   iceoryx2 0.10 waits for such a file to be finished, for an empty shared memory without end. [`sweep`] removes
 //!   them. It runs under the start-up lock, so nobody of ours can be making them.
 //! * **Half-made services**: a description without its shared memory, or one whose last user died while removing it.
-//!   They are recognised by the error they give: [`crate::bus::Member::persist`] has them removed and makes them again.
+//!   They are recognised by the error they give: [`crate::member::Member::open_despite_remains`] has them removed and
+//!   makes them again.
 //! * **Nobody left**: the first process on a bus begins on clean ground: [`clear`].
 
 use std::fs::{self, Metadata};
@@ -17,8 +18,10 @@ use iceoryx2::prelude::{MessagingPattern, ServiceName, ipc};
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
+use crate::folder::entries;
 use crate::lock::{OWNER_LOCK, STARTUP_LOCK};
-use crate::root::{Place, entries};
+use crate::place::{PREFIX, Place};
+use crate::stop::STOP_SOCKET;
 
 /// A file that is still unfinished after this time has no maker. Processes of ours are excluded by the lock; this is
 /// for peers in other languages, which finish a file within some 100 µs. Ours.
@@ -32,13 +35,13 @@ pub(crate) fn sweep(place: &Place) {
     }
     std::thread::sleep(UNFINISHED);
     for path in half_made(place).filter(|path| suspects.contains(path)) {
-        tracing::warn!(bus = %place.bus, file = %path.display(), "removing what a killed process left half-made");
+        tracing::warn!(bus = %place.bus(), file = %path.display(), "removing what a killed process left half-made");
         remove(&path);
     }
 }
 
 fn half_made(place: &Place) -> impl Iterator<Item = PathBuf> {
-    let services = entries(&place.root.join("services"));
+    let services = entries(&place.root().join("services"));
     let unfinished = |(path, meta): (PathBuf, Metadata)| is_half_made(&meta).then_some(path);
     place.shared_memory().chain(services).filter_map(unfinished)
 }
@@ -48,12 +51,16 @@ fn is_half_made(meta: &Metadata) -> bool {
     meta.is_file() && (meta.len() == 0 || meta.mode() & 0o400 == 0)
 }
 
-/// Removes everything but the locks; returns how many entries. Call under the start-up lock, when nobody is alive.
+/// What belongs to the bus and not to a life of it: the daemon holds some of it before it joins.
+const LASTING: [&str; 4] = [OWNER_LOCK, STARTUP_LOCK, PREFIX, STOP_SOCKET];
+
+/// Removes everything but what is [`LASTING`]; returns how many entries. Call under the start-up lock, when nobody is
+/// alive.
 pub(crate) fn clear(place: &Place) -> usize {
-    let is_lock = |path: &Path| path.ends_with(OWNER_LOCK) || path.ends_with(STARTUP_LOCK);
-    let files = entries(&place.root)
+    let lasts = |path: &Path| LASTING.iter().any(|name| path.ends_with(name));
+    let files = entries(place.root())
         .map(|(path, _)| path)
-        .filter(|path| !is_lock(path));
+        .filter(|path| !lasts(path));
     let memory = place.shared_memory().map(|(path, _)| path);
     files.chain(memory).filter(|path| remove(path)).count()
 }
@@ -81,5 +88,5 @@ pub(crate) fn forget_service(place: &Place, service: &str, pattern: MessagingPat
         place.prefix,
         ServiceHash::new::<Hasher>(&name, pattern)
     );
-    remove(&place.root.join("services").join(file));
+    remove(&place.root().join("services").join(file));
 }

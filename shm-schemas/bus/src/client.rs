@@ -1,0 +1,155 @@
+//! The asking side of an exchange.
+
+use std::cell::Cell;
+use std::fmt;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use iceoryx2::pending_response::PendingResponse;
+use iceoryx2::port::backpressure_strategy::BackpressureStrategy;
+use iceoryx2::port::client::{Client as IoxClient, RequestSendError};
+use iceoryx2::service::port_factory::client::ClientCreateError;
+use shm_schemas::Payload;
+
+use crate::bus::Bus;
+use crate::error::BusError;
+use crate::exchange::{Exchange, Factory, PATTERN, debug_by_service};
+use crate::member::Member;
+use crate::node::Ipc;
+use crate::refusal::{loan_text, send_text};
+use crate::shortage::{require_space, require_stack};
+
+/// How often a waiting client makes sure that the server lives. Ours: quick for a person, cheap for the machine.
+const LIVENESS: Duration = Duration::from_millis(250);
+
+/// The asking side.
+pub(crate) struct Client<Q: Payload, A: Payload> {
+    port: IoxClient<Ipc, Q, (), A, ()>,
+    member: Rc<Member>,
+    exchange: Exchange,
+}
+
+/// One request at the asking side. Dropping it tells the server that nobody listens any more.
+pub(crate) struct Pending<Q: Payload, A: Payload> {
+    response: PendingResponse<Ipc, Q, (), A, ()>,
+    member: Rc<Member>,
+    service: &'static str,
+    looked: Cell<Instant>,
+}
+
+impl Bus {
+    pub(crate) fn client<Q: Payload, A: Payload>(
+        &self,
+        exchange: Exchange,
+    ) -> Result<Client<Q, A>, BusError> {
+        require_stack(exchange.service)?;
+        self.make_client(exchange)
+    }
+
+    /// Not inlined, so that its stack is only taken after [`require_stack`].
+    #[inline(never)]
+    fn make_client<Q: Payload, A: Payload>(
+        &self,
+        exchange: Exchange,
+    ) -> Result<Client<Q, A>, BusError> {
+        let (member, service) = (&self.member, exchange.service);
+        let _startup = member.startup()?;
+        require_space(service, 0)?;
+        let factory = member.open_exchange::<Q, A>(exchange)?;
+        match member.open_despite_remains(service, PATTERN, || create_client(&factory)) {
+            Ok(port) => Ok(Client {
+                port,
+                member: Rc::clone(member),
+                exchange,
+            }),
+            Err(ClientCreateError::ExceedsMaxSupportedClients) => Err(BusError::Full {
+                service,
+                what: "clients",
+                limit: exchange.clients,
+            }),
+            Err(e) => Err(member.refused(service, &e)),
+        }
+    }
+}
+
+fn create_client<Q: Payload, A: Payload>(
+    factory: &Factory<Q, A>,
+) -> Result<IoxClient<Ipc, Q, (), A, ()>, ClientCreateError> {
+    factory
+        .client_builder()
+        .backpressure_strategy(BackpressureStrategy::DiscardData)
+        .create()
+}
+
+impl<Q: Payload, A: Payload> Client<Q, A> {
+    pub(crate) fn send(&self, request: &Q) -> Result<Pending<Q, A>, BusError> {
+        let service = self.exchange.service;
+        // A dead server that still has its place would count as one.
+        self.member.clean_dead();
+        let failed = |why| BusError::Send { service, why };
+        let loan = match self.port.loan_uninit() {
+            Ok(loan) => loan.write_payload(*request),
+            Err(e) => return Err(failed(loan_text(e))),
+        };
+        match loan.send() {
+            Ok(response) if response.number_of_server_connections() > 0 => Ok(Pending {
+                response,
+                member: Rc::clone(&self.member),
+                service,
+                looked: Cell::new(Instant::now()),
+            }),
+            Ok(_) => Err(BusError::NoServer {
+                service,
+                bus: self.member.place.bus().to_string(),
+                root: self.member.place.root().to_owned(),
+            }),
+            Err(RequestSendError::ExceedsMaxActiveRequests) => Err(BusError::TooManyRequests {
+                service,
+                limit: self.exchange.open_requests,
+            }),
+            Err(RequestSendError::SendError(e)) => Err(failed(send_text(e))),
+        }
+    }
+
+    pub(crate) fn unanswered(&self, within: Duration) -> BusError {
+        BusError::NoAnswer {
+            service: self.exchange.service,
+            within,
+            bus: self.member.place.bus().to_string(),
+        }
+    }
+}
+
+impl<Q: Payload, A: Payload> Pending<Q, A> {
+    /// The next response; `None` if there is none yet.
+    pub(crate) fn next(&self) -> Result<Option<A>, BusError> {
+        self.notice_dead_server();
+        // In this order, so that what the server said last is heard before its end is seen.
+        let connected = self.response.is_connected();
+        let failed = |_| BusError::Receive {
+            service: self.service,
+            why: "the server's shared memory cannot be opened",
+        };
+        match self.response.receive().map_err(failed)? {
+            Some(response) => Ok(Some(*response)),
+            None if connected => Ok(None),
+            None => Err(BusError::ServerGone {
+                service: self.service,
+            }),
+        }
+    }
+
+    pub(crate) fn cancel(&self) {
+        self.response.set_disconnect_hint();
+    }
+
+    /// A killed server looks alive until someone cleans up after it.
+    fn notice_dead_server(&self) {
+        if self.looked.get().elapsed() >= LIVENESS {
+            self.member.clean_dead();
+            self.looked.set(Instant::now());
+        }
+    }
+}
+
+debug_by_service!(Client: exchange.service, Pending: service);

@@ -1,0 +1,139 @@
+//! What lies behind a refusal of iceoryx2.
+
+use std::fmt;
+
+use iceoryx2::port::publisher::PublisherCreateError;
+use iceoryx2::port::subscriber::SubscriberCreateError;
+use iceoryx2::port::{LoanError, SendError};
+use iceoryx2::service::builder::publish_subscribe::{
+    PublishSubscribeCreateError as StreamCreateError, PublishSubscribeOpenError as StreamOpenError,
+    PublishSubscribeOpenOrCreateError as StreamOpenOrCreateError,
+};
+use iceoryx2::service::builder::request_response::{
+    RequestResponseCreateError as ExchangeCreateError,
+    RequestResponseOpenError as ExchangeOpenError,
+    RequestResponseOpenOrCreateError as ExchangeOpenOrCreateError,
+};
+use iceoryx2::service::port_factory::client::ClientCreateError;
+use iceoryx2::service::port_factory::server::ServerCreateError;
+
+/// What lies behind a refusal of iceoryx2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// It may pass when others finish what they are doing.
+    Transient,
+    /// All places are taken, some of them perhaps by the dead.
+    NoPlace,
+    /// It will not pass.
+    Permanent,
+}
+
+/// An error of iceoryx2.
+pub(crate) trait Refusal: fmt::Debug {
+    fn cause(&self) -> Cause;
+}
+
+/// Texts instead of formatting, because these errors can arise on a tick.
+pub(crate) fn send_text(error: SendError) -> &'static str {
+    match error {
+        SendError::LoanError(error) => loan_text(error),
+        SendError::ConnectionCorrupted => "a connection is damaged",
+        SendError::ConnectionError(_) => "a reader cannot be reached",
+        _ => "iceoryx2 failed inside",
+    }
+}
+
+pub(crate) fn loan_text(error: LoanError) -> &'static str {
+    match error {
+        LoanError::OutOfMemory => "its shared memory is used up",
+        LoanError::ExceedsMaxLoans => "another payload is still being filled",
+        _ => "iceoryx2 failed inside",
+    }
+}
+
+impl Refusal for StreamOpenOrCreateError {
+    fn cause(&self) -> Cause {
+        match self {
+            Self::SystemInFlux
+            | Self::PublishSubscribeOpenError(
+                StreamOpenError::HangsInCreation
+                | StreamOpenError::IsMarkedForDestruction
+                | StreamOpenError::ServiceInCorruptedState
+                | StreamOpenError::DoesNotExist,
+            )
+            | Self::PublishSubscribeCreateError(
+                StreamCreateError::AlreadyExists
+                | StreamCreateError::HangsInCreation
+                | StreamCreateError::IsBeingCreatedByAnotherInstance
+                | StreamCreateError::ServiceInCorruptedState,
+            ) => Cause::Transient,
+            Self::PublishSubscribeOpenError(StreamOpenError::ExceedsMaxNumberOfNodes) => {
+                Cause::NoPlace
+            }
+            _ => Cause::Permanent,
+        }
+    }
+}
+
+impl Refusal for PublisherCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedPublishers {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
+    }
+}
+
+impl Refusal for SubscriberCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedSubscribers {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
+    }
+}
+impl Refusal for ExchangeOpenOrCreateError {
+    fn cause(&self) -> Cause {
+        match self {
+            Self::SystemInFlux
+            | Self::RequestResponseOpenError(
+                ExchangeOpenError::HangsInCreation
+                | ExchangeOpenError::IsMarkedForDestruction
+                | ExchangeOpenError::ServiceInCorruptedState
+                | ExchangeOpenError::DoesNotExist,
+            )
+            | Self::RequestResponseCreateError(
+                ExchangeCreateError::AlreadyExists
+                | ExchangeCreateError::HangsInCreation
+                | ExchangeCreateError::IsBeingCreatedByAnotherInstance
+                | ExchangeCreateError::ServiceInCorruptedState,
+            ) => Cause::Transient,
+            Self::RequestResponseOpenError(ExchangeOpenError::ExceedsMaxNumberOfNodes) => {
+                Cause::NoPlace
+            }
+            _ => Cause::Permanent,
+        }
+    }
+}
+
+impl Refusal for ServerCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedServers {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
+    }
+}
+
+impl Refusal for ClientCreateError {
+    fn cause(&self) -> Cause {
+        if *self == Self::ExceedsMaxSupportedClients {
+            Cause::NoPlace
+        } else {
+            Cause::Permanent
+        }
+    }
+}

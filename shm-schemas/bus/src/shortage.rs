@@ -1,0 +1,122 @@
+//! The true cause of a refusal: iceoryx2 says `InternalError` of much that the operating system said clearly.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+use rustix::fs::StatVfs;
+use rustix::process::{Resource, getrlimit};
+
+use crate::error::BusError;
+use crate::folder::SHM;
+use crate::place::Place;
+use crate::user::User;
+
+/// Free room in `/dev/shm` beyond the payloads: connections, service descriptions, growth of others. Ours.
+const RESERVE_BYTES: u64 = 4 << 20;
+/// Descriptors that opening a service may need at a time; a publisher with many readers holds one for each. Ours.
+const DESCRIPTORS: usize = 24;
+/// Files that opening a service may need to make. Ours.
+const INODES: u64 = 16;
+/// Stack that must be left: opening a service puts the largest payloads on it several times over when nothing is
+/// optimised. `tests/shortage.rs` tries the sizes around it. Ours.
+const STACK_BYTES: usize = 512 << 10;
+
+/// The error for a refusal of iceoryx2: what is short, else who stands in the way, else iceoryx2's own words.
+pub(crate) fn explain(place: &Place, what: &'static str, why: String) -> BusError {
+    if let Some(why) = find(place) {
+        return BusError::Short { what, why };
+    }
+    if let Some((path, owner)) = place.squatted() {
+        let why = format!("user {} put it there", User(owner));
+        return BusError::UnsafeRoot { path, why };
+    }
+    let versions = ["Incompatible", "Version", "DoesNotSupportRequested"];
+    let cure = if versions.iter().any(|word| why.contains(word)) {
+        "a process of another version runs on this bus: stop it"
+    } else {
+        "restart this process, and look at its log"
+    };
+    BusError::Open {
+        what,
+        root: place.root().to_owned(),
+        why,
+        cure,
+    }
+}
+
+/// What this process or this machine is short of, in words, with what to do.
+pub(crate) fn find(place: &Place) -> Option<String> {
+    no_descriptors()
+        .or_else(|| no_room(Path::new(SHM)))
+        .or_else(|| no_room(place.root()))
+}
+
+fn no_descriptors() -> Option<String> {
+    let probe = || File::open("/dev/null");
+    let probed: io::Result<Vec<File>> = (0..DESCRIPTORS).map(|_| probe()).collect();
+    let error = probed.err()?;
+    let limit = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
+    Some(match rustix::io::Errno::from_io_error(&error)? {
+        rustix::io::Errno::MFILE => format!(
+            "fewer than {DESCRIPTORS} of this process's {limit} file descriptors are free; raise `ulimit -n`"
+        ),
+        rustix::io::Errno::NFILE => {
+            "the machine has no file descriptors left; raise the sysctl fs.file-max".to_owned()
+        }
+        _ => return None,
+    })
+}
+
+fn no_room(folder: &Path) -> Option<String> {
+    let stat = rustix::fs::statvfs(folder).ok()?;
+    let (free, place) = (free_bytes(&stat), folder.display());
+    // A file system that does not count its inodes says that it has none at all.
+    if stat.f_files > 0 && stat.f_favail < INODES {
+        return Some(format!(
+            "{place} has {} inodes free and {INODES} are needed; remove files there, or mount it with more",
+            stat.f_favail
+        ));
+    }
+    (free < RESERVE_BYTES && folder == Path::new(SHM) || free == 0).then(|| {
+        format!(
+            "{place} has {} KiB free; remove files there, or mount it larger",
+            free / 1024
+        )
+    })
+}
+
+fn free_bytes(stat: &StatVfs) -> u64 {
+    stat.f_bavail.saturating_mul(stat.f_frsize)
+}
+
+/// Refuses when `/dev/shm` has no room for so many bytes and the reserve: the kernel would kill us later (SIGBUS).
+pub(crate) fn require_space(what: &'static str, bytes: usize) -> Result<(), BusError> {
+    let needed = bytes as u64 + RESERVE_BYTES;
+    let shm = Path::new(SHM);
+    let stat = rustix::fs::statvfs(shm).map_err(|e| BusError::io("examine", shm)(e.into()))?;
+    let free = free_bytes(&stat);
+    if free >= needed {
+        return Ok(());
+    }
+    Err(BusError::NoSpace {
+        what,
+        free_kib: free / 1024,
+        needed_kib: needed.div_ceil(1024),
+    })
+}
+
+/// Refuses when the stack of this thread is too small: it would overflow (SIGSEGV).
+pub(crate) fn require_stack(what: &'static str) -> Result<(), BusError> {
+    match stacker::remaining_stack() {
+        Some(free) if free < STACK_BYTES => Err(BusError::Short {
+            what,
+            why: format!(
+                "this thread has {} KiB of stack left and needs {}; raise `ulimit -s`, or the thread's stack size",
+                free / 1024,
+                STACK_BYTES / 1024
+            ),
+        }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,163 @@
+//! The client's side.
+
+use std::fs::{self, Permissions};
+use std::io;
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::UnixDatagram;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use rustix::net::{AddressFamily, SocketAddrUnix, SocketType, bind, socket};
+use shm_schemas::{Stamp, StopAnswer, StopRequest, Text};
+use zerocopy::{FromZeros, IntoBytes};
+
+use super::STOP_SOCKET;
+use crate::clock::{nonce, now_ns};
+use crate::error::BusError;
+use crate::folder::Folder;
+use crate::name::BusName;
+
+/// Asks the daemon of a bus to stop at once and to stay stopped, and waits for its answer.
+///
+/// Takes no lock, joins no bus, cleans nothing up.
+///
+/// # Errors
+/// [`BusError::NoBus`], [`BusError::OtherUser`] or [`BusError::NoServer`] if no daemon of this user runs on the bus;
+/// [`BusError::NoAnswer`] if it did not answer within `within`: the stop waits in its socket, and counts as soon as the
+/// daemon runs again.
+pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnswer, BusError> {
+    let begin = Instant::now();
+    let folder = Folder::of(bus)?;
+    folder.find()?;
+    let client = Client::open(&folder)?;
+    client.send(reason, begin, within)?;
+    client.answer(begin, within)
+}
+
+struct Client<'a> {
+    socket: UnixDatagram,
+    folder: &'a Folder,
+    /// Its name, for the answer; `None` if the folder is full, then it has a name without a file.
+    path: Option<PathBuf>,
+}
+
+impl<'a> Client<'a> {
+    fn open(folder: &'a Folder) -> Result<Self, BusError> {
+        let own = folder.path.join(format!("stop-{:08x}", nonce() as u32));
+        let (socket, path) = match bind_at(&own) {
+            Ok(socket) => (socket, Some(own)),
+            Err(_) => {
+                let nameless = bind_nameless().map_err(BusError::io("make a socket for", &own))?;
+                (nameless, None)
+            }
+        };
+        let client = Self {
+            socket,
+            folder,
+            path,
+        };
+        let to = folder.path.join(STOP_SOCKET);
+        match client.socket.connect(&to) {
+            Ok(()) => Ok(client),
+            Err(e) if nobody(&e) => Err(client.no_daemon()),
+            Err(e) => Err(BusError::io("reach", &to)(e)),
+        }
+    }
+
+    fn send(&self, reason: &str, begin: Instant, within: Duration) -> Result<(), BusError> {
+        let request = StopRequest {
+            stamp: Stamp {
+                sequence: 0,
+                captured_ns: now_ns(),
+                writer_epoch: 0,
+            },
+            reason: Text::new(reason),
+        };
+        self.limit(begin, within)?;
+        match self.socket.send(request.as_bytes()) {
+            Ok(_) => Ok(()),
+            Err(e) if nobody(&e) => Err(self.no_daemon()),
+            Err(e) if timed_out(&e) => Err(self.unanswered(within)),
+            Err(e) => Err(BusError::io("send a stop to", &self.folder.path)(e)),
+        }
+    }
+
+    fn answer(&self, begin: Instant, within: Duration) -> Result<StopAnswer, BusError> {
+        let mut answer = StopAnswer::new_zeroed();
+        self.limit(begin, within)?;
+        match self.socket.recv(answer.as_mut_bytes()) {
+            Ok(bytes) if bytes == size_of::<StopAnswer>() => Ok(answer),
+            Ok(_) => Err(BusError::Receive {
+                service: STOP_SOCKET,
+                why: "the daemon is of another version; it received the stop",
+            }),
+            Err(e) if timed_out(&e) => Err(self.unanswered(within)),
+            // The daemon went away with the stop in its socket.
+            Err(e) if nobody(&e) => Err(self.no_daemon()),
+            Err(e) => Err(BusError::io("hear from", &self.folder.path)(e)),
+        }
+    }
+
+    /// Sets what is left of the time, at least a millisecond.
+    fn limit(&self, begin: Instant, within: Duration) -> Result<(), BusError> {
+        let left = within.saturating_sub(begin.elapsed());
+        let left = Some(left.max(Duration::from_millis(1)));
+        let set = self.socket.set_write_timeout(left);
+        set.and_then(|()| self.socket.set_read_timeout(left))
+            .map_err(BusError::io("set a limit for", &self.folder.path))
+    }
+
+    fn no_daemon(&self) -> BusError {
+        BusError::NoServer {
+            service: STOP_SOCKET,
+            bus: self.folder.bus.to_string(),
+            root: self.folder.path.clone(),
+        }
+    }
+
+    fn unanswered(&self, within: Duration) -> BusError {
+        BusError::NoAnswer {
+            service: STOP_SOCKET,
+            within,
+            bus: self.folder.bus.to_string(),
+        }
+    }
+}
+
+impl Drop for Client<'_> {
+    fn drop(&mut self) {
+        if let Some(path) = &self.path {
+            // One that stays is removed with the bus.
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// The folder is private; the mode lets the daemon answer root, whose files it could not write to otherwise.
+fn bind_at(path: &Path) -> io::Result<UnixDatagram> {
+    let socket = UnixDatagram::bind(path)?;
+    fs::set_permissions(path, Permissions::from_mode(0o666))?;
+    Ok(socket)
+}
+
+/// The kernel draws a name without a file (`unix(7)`, autobind). Only the peer that it is connected to may write to it.
+fn bind_nameless() -> io::Result<UnixDatagram> {
+    let socket = socket(AddressFamily::UNIX, SocketType::DGRAM, None)?;
+    bind(&socket, &SocketAddrUnix::new_unnamed())?;
+    Ok(socket.into())
+}
+
+/// No socket there, or one that nobody has open any more.
+fn nobody(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused | io::ErrorKind::ConnectionReset
+    )
+}
+
+fn timed_out(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
+    )
+}

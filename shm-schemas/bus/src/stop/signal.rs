@@ -1,0 +1,67 @@
+//! The hand-over from the listener to the tick.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Counts the stops that were received and the last one that a tick took.
+///
+/// Both sides are wait-free: one load or one store each, no loop.
+#[derive(Debug, Default)]
+pub struct Signal {
+    received: AtomicU64,
+    taken: AtomicU64,
+}
+
+impl Signal {
+    /// For the tick: the number of a stop that no tick has taken yet. Ask every tick; stop; then [`Signal::take`] it.
+    #[must_use]
+    pub fn pending(&self) -> Option<u64> {
+        let received = self.received.load(Ordering::Acquire);
+        (received != self.taken.load(Ordering::Relaxed)).then_some(received)
+    }
+
+    /// For the tick: the stop with this number, and all before it, are in the commands from now on.
+    pub fn take(&self, number: u64) {
+        self.taken.store(number, Ordering::Release);
+    }
+
+    /// For the listener: a stop was received. Returns its number, from 1.
+    pub fn raise(&self) -> u64 {
+        self.received.fetch_add(1, Ordering::AcqRel) + 1
+    }
+
+    /// Whether a tick took the stop with this number.
+    #[must_use]
+    pub fn is_taken(&self, number: u64) -> bool {
+        self.taken.load(Ordering::Acquire) >= number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Signal;
+
+    #[test]
+    fn a_stop_is_pending_until_a_tick_takes_it() {
+        let signal = Signal::default();
+        assert_eq!(signal.pending(), None);
+        let first = signal.raise();
+        assert_eq!(
+            (signal.pending(), signal.is_taken(first)),
+            (Some(first), false)
+        );
+        let second = signal.raise();
+        assert_eq!(
+            signal.pending(),
+            Some(second),
+            "the newest covers the older ones"
+        );
+        signal.take(first);
+        assert_eq!(
+            signal.pending(),
+            Some(second),
+            "one that came meanwhile is not lost"
+        );
+        signal.take(second);
+        assert_eq!((signal.pending(), signal.is_taken(first)), (None, true));
+    }
+}

@@ -1,0 +1,32 @@
+//! Who owns what.
+
+use std::fmt;
+
+/// A user of the machine; prints as its name, or as its number if it has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct User(pub(crate) u32);
+
+/// The user of this process.
+pub(crate) fn uid() -> u32 {
+    rustix::process::geteuid().as_raw()
+}
+
+impl fmt::Display for User {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match nix::unistd::User::from_uid(self.0.into()) {
+            Ok(Some(user)) => f.write_str(&user.name),
+            _ => write!(f, "{}", self.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::User;
+
+    #[test]
+    fn users_are_told_by_name_where_they_have_one() {
+        assert_eq!(User(0).to_string(), "root");
+        assert_eq!(User(u32::MAX - 7).to_string(), "4294967288");
+    }
+}

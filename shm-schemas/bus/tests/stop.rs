@@ -1,0 +1,214 @@
+//! A stop gets through, whatever the bus is in.
+
+mod common;
+
+use std::fs;
+use std::os::unix::net::UnixDatagram;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use common::{Peer, hold_startup_lock, peer_role, ready, sleep_on, until};
+use rustix::process::{Resource, Rlimit, Signal as Signum, getrlimit, setrlimit};
+use shm_bus::stop::{self, Listener};
+use shm_bus::{Bus, BusError, BusName, FreshBus, OwnerLock, Realtime};
+use shm_schemas::{GoalRequest, StopOutcome};
+
+const WITHIN: Duration = Duration::from_secs(5);
+
+fn folder(name: &BusName) -> PathBuf {
+    let bus = Bus::join(name, "looker", Realtime::No).expect("the bus is there");
+    bus.folder().to_owned()
+}
+
+/// A daemon with a bus, its servers, a listener, and a tick that looks every millisecond.
+fn daemon(name: &BusName, ticks: bool) {
+    let owner = OwnerLock::take(name, "atasd").expect("sole owner");
+    let listener = Arc::new(Listener::open(&owner).expect("a listener"));
+    let bus = Bus::open(name, "atasd", Realtime::No).expect("the bus opens");
+    let _servers = (
+        bus.goal_server().expect("goals"),
+        bus.control_server().expect("control"),
+    );
+    let signal = listener.signal();
+    let server = Arc::clone(&listener);
+    std::thread::spawn(move || server.serve(|_| {}));
+    ready();
+    loop {
+        if let Some(number) = signal.pending().filter(|_| ticks) {
+            signal.take(number);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// What the peer processes do.
+#[test]
+fn peer() {
+    let Some((role, name)) = peer_role() else {
+        return;
+    };
+    match role.as_str() {
+        "daemon" => daemon(&name, true),
+        "frozen" => daemon(&name, false),
+        "poor" => {
+            // Every descriptor is in use, as with too many observers.
+            let owner = OwnerLock::take(&name, "atasd").expect("sole owner");
+            let listener = Listener::open(&owner).expect("a listener");
+            let signal = listener.signal();
+            let used = fs::read_dir("/proc/self/fd").expect("listed").count() as u64;
+            let limit = Rlimit {
+                current: Some(used + 8),
+                ..getrlimit(Resource::Nofile)
+            };
+            setrlimit(Resource::Nofile, limit).expect("below the hard limit");
+            let _all: Vec<_> = std::iter::from_fn(|| fs::File::open("/dev/null").ok()).collect();
+            std::thread::spawn(move || {
+                loop {
+                    signal.pending().inspect(|number| signal.take(*number));
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            });
+            ready();
+            listener.serve(|_| {});
+        }
+        "control clients" => {
+            let bus = Bus::join(&name, "idle", Realtime::No).expect("joins");
+            let _clients: Vec<_> = (0..16)
+                .map(|_| bus.control_client().expect("a place"))
+                .collect();
+            assert!(matches!(bus.control_client(), Err(BusError::Full { .. })));
+            sleep_on();
+        }
+        "goal clients" => {
+            let bus = Bus::join(&name, "greedy", Realtime::No).expect("joins");
+            let clients: Vec<_> = (0..8)
+                .map(|_| bus.goal_client().expect("a place"))
+                .collect();
+            let send = |client| shm_bus::GoalClient::send(client, &GoalRequest::default());
+            let _pending: Vec<_> = clients
+                .iter()
+                .flat_map(|client| [send(client), send(client)])
+                .map(|sent| sent.expect("sent"))
+                .collect();
+            assert!(matches!(bus.goal_client(), Err(BusError::Full { .. })));
+            sleep_on();
+        }
+        "starting" => hold_startup_lock(&name),
+        "flooder" => {
+            let socket = UnixDatagram::unbound().expect("a socket");
+            socket
+                .connect(folder(&name).join("stop"))
+                .expect("the socket is there");
+            ready();
+            while socket.send(&[7; 33]).is_ok() {}
+        }
+        other => panic!("no role {other}"),
+    }
+}
+
+fn check_stopped(name: &BusName, times: usize) {
+    for _ in 0..times {
+        let answer = stop::request(name, "a test", WITHIN).expect("answered");
+        assert_eq!(answer.outcome, StopOutcome::STOPPED);
+    }
+}
+
+#[test]
+fn every_stop_is_counted_and_answered_and_leaves_nothing_behind() {
+    let name = FreshBus::new("stop");
+    let daemon = Peer::start(&name, "daemon");
+    let folder = folder(&name);
+    let before = fs::read_dir(&folder).expect("listed").count();
+    for number in 1..=100 {
+        let answer = stop::request(&name, "a test", WITHIN).expect("answered");
+        assert_eq!(
+            (answer.stamp.sequence, answer.outcome, answer.pid),
+            (number, StopOutcome::STOPPED, daemon.pid())
+        );
+    }
+    assert_eq!(fs::read_dir(&folder).expect("listed").count(), before);
+}
+
+#[test]
+fn a_full_bus_with_a_stopped_start_up_is_stopped() {
+    let name = FreshBus::new("crowded");
+    let _daemon = Peer::start(&name, "daemon");
+    let _crowd = ["control clients", "goal clients"].map(|role| Peer::start(&name, role));
+    let starting = Peer::start(&name, "starting");
+    starting.signal(Signum::STOP);
+    let refused = Bus::join(&name, "late", Realtime::No).expect_err("the start-up lock is held");
+    assert!(
+        matches!(&refused, BusError::StartUp { pid, .. } if *pid == starting.pid()),
+        "{refused}"
+    );
+    check_stopped(&name, 200);
+}
+
+#[test]
+fn a_flood_of_junk_stops_and_denies_nothing() {
+    let name = FreshBus::new("flood");
+    let _daemon = Peer::start(&name, "daemon");
+    let _flood = [0; 3].map(|_| Peer::start(&name, "flooder"));
+    check_stopped(&name, 20);
+}
+
+#[test]
+fn a_daemon_without_a_free_descriptor_is_stopped() {
+    let name = FreshBus::new("poor");
+    let _daemon = Peer::start(&name, "poor");
+    check_stopped(&name, 20);
+}
+
+#[test]
+fn a_frozen_tick_is_told_from_a_stopped_robot() {
+    let name = FreshBus::new("frozen");
+    let _daemon = Peer::start(&name, "frozen");
+    let answer = stop::request(&name, "a test", WITHIN).expect("answered");
+    assert_eq!(answer.outcome, StopOutcome::WAITING);
+}
+
+#[test]
+fn a_stop_waits_for_a_stopped_daemon() {
+    let name = FreshBus::new("asleep");
+    let daemon = Peer::start(&name, "daemon");
+    daemon.signal(Signum::STOP);
+    let unheard = stop::request(&name, "a test", Duration::from_millis(50)).expect_err("asleep");
+    assert!(matches!(unheard, BusError::NoAnswer { .. }), "{unheard}");
+    daemon.signal(Signum::CONT);
+    let second = stop::request(&name, "a test", WITHIN).expect("answered");
+    assert_eq!(second.stamp.sequence, 2, "the first one counted as well");
+}
+
+#[test]
+fn without_a_daemon_the_cause_is_named() {
+    let name = FreshBus::new("nobody");
+    let nothing = stop::request(&name, "a test", WITHIN).expect_err("no bus");
+    assert!(
+        matches!(nothing, BusError::NoBus { .. } | BusError::OtherUser { .. }),
+        "{nothing}"
+    );
+    let daemon = Peer::start(&name, "daemon");
+    daemon.kill();
+    let nobody = stop::request(&name, "a test", WITHIN).expect_err("no daemon");
+    assert!(matches!(nobody, BusError::NoServer { .. }), "{nobody}");
+    let _next = Peer::start(&name, "daemon");
+    check_stopped(&name, 1);
+}
+
+#[test]
+fn closing_ends_the_thread() {
+    let name = FreshBus::new("close");
+    let owner = OwnerLock::take(&name, "test").expect("sole owner");
+    let listener = Arc::new(Listener::open(&owner).expect("a listener"));
+    let ended = Arc::new(AtomicBool::new(false));
+    let (server, done) = (Arc::clone(&listener), Arc::clone(&ended));
+    std::thread::spawn(move || {
+        server.serve(|_| {});
+        done.store(true, Ordering::Release);
+    });
+    std::thread::sleep(Duration::from_millis(5));
+    listener.close();
+    until("the thread has ended", || ended.load(Ordering::Acquire));
+}
