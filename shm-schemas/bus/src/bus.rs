@@ -48,7 +48,7 @@ impl Bus {
     /// Joins a bus that others made: for those who look, ask or order. A mistyped name leaves nothing behind.
     ///
     /// # Errors
-    /// [`BusError::NoBus`] if this user has no such bus; [`BusError::OtherUser`], with its name, if another user has
+    /// [`BusError::Absent`] if this user has no such bus; [`BusError::OtherUser`], with its name, if another user has
     /// buses here; else as [`Bus::open`].
     pub fn join(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
@@ -121,7 +121,7 @@ impl Bus {
     pub fn wipe(name: &BusName) -> Result<usize, BusError> {
         let folder = Folder::of(name)?;
         match folder.find() {
-            Err(BusError::NoBus { .. } | BusError::OtherUser { .. }) => return Ok(0),
+            Err(BusError::Absent { .. } | BusError::OtherUser { .. }) => return Ok(0),
             found => found?,
         }
         let _owner = OwnerLock::take_at(&folder, "wipe")?;

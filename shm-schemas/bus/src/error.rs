@@ -138,23 +138,23 @@ pub enum BusError {
     #[error(
         "could not find the bus {bus:?} because nobody made it (folder {folder}); start atasd on it, or choose another bus with --bus"
     )]
-    NoBus {
+    Absent {
         /// The bus.
         bus: String,
         /// Where its folder would be.
         folder: PathBuf,
     },
-    /// This user has no such bus, but another user has buses on this machine.
+    /// This user has no such bus, but another user has one of this name, or others.
     #[error(
-        "could not find the bus {bus:?} because this user has none (folder {folder}), and the buses in {place} are owned by \
-         user {user}; run this as {user}, for example with `sudo -u {user}`"
+        "could not find the bus {bus:?} because this user has none (folder {folder}), and {place} is owned by user {user}; \
+         run this as {user}, for example with `sudo -u {user}`, or start atasd"
     )]
     OtherUser {
         /// The bus.
         bus: String,
         /// Where its folder would be.
         folder: PathBuf,
-        /// The other user's folder.
+        /// What the other user has.
         place: PathBuf,
         /// Name of the other user.
         user: String,

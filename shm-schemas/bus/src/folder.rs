@@ -52,7 +52,7 @@ impl Folder {
 
     /// Checks the folder without making anything: for those who only look.
     ///
-    /// Fails with [`BusError::OtherUser`] when only another user has buses here, else with [`BusError::NoBus`].
+    /// Fails with [`BusError::OtherUser`] when only another user has buses here, else with [`BusError::Absent`].
     pub(crate) fn find(&self) -> Result<(), BusError> {
         match fs::symlink_metadata(&self.path) {
             Ok(meta) => check_private(&self.path, &meta),
@@ -64,33 +64,58 @@ impl Folder {
     /// Why there is no bus.
     fn missing(&self) -> BusError {
         let (bus, folder) = (self.bus.to_string(), self.path.clone());
-        match others(Path::new(SERVICE_BASE), Path::new(SHM)).next() {
+        match others(&self.bus, Path::new(SERVICE_BASE), Path::new(SHM)).next() {
             Some((place, user)) => BusError::OtherUser {
                 bus,
                 folder,
                 place,
                 user: user.to_string(),
             },
-            None => BusError::NoBus { bus, folder },
+            None => BusError::Absent { bus, folder },
         }
     }
 }
 
-/// Folders with buses of other users: the service's, and those below `/dev/shm`.
-fn others(service: &Path, shm: &Path) -> impl Iterator<Item = (PathBuf, User)> {
-    let named = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.strip_prefix("atas-")
-            .is_some_and(|uid| uid.parse::<u32>().is_ok())
-    };
-    let below = entries(shm)
-        .map(|(path, _)| path)
-        .filter(move |path| named(path));
-    let candidates = std::iter::once(service.to_owned()).chain(below);
-    candidates.filter_map(|path| {
+/// What other users have of buses here, and who: shared memory of a bus of this name, the service's folder, folders
+/// below `/dev/shm`. Everybody may list these.
+fn others<'a>(
+    bus: &'a BusName,
+    service: &Path,
+    shm: &Path,
+) -> impl Iterator<Item = (PathBuf, User)> + 'a {
+    let foreign = |path: PathBuf| {
         let meta = fs::symlink_metadata(&path).ok()?;
-        (meta.is_dir() && meta.uid() != uid()).then(|| (path, User(meta.uid())))
-    })
+        (meta.uid() != uid()).then(|| (path, User(meta.uid())))
+    };
+    let named = |path: &Path, of: fn(&str, &BusName) -> bool, bus: &BusName| {
+        of(&path.file_name().unwrap_or_default().to_string_lossy(), bus)
+    };
+    let below = |of| {
+        entries(shm)
+            .map(|(path, _)| path)
+            .filter(move |path| named(path, of, bus))
+    };
+    let service = service.is_dir().then(|| service.to_owned());
+    below(is_memory)
+        .chain(service)
+        .chain(below(is_base))
+        .filter_map(foreign)
+}
+
+/// Whether a name in `/dev/shm` is shared memory of a bus of this name.
+fn is_memory(name: &str, bus: &BusName) -> bool {
+    let drawn = name
+        .strip_prefix(bus.as_str())
+        .and_then(|rest| rest.strip_prefix('_'))
+        .and_then(|rest| rest.split_once('_'));
+    drawn
+        .is_some_and(|(drawn, _)| drawn.len() == 16 && drawn.bytes().all(|b| b.is_ascii_hexdigit()))
+}
+
+/// Whether a name in `/dev/shm` is the folder of a user's buses.
+fn is_base(name: &str, _any: &BusName) -> bool {
+    name.strip_prefix("atas-")
+        .is_some_and(|uid| uid.parse::<u32>().is_ok())
 }
 
 /// The files and folders in a folder; nothing if it cannot be read. Links are not followed.
@@ -237,17 +262,20 @@ mod tests {
     }
 
     #[test]
-    fn folders_of_other_users_are_told_by_their_names() {
-        let shm = scratch("others");
-        let own = shm.join("atas-1000");
-        fs::create_dir(&own).expect("folder");
-        let found: Vec<_> = others(Path::new("/proc/1"), &shm).collect();
-        let foreign = fs::metadata("/proc/1").expect("there").uid() != uid();
-        assert_eq!(
-            found.len(),
-            usize::from(foreign),
-            "one's own folder is none of another's: {found:?}"
-        );
-        fs::remove_dir_all(&shm).expect("clean");
+    fn names_in_shared_memory() {
+        let bus = BusName::default();
+        let check = |name: &str, expected: (bool, bool)| {
+            assert_eq!(
+                (is_memory(name, &bus), is_base(name, &bus)),
+                expected,
+                "{name}"
+            );
+        };
+        check("atas_0123456789abcdef_x.dynamic", (true, false));
+        check("atas-2_0123456789abcdef_x.dynamic", (false, false));
+        check("atas_0123456789abcde_x", (false, false));
+        check("atas", (false, false));
+        check("atas-1000", (false, true));
+        check("atas-x", (false, false));
     }
 }

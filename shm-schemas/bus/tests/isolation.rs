@@ -1,13 +1,19 @@
 //! A bus is alone: other buses, other users and iceoryx2's own defaults stay out of it.
 
+mod common;
+
 use std::collections::HashSet;
 use std::fs;
+use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
+use std::os::unix::net::UnixDatagram;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use cargo_metadata::MetadataCommand;
+use common::{Peer, peer_role, ready};
 use shm_bus::{Bus, BusError, BusName, FreshBus, Realtime};
 use shm_schemas::Status;
 use shm_schemas::service::STATUS;
@@ -164,6 +170,7 @@ fn nothing_is_open_to_others_for_a_moment() {
 }
 
 /// Runs what needs another user; as root it is `nobody`.
+#[allow(clippy::print_stderr, reason = "a test that cannot run says so")]
 fn as_another_user(what: impl FnOnce(u32)) {
     if rustix::process::geteuid().is_root() {
         what(65534);
@@ -214,9 +221,48 @@ fn looking_at_a_bus_that_nobody_made_leaves_nothing() {
     let mistyped = BusName::fresh("mistyped");
     let refused = Bus::join(&mistyped, "looker", Realtime::No).expect_err("no such bus");
     assert!(
-        matches!(refused, BusError::NoBus { .. } | BusError::OtherUser { .. }),
+        matches!(
+            refused,
+            BusError::Absent { .. } | BusError::OtherUser { .. }
+        ),
         "{refused}"
     );
     assert!(!base.join(mistyped.as_str()).exists());
     assert_eq!(memory(&mistyped), Vec::<std::path::PathBuf>::new());
+}
+
+/// What the peer processes do.
+#[test]
+fn peer() {
+    let Some((role, name)) = peer_role() else {
+        return;
+    };
+    assert_eq!(role, "stranger");
+    let refused = Bus::join(&name, "stranger", Realtime::No).expect_err("not ours");
+    let stopped = shm_bus::stop::request(&name, "a test", Duration::from_secs(1))
+        .expect_err("nor may strangers stop it");
+    for error in [refused, stopped] {
+        assert!(
+            matches!(&error, BusError::OtherUser { user, .. } if user == "root"),
+            "{error}"
+        );
+    }
+    let socket = Path::new("/dev/shm/atas-0")
+        .join(name.as_str())
+        .join("stop");
+    let denied = UnixDatagram::unbound().expect("a socket").connect(socket);
+    assert_eq!(
+        denied.expect_err("private").kind(),
+        ErrorKind::PermissionDenied
+    );
+    ready();
+}
+
+#[test]
+fn the_owner_of_a_bus_is_told_by_name_and_nobody_else_reaches_it() {
+    as_another_user(|stranger| {
+        let name = FreshBus::new("owned");
+        let _bus = open(&name, "here");
+        Peer::spawn_as(&name, "stranger", stranger).succeed();
+    });
 }

@@ -72,8 +72,7 @@ fn peer() {
 fn too_few_descriptors_are_named_and_cost_nobody_a_service() {
     let name = FreshBus::new("poor");
     let _daemon = Peer::start(&name, "daemon");
-    let poor = Peer::start(&name, "poor");
-    assert!(poor.succeeded());
+    Peer::spawn(&name, "poor").succeed();
     observe(&name).expect("the bus is as it was");
     let bus = Bus::join(&name, "second", Realtime::No).expect("joins");
     let taken = bus

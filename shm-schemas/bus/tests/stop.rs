@@ -186,7 +186,10 @@ fn without_a_daemon_the_cause_is_named() {
     let name = FreshBus::new("nobody");
     let nothing = stop::request(&name, "a test", WITHIN).expect_err("no bus");
     assert!(
-        matches!(nothing, BusError::NoBus { .. } | BusError::OtherUser { .. }),
+        matches!(
+            nothing,
+            BusError::Absent { .. } | BusError::OtherUser { .. }
+        ),
         "{nothing}"
     );
     let daemon = Peer::start(&name, "daemon");

@@ -22,7 +22,7 @@ use crate::name::BusName;
 /// Takes no lock, joins no bus, cleans nothing up.
 ///
 /// # Errors
-/// [`BusError::NoBus`], [`BusError::OtherUser`] or [`BusError::NoServer`] if no daemon of this user runs on the bus;
+/// [`BusError::Absent`], [`BusError::OtherUser`] or [`BusError::NoServer`] if no daemon of this user runs on the bus;
 /// [`BusError::NoAnswer`] if it did not answer within `within`: the stop waits in its socket, and counts as soon as the
 /// daemon runs again.
 pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnswer, BusError> {

@@ -1,7 +1,8 @@
 //! Peers as real processes: a test starts its own executable again, and there only the test `peer` does something.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -35,7 +36,24 @@ impl Peer {
 
     /// Starts a peer and does not wait.
     pub(crate) fn spawn(bus: &BusName, role: &str) -> Self {
-        let mut command = Command::new(std::env::current_exe().expect("own path"));
+        let command = Command::new(std::env::current_exe().expect("own path"));
+        Self::run(command, bus, role)
+    }
+
+    /// Starts a peer as another user, from a copy that this user can reach.
+    pub(crate) fn spawn_as(bus: &BusName, role: &str, uid: u32) -> Self {
+        let copy = std::env::temp_dir().join(bus.as_str());
+        std::fs::copy(std::env::current_exe().expect("own path"), &copy).expect("copied");
+        let mut command = Command::new(&copy);
+        command.uid(uid).gid(uid).current_dir("/");
+        command.env_remove("XDG_RUNTIME_DIR");
+        let peer = Self::run(command, bus, role);
+        // It runs on without its name.
+        std::fs::remove_file(&copy).expect("removed");
+        peer
+    }
+
+    fn run(mut command: Command, bus: &BusName, role: &str) -> Self {
         command
             .args(["--exact", "peer", "--nocapture"])
             .env(ROLE, role)
@@ -58,9 +76,14 @@ impl Peer {
         rustix::process::kill_process(pid, signal).expect("the peer lives");
     }
 
-    /// Whether the process ended by itself, and well.
-    pub(crate) fn succeeded(mut self) -> bool {
-        self.child.wait().expect("waited").success()
+    /// Waits until the process ends by itself, and well.
+    pub(crate) fn succeed(mut self) {
+        let mut said = String::new();
+        let stderr = self.child.stderr.take();
+        // What was read before is gone; the rest tells why.
+        stderr.map(|mut stderr| stderr.read_to_string(&mut said));
+        let status = self.child.wait().expect("waited");
+        assert!(status.success(), "{status}:\n{said}");
     }
 
     /// SIGKILL, and waits until the process is gone.
