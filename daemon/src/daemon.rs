@@ -16,7 +16,7 @@ use crate::link::Link;
 use crate::pacer::{FreePacer, LockStep, Pacer};
 use crate::panics::{self, TICK_THREAD};
 use crate::realtime::{self, Granted, Refused};
-use crate::supervisor::{Knowledge, OpenError, Signals, Supervisor, TickThreadEnded};
+use crate::supervisor::{OpenError, Signals, Supervisor, SupervisorState, TickThreadEnded};
 use crate::tick::TickLoop;
 
 /// Name under which others see the daemon on the bus.
@@ -98,20 +98,20 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let (ticks, granted) = start.spawn(&link)?;
     let flags = flags(&granted, args.lockstep);
-    let knowledge = Knowledge::new(source, config, robot, wiring, flags);
-    supervise(args, &link, knowledge, signals, ticks).inspect(|()| tracing::info!("stopped"))
+    let state = SupervisorState::new(source, config, robot, wiring, flags);
+    supervise(args, &link, state, signals, ticks).inspect(|()| tracing::info!("stopped"))
 }
 
 fn supervise(
     args: &Args,
     link: &Arc<Link>,
-    knowledge: Knowledge,
+    state: SupervisorState,
     signals: Signals,
     ticks: JoinHandle<()>,
 ) -> Result<(), Failure> {
     let opened = Bus::open(&args.bus, ROLE, Deadline::No)
         .map_err(OpenError::from)
-        .and_then(|bus| Supervisor::open(bus, Arc::clone(link), knowledge, signals));
+        .and_then(|bus| Supervisor::open(bus, Arc::clone(link), state, signals));
     let supervised = opened.map(|mut supervisor| (supervisor.run(&ticks), supervisor));
     link.quit();
     // A panic of the tick thread is in `supervised`.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  HandFrame ×2 ─▶ ┌──────────── tick thread (SCHED_FIFO) ────────────┐
-//!  JointState ───▶ │ pacer ─▶ inlet ─▶ guard(controller) ─▶ publisher │ ─▶ JointCommand, every tick
+//!  JointState ───▶ │ pacer ─▶ ports ─▶ guard(controller) ─▶ publisher │ ─▶ JointCommand, every tick
 //!                  └───────▲ orders ────────────── records │ ─────────┘
 //!                          │            (link)             ▼
 //!  goals, control ─▶ ┌─────┴──────────── supervisor (main thread) ────┐ ─▶ goal updates, control replies, log,
@@ -36,11 +36,11 @@ pub mod config;
 pub mod daemon;
 pub mod figures;
 pub mod guard;
-pub mod inlet;
+pub mod input_log;
 pub mod link;
 pub mod pacer;
 mod panics;
+pub mod ports;
 pub mod realtime;
 pub mod supervisor;
-pub mod tape;
 pub mod tick;

@@ -7,7 +7,7 @@ use crossbeam::queue::ArrayQueue;
 use robot_model::ROBOT_JOINTS;
 use shm_schemas::{GoalUpdate, ModuleEvent, Status, TickReport};
 
-use crate::tape::Tape;
+use crate::input_log::InputLog;
 
 /// Orders that wait; a goal that finds the queue full is refused as BUSY. Ours: the tick takes a thousand a second.
 const ORDERS: usize = 32;
@@ -59,7 +59,7 @@ pub struct Link {
     records: ArrayQueue<TickRecord>,
     events: ArrayQueue<ModuleEvent>,
     snapshot: ArrayQueue<Status>,
-    tape: Option<Tape>,
+    input_log: Option<InputLog>,
     dropped: AtomicU64,
     quit: AtomicBool,
 }
@@ -73,7 +73,7 @@ impl Default for Link {
             records: ArrayQueue::new(RECORDS),
             events: ArrayQueue::new(EVENTS),
             snapshot: ArrayQueue::new(1),
-            tape: None,
+            input_log: None,
             dropped: AtomicU64::new(0),
             quit: AtomicBool::new(false),
         }
@@ -81,11 +81,11 @@ impl Default for Link {
 }
 
 impl Link {
-    /// A link with a tape for a recorder.
+    /// A link with a input_log for a recorder.
     #[must_use]
     pub fn recording() -> Self {
         Self {
-            tape: Some(Tape::default()),
+            input_log: Some(InputLog::default()),
             ..Self::default()
         }
     }
@@ -93,13 +93,13 @@ impl Link {
     /// Whether another tick can be recorded without hurry; always, if recording is switched off.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        self.tape.as_ref().is_none_or(Tape::has_room)
+        self.input_log.as_ref().is_none_or(InputLog::has_room)
     }
 
-    /// The tape, if recording is switched on.
+    /// The input_log, if recording is switched on.
     #[must_use]
-    pub fn tape(&self) -> Option<&Tape> {
-        self.tape.as_ref()
+    pub fn input_log(&self) -> Option<&InputLog> {
+        self.input_log.as_ref()
     }
 }
 
@@ -135,10 +135,10 @@ impl Link {
         self.snapshot.pop()
     }
 
-    /// Records, events and parts of the tape dropped because the supervisor did not come round.
+    /// Records, events and parts of the input_log dropped because the supervisor did not come round.
     #[must_use]
     pub fn dropped(&self) -> u64 {
-        let parts = self.tape.as_ref().map_or(0, Tape::dropped);
+        let parts = self.input_log.as_ref().map_or(0, InputLog::dropped);
         self.dropped.load(Ordering::Relaxed) + parts
     }
 

@@ -14,7 +14,7 @@ mod spin;
 
 pub use lockstep::LockStep;
 pub use phase::{Arrivals, PhaseLock};
-pub use schedule::{Beat, Schedule};
+pub use schedule::{Schedule, TickStart};
 pub use spin::SpinMargin;
 
 use atas_core::Tick;
@@ -23,8 +23,8 @@ use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
 use shm_schemas::TickReport;
 
-use crate::inlet::Inlet;
 use crate::link::Link;
+use crate::ports::InputPorts;
 
 /// What the ticks follow.
 #[derive(Debug)]
@@ -37,21 +37,26 @@ pub enum Pacer {
 
 impl Pacer {
     /// Waits for the next tick and takes in the newest joint state. `None` when the loop shall end.
-    pub fn wait(&mut self, inlet: &mut Inlet, link: &Link, pursues_goal: bool) -> Option<Beat> {
+    pub fn wait(
+        &mut self,
+        ports: &mut InputPorts,
+        link: &Link,
+        pursues_goal: bool,
+    ) -> Option<TickStart> {
         match self {
             Self::Free(pacer) => {
-                let beat = (!link.is_quitting()).then(|| pacer.wait());
-                inlet.take_joints();
-                beat
+                let start = (!link.is_quitting()).then(|| pacer.wait());
+                ports.take_joints();
+                start
             }
-            Self::LockStep(pacer) => pacer.wait(inlet, link, pursues_goal),
+            Self::LockStep(pacer) => pacer.wait(ports, link, pursues_goal),
         }
     }
 
     /// Learns from a tick when the next one should begin; `true` if the ticks are locked to the frames.
-    pub fn learn(&mut self, beat: &Beat, report: &TickReport) -> bool {
+    pub fn learn(&mut self, start: &TickStart, report: &TickReport) -> bool {
         match self {
-            Self::Free(pacer) => pacer.learn(beat, report),
+            Self::Free(pacer) => pacer.learn(start, report),
             Self::LockStep(_) => false,
         }
     }
@@ -89,11 +94,11 @@ impl FreePacer {
         }
     }
 
-    fn learn(&mut self, beat: &Beat, report: &TickReport) -> bool {
+    fn learn(&mut self, start: &TickStart, report: &TickReport) -> bool {
         let (Some(phase), Some(schedule)) = (&mut self.phase, &mut self.schedule) else {
             return false;
         };
-        let Tick { now_ns, .. } = beat.tick;
+        let Tick { now_ns, .. } = start.tick;
         let hands = report.hands.map(|hand| {
             let captured_ns = now_ns.checked_sub(hand.frame_age_ns)?;
             Some(Arrivals {
@@ -101,12 +106,12 @@ impl FreePacer {
                 frames: hand.frames,
             })
         });
-        schedule.shift(phase.correct(beat.tick, now_ns - beat.late_ns, hands));
+        schedule.shift(phase.correct(start.tick, now_ns - start.late_ns, hands));
         phase.is_locked()
     }
 
     /// Sleeps, then spins, until the next deadline.
-    fn wait(&mut self) -> Beat {
+    fn wait(&mut self) -> TickStart {
         let period_ns = self.period_ns;
         let schedule = self
             .schedule

@@ -8,16 +8,16 @@
 //!   now is the controller's to say.
 
 mod controls;
+mod event_log;
 mod flight;
 mod goals;
-mod journal;
-mod knowledge;
 mod recording;
 mod service;
+mod state;
 mod telemetry;
 
-pub use knowledge::Knowledge;
 pub use service::Signals;
+pub use state::SupervisorState;
 
 use std::io;
 use std::sync::Arc;
@@ -29,10 +29,10 @@ use shm_bus::{Bus, BusError};
 use shm_schemas::{Cause, Reason};
 
 use crate::link::Link;
-use controls::ControlDesk;
+use controls::ControlService;
+use event_log::EventLog;
 use flight::FlightRecorder;
-use goals::GoalDesk;
-use journal::Journal;
+use goals::GoalService;
 use recording::RecordStream;
 use service::ServiceManager;
 use telemetry::Telemetry;
@@ -53,11 +53,11 @@ const REST_TICKS: u32 = 5;
 pub struct Supervisor {
     bus: Bus,
     link: Arc<Link>,
-    knowledge: Knowledge,
-    goals: GoalDesk,
-    controls: ControlDesk,
+    state: SupervisorState,
+    goals: GoalService,
+    controls: ControlService,
     telemetry: Telemetry,
-    journal: Journal,
+    event_log: EventLog,
     flight: FlightRecorder,
     recording: Option<RecordStream>,
     manager: ServiceManager,
@@ -89,27 +89,27 @@ impl Supervisor {
     pub fn open(
         bus: Bus,
         link: Arc<Link>,
-        knowledge: Knowledge,
+        state: SupervisorState,
         signals: Signals,
     ) -> Result<Self, OpenError> {
         let state_directory = std::env::var_os("STATE_DIRECTORY");
-        let recording = &knowledge.config.recording;
+        let recording = &state.config.recording;
         let flight_folder = recording.flight_folder(state_directory.as_deref());
         let records = recording.stream;
         Ok(Self {
-            goals: GoalDesk::open(&bus)?,
-            controls: ControlDesk::open(&bus)?,
+            goals: GoalService::open(&bus)?,
+            controls: ControlService::open(&bus)?,
             telemetry: Telemetry::open(&bus)?,
-            journal: Journal::default(),
+            event_log: EventLog::default(),
             flight: FlightRecorder::new(flight_folder)?,
             recording: records
-                .then(|| RecordStream::open(&bus, &knowledge))
+                .then(|| RecordStream::open(&bus, &state))
                 .transpose()?,
             manager: ServiceManager::from_environment(),
             resting_ticks: 0,
             bus,
             link,
-            knowledge,
+            state,
             signals,
         })
     }
@@ -153,48 +153,48 @@ impl Supervisor {
         let Self {
             goals,
             controls,
-            knowledge,
+            state,
             link,
             signals,
             manager,
             ..
         } = self;
-        goals.serve(knowledge, link);
-        controls.serve(knowledge, link);
+        goals.serve(state, link);
+        controls.serve(state, link);
         if signals.take_reload_request() {
             manager.reloading();
-            match knowledge.reload(link) {
+            match state.reload(link) {
                 Ok(_) => tracing::info!("configuration reloaded"),
                 Err(why) => tracing::error!("kept the configuration: {why}"),
             }
             manager.ready();
         }
-        manager.attend(knowledge.ticks_seen);
-        self.telemetry.publish_status(&self.knowledge, &self.link);
+        manager.attend(state.ticks_seen);
+        self.telemetry.publish_status(&self.state, &self.link);
     }
 
     fn take_records(&mut self) {
         while let Some(record) = self.link.next_record() {
-            self.knowledge.learn(&record);
+            self.state.learn(&record);
             self.telemetry.publish_record(&record);
             self.flight.note(&record.report);
             if let Some(update) = &record.goal_update {
                 self.goals.tell(update);
             }
             self.controls.settle(record.ticket);
-            self.journal.watch_record(&record);
+            self.event_log.watch_record(&record);
             let stopped = self.signals.stop_requested() && record.at_rest;
             self.resting_ticks = if stopped { self.resting_ticks + 1 } else { 0 };
         }
         while let Some(event) = self.link.next_event() {
             self.telemetry.publish_event(&event);
-            self.journal.write_event(&event);
+            self.event_log.write_event(&event);
             self.flight.watch(&event);
         }
-        if let (Some(recording), Some(tape)) = (&self.recording, self.link.tape()) {
-            recording.publish(tape);
+        if let (Some(recording), Some(input_log)) = (&self.recording, self.link.input_log()) {
+            recording.publish(input_log);
         }
-        self.journal.watch_dropped(self.link.dropped());
+        self.event_log.watch_dropped(self.link.dropped());
     }
 
     fn begin_stop(&mut self) -> Instant {

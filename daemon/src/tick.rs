@@ -13,9 +13,9 @@ use shm_schemas::{JointCommand, TickReport, service};
 use std::sync::Arc;
 
 use crate::guard::{Guard, Step};
-use crate::inlet::Inlet;
 use crate::link::{Link, TickRecord};
-use crate::pacer::{Beat, Pacer};
+use crate::pacer::{Pacer, TickStart};
+use crate::ports::InputPorts;
 
 /// Places of the stages after the controller's own in [`TickReport::stage_ns`].
 const PUBLISH: usize = 5;
@@ -28,7 +28,7 @@ const STATUS_HZ: u64 = 50;
 #[derive(Debug)]
 pub struct TickLoop {
     pacer: Pacer,
-    inlet: Inlet,
+    ports: InputPorts,
     guard: Guard,
     commands: Publisher<JointCommand>,
     link: Arc<Link>,
@@ -62,7 +62,7 @@ impl TickLoop {
         link.leave_snapshot(&guard.status(now_ns()));
         Ok(Self {
             pacer,
-            inlet: Inlet::open(bus)?,
+            ports: InputPorts::open(bus)?,
             guard,
             commands,
             link,
@@ -85,38 +85,38 @@ impl TickLoop {
     pub fn run_once(&mut self) -> bool {
         let Self {
             pacer,
-            inlet,
+            ports,
             guard,
             commands,
             link,
             watch,
             counts,
         } = self;
-        let Some(beat) = pacer.wait(inlet, link, guard.pursues_goal()) else {
+        let Some(start) = pacer.wait(ports, link, guard.pursues_goal()) else {
             return false;
         };
         watch.start();
-        inlet.take_frames();
-        let order = link.take_order(beat.settling);
-        let inputs = inlet.inputs(beat.tick, order.as_ref().map(|o| &o.order));
+        ports.take_frames();
+        let order = link.take_order(start.settling);
+        let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.order));
         let step = guard.step(&inputs, |stage| watch.passed(stage as usize));
         watch.passed(REPORT);
         let sent = commands.send(step.command);
         watch.passed(PUBLISH);
-        counts.count(&beat, sent.is_ok());
+        counts.count(&start, sent.is_ok());
         let body_ns = watch.total_ns();
-        if let Some(tape) = link.tape() {
-            tape.keep(&inputs, step.command);
+        if let Some(input_log) = link.input_log() {
+            input_log.keep(&inputs, step.command);
             watch.passed(RECORDING);
         }
-        let mut record = record_of(&step, &beat, watch.stage_ns, body_ns);
+        let mut record = record_of(&step, &start, watch.stage_ns, body_ns);
         record.ticket = order.map_or(0, |o| o.ticket);
-        record.bus_failures = counts.unsent + inlet.failures();
-        record.phase_locked = pacer.learn(&beat, &record.report);
+        record.bus_failures = counts.unsent + ports.failures();
+        record.phase_locked = pacer.learn(&start, &record.report);
         let is_news = record.goal_update.is_some() || !step.events.is_empty();
         link.leave(&record, step.events);
         if is_news || counts.ticks.is_multiple_of(counts.status_every) {
-            link.leave_snapshot(&counts.complete(guard.status(beat.tick.now_ns), &beat));
+            link.leave_snapshot(&counts.complete(guard.status(start.tick.now_ns), &start));
         }
         if let (Pacer::LockStep(pacer), Some(Order::Recover)) = (pacer, order.map(|o| o.order)) {
             pacer.settle();
@@ -126,26 +126,31 @@ impl TickLoop {
 }
 
 impl Counts {
-    fn count(&mut self, beat: &Beat, sent: bool) {
+    fn count(&mut self, start: &TickStart, sent: bool) {
         self.ticks += 1;
-        self.late += u64::from(beat.is_late);
+        self.late += u64::from(start.is_late);
         self.unsent += u64::from(!sent);
     }
 
-    fn complete(&self, mut status: shm_schemas::Status, beat: &Beat) -> shm_schemas::Status {
+    fn complete(&self, mut status: shm_schemas::Status, start: &TickStart) -> shm_schemas::Status {
         status.ticks = self.ticks;
         status.late_ticks = self.late;
-        status.missed_ticks = beat.missed;
+        status.missed_ticks = start.missed;
         status
     }
 }
 
-fn record_of(step: &Step<'_>, beat: &Beat, stage_ns: [u32; STAGES], body_ns: u32) -> TickRecord {
+fn record_of(
+    step: &Step<'_>,
+    start: &TickStart,
+    stage_ns: [u32; STAGES],
+    body_ns: u32,
+) -> TickRecord {
     let ages = step.report.hands.iter().map(|hand| hand.frame_age_ns);
     let frame_age_ns = ages.min().unwrap_or(u64::MAX);
     let report = TickReport {
-        missed_ticks: beat.missed,
-        wake_late_ns: clipped(beat.late_ns),
+        missed_ticks: start.missed,
+        wake_late_ns: clipped(start.late_ns),
         stage_ns,
         sensor_to_command_ns: clipped(frame_age_ns.saturating_add(u64::from(body_ns))),
         ..*step.report

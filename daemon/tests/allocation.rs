@@ -109,10 +109,10 @@ fn pursue(link: Link) -> Costs {
         world.listen();
         let record = link.next_record().expect("every tick leaves a record");
         while link.next_event().is_some() {}
-        if let Some(tape) = link.tape() {
-            let part = tape.next().expect("every tick leaves a part");
+        if let Some(input_log) = link.input_log() {
+            let part = input_log.next().expect("every tick leaves a part");
             assert_eq!(part.command.crc32, record.report.command_crc32);
-            tape.give_back(part);
+            input_log.give_back(part);
         }
         if index >= WARM_UP {
             assert_eq!(

@@ -1,7 +1,7 @@
 //! The production tick and a simulated world in one thread, over a real bus: what costs nothing but itself.
 //!
 //! Sensors write, [`Loopback::tick`] runs one tick of the daemon in lock-step, the robot takes the command. Nothing
-//! waits, so a grasp of eight simulated seconds takes a fraction of one. With a recorder, the tape is drained by a thread
+//! waits, so a grasp of eight simulated seconds takes a fraction of one. With a recorder, the input_log is drained by a thread
 //! beside it, as the daemon's supervisor does.
 
 use std::sync::Arc;
@@ -137,7 +137,7 @@ fn production_tick(ticks: &mut TickLoop) {
     assert!(ticks.run_once(), "nobody asked it to end");
 }
 
-/// Publishes the tape until it is dropped.
+/// Publishes the input_log until it is dropped.
 #[derive(Debug)]
 struct Drain {
     thread: Option<JoinHandle<()>>,
@@ -152,11 +152,11 @@ impl Drain {
             let bus = Bus::open(&name, "drain", Realtime::No).expect("a bus");
             let inputs = bus.publisher::<TickInputs>(service::TICK_INPUTS);
             let inputs = inputs.expect("a port");
-            let tape = link.tape().expect("a link that records");
+            let input_log = link.input_log().expect("a link that records");
             while !ended.load(Ordering::Relaxed) {
-                while let Some(part) = tape.next() {
+                while let Some(part) = input_log.next() {
                     inputs.send(&part).expect("sent");
-                    tape.give_back(part);
+                    input_log.give_back(part);
                 }
                 std::thread::sleep(ROUND);
             }

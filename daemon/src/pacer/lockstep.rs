@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use atas_core::Tick;
 
-use super::Beat;
-use crate::inlet::Inlet;
+use super::TickStart;
 use crate::link::Link;
+use crate::ports::InputPorts;
 
 /// Ticks at the start, and after a recovery, in which the world settles and no goal is taken. Long enough for the mode
 /// machine to become READY (20 ticks without doubt). Ours.
@@ -40,13 +40,18 @@ impl LockStep {
 
     /// Waits for a joint state while there is something to do and room to record it; else takes nothing from the bus, so
     /// that the sensors' process, which waits for an answer, stands still as well. `None` when the loop shall end.
-    pub fn wait(&mut self, inlet: &mut Inlet, link: &Link, pursues_goal: bool) -> Option<Beat> {
+    pub fn wait(
+        &mut self,
+        ports: &mut InputPorts,
+        link: &Link,
+        pursues_goal: bool,
+    ) -> Option<TickStart> {
         let mut polls = 0;
         while !link.is_quitting() {
             let settling = self.index < self.settled_at;
             let has_work = settling || pursues_goal || link.has_orders();
-            if has_work && link.has_room() && inlet.take_joints() {
-                return Some(self.begin(inlet.joints_captured_ns(), settling));
+            if has_work && link.has_room() && ports.take_joints() {
+                return Some(self.begin(ports.joints_captured_ns(), settling));
             }
             polls += 1;
             if polls < EAGER_POLLS {
@@ -58,16 +63,16 @@ impl LockStep {
         None
     }
 
-    fn begin(&mut self, now_ns: u64, settling: bool) -> Beat {
+    fn begin(&mut self, now_ns: u64, settling: bool) -> TickStart {
         let tick = Tick {
             index: self.index,
             now_ns,
         };
         self.index += 1;
-        Beat {
+        TickStart {
             tick,
             settling,
-            ..Beat::default()
+            ..TickStart::default()
         }
     }
 }

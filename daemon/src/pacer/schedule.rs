@@ -4,7 +4,7 @@ use atas_core::Tick;
 
 /// A tick that begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Beat {
+pub struct TickStart {
     /// Index and time.
     pub tick: Tick,
     /// How late it begins, ns after the deadline that was waited for.
@@ -51,14 +51,14 @@ impl Schedule {
 
     /// Begins the tick whose deadline has passed at `now_ns`. If whole periods have passed since, this tick is the one
     /// of the latest deadline, and those before it are missed.
-    pub fn begin(&mut self, now_ns: u64) -> Beat {
+    pub fn begin(&mut self, now_ns: u64) -> TickStart {
         let late_ns = now_ns.saturating_sub(self.deadline_ns);
         let skipped = late_ns / self.period_ns;
         self.missed += skipped;
         let index = self.index + skipped;
         self.index = index + 1;
         self.deadline_ns += (skipped + 1) * self.period_ns;
-        Beat {
+        TickStart {
             tick: Tick { index, now_ns },
             late_ns,
             is_late: late_ns > self.period_ns / 10,
@@ -82,9 +82,9 @@ mod tests {
         for delay_ns in delays_ns {
             let deadline_ns = schedule.deadline_ns();
             now_ns = now_ns.max(deadline_ns) + delay_ns;
-            let beat = schedule.begin(now_ns);
+            let start = schedule.begin(now_ns);
             assert_eq!(
-                beat.late_ns,
+                start.late_ns,
                 now_ns - deadline_ns,
                 "lateness counts from the deadline waited for"
             );
@@ -95,16 +95,16 @@ mod tests {
             );
             assert!(schedule.deadline_ns() > now_ns, "nothing is caught up");
             assert!(
-                executed.last().is_none_or(|last| beat.tick.index > *last),
+                executed.last().is_none_or(|last| start.tick.index > *last),
                 "no tick twice"
             );
-            executed.push(beat.tick.index);
+            executed.push(start.tick.index);
             assert_eq!(
-                beat.missed,
-                beat.tick.index + 1 - executed.len() as u64,
+                start.missed,
+                start.tick.index + 1 - executed.len() as u64,
                 "skips are counted"
             );
-            let slot_ns = START_NS + (beat.tick.index + 1) * period_ns;
+            let slot_ns = START_NS + (start.tick.index + 1) * period_ns;
             assert!(
                 (slot_ns..slot_ns + period_ns).contains(&now_ns),
                 "a tick runs in its own slot"

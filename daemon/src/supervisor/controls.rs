@@ -9,7 +9,7 @@ use shm_schemas::{
     Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp, Text,
 };
 
-use super::Knowledge;
+use super::SupervisorState;
 use crate::link::Link;
 
 /// Requests that one round looks at.
@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The requests that wait for their tick.
 #[derive(Debug)]
-pub(super) struct ControlDesk {
+pub(super) struct ControlService {
     server: ControlServer,
     waiting: Vec<Waiting>,
 }
@@ -38,7 +38,7 @@ enum Answer {
     After(u64, ControlReply),
 }
 
-impl ControlDesk {
+impl ControlService {
     pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
         Ok(Self {
             server: bus.control_server()?,
@@ -47,7 +47,7 @@ impl ControlDesk {
     }
 
     /// Takes requests and answers what needs no tick.
-    pub(super) fn serve(&mut self, knowledge: &mut Knowledge, link: &Link) {
+    pub(super) fn serve(&mut self, state: &mut SupervisorState, link: &Link) {
         for _ in 0..REQUESTS_PER_ROUND {
             let call = match self.server.poll() {
                 Ok(Some(call)) => call,
@@ -59,7 +59,7 @@ impl ControlDesk {
             };
             let request = *call.request();
             tracing::debug!(op = %request.op, name = %request.name, value = request.value, "control request");
-            match answer(&request, knowledge, link) {
+            match answer(&request, state, link) {
                 Answer::Now(reply) => send(call, reply),
                 Answer::After(ticket, reply) => {
                     self.waiting.push(Waiting {
@@ -101,15 +101,15 @@ fn send(call: ControlCall, mut reply: ControlReply) {
     let _heard = call.reply(&reply);
 }
 
-fn answer(request: &ControlRequest, knowledge: &mut Knowledge, link: &Link) -> Answer {
+fn answer(request: &ControlRequest, state: &mut SupervisorState, link: &Link) -> Answer {
     let ordered = match request.op {
         ControlOp::ESTOP => order(Order::Stop(Reason::of(Cause::ESTOP)), link),
-        ControlOp::RECOVER => recover(knowledge, link),
-        ControlOp::PARAM_GET => return Answer::Now(get(request, knowledge)),
-        ControlOp::PARAM_LIST => return Answer::Now(list(request, knowledge)),
-        ControlOp::PARAM_SET => return set(request, knowledge, link),
-        ControlOp::BIAS => bias(request, knowledge, link),
-        ControlOp::RELOAD => knowledge.reload(link),
+        ControlOp::RECOVER => recover(state, link),
+        ControlOp::PARAM_GET => return Answer::Now(get(request, state)),
+        ControlOp::PARAM_LIST => return Answer::Now(list(request, state)),
+        ControlOp::PARAM_SET => return set(request, state, link),
+        ControlOp::BIAS => bias(request, state, link),
+        ControlOp::RELOAD => state.reload(link),
         unknown => return Answer::Now(unknown_op(unknown)),
     };
     match ordered {
@@ -129,8 +129,8 @@ fn order(order: Order, link: &Link) -> Result<u64, String> {
         .ok_or_else(|| "the queue of orders is full; try again".to_owned())
 }
 
-fn recover(knowledge: &Knowledge, link: &Link) -> Result<u64, String> {
-    match knowledge.mode {
+fn recover(state: &SupervisorState, link: &Link) -> Result<u64, String> {
+    match state.mode {
         Mode::SAFE_STOP => order(Order::Recover, link),
         Mode::FAULT => {
             Err("could not recover because the daemon itself failed; restart it".to_owned())
@@ -141,14 +141,14 @@ fn recover(knowledge: &Knowledge, link: &Link) -> Result<u64, String> {
     }
 }
 
-fn bias(request: &ControlRequest, knowledge: &Knowledge, link: &Link) -> Result<u64, String> {
+fn bias(request: &ControlRequest, state: &SupervisorState, link: &Link) -> Result<u64, String> {
     let Some(hand) = (0..Hand::BOTH.len()).find(|hand| *hand as f64 == request.value) else {
         return Err(format!(
             "could not take the bias of hand {}, needs 0 (left) or 1 (right)",
             request.value
         ));
     };
-    if knowledge.mode == Mode::RUN {
+    if state.mode == Mode::RUN {
         return Err(
             "could not take the bias because a goal is running; wait for it or cancel it"
                 .to_owned(),
@@ -157,20 +157,20 @@ fn bias(request: &ControlRequest, knowledge: &Knowledge, link: &Link) -> Result<
     order(Order::Bias { hand }, link)
 }
 
-fn get(request: &ControlRequest, knowledge: &Knowledge) -> ControlReply {
+fn get(request: &ControlRequest, state: &SupervisorState) -> ControlReply {
     match find(request) {
-        Ok((_, parameter)) => describe(parameter, knowledge),
+        Ok((_, parameter)) => describe(parameter, state),
         Err(why) => unknown(&why),
     }
 }
 
-fn list(request: &ControlRequest, knowledge: &Knowledge) -> ControlReply {
+fn list(request: &ControlRequest, state: &SupervisorState) -> ControlReply {
     let parameter = PARAMETERS
         .iter()
         .enumerate()
         .find(|(index, _)| *index as f64 == request.value);
     match parameter {
-        Some((_, parameter)) => describe(parameter, knowledge),
+        Some((_, parameter)) => describe(parameter, state),
         None => unknown(&format!(
             "parameters have the indices 0 to {}",
             PARAMETERS.len() - 1
@@ -178,15 +178,15 @@ fn list(request: &ControlRequest, knowledge: &Knowledge) -> ControlReply {
     }
 }
 
-fn set(request: &ControlRequest, knowledge: &mut Knowledge, link: &Link) -> Answer {
+fn set(request: &ControlRequest, state: &mut SupervisorState, link: &Link) -> Answer {
     let (index, parameter) = match find(request) {
         Ok(found) => found,
         Err(why) => return Answer::Now(unknown(&why)),
     };
-    match knowledge.set_parameter(index, request.value, link) {
-        Ok(ticket) => Answer::After(ticket, describe(parameter, knowledge)),
+    match state.set_parameter(index, request.value, link) {
+        Ok(ticket) => Answer::After(ticket, describe(parameter, state)),
         Err(why) => {
-            let reply = describe(parameter, knowledge);
+            let reply = describe(parameter, state);
             Answer::Now(ControlReply {
                 outcome: ControlOutcome::REFUSED,
                 text: Text::new(&why),
@@ -208,10 +208,10 @@ fn find(request: &ControlRequest) -> Result<(usize, &'static Parameter), String>
     })
 }
 
-fn describe(parameter: &Parameter, knowledge: &Knowledge) -> ControlReply {
+fn describe(parameter: &Parameter, state: &SupervisorState) -> ControlReply {
     ControlReply {
         outcome: ControlOutcome::DONE,
-        value: (parameter.get)(&knowledge.config.settings()),
+        value: (parameter.get)(&state.config.settings()),
         lower: parameter.lower,
         upper: parameter.upper,
         text: Text::new(&format!("{}\n{}", parameter.name, parameter.doc.trim())),

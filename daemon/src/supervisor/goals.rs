@@ -4,7 +4,7 @@ use atas_core::{Order, check};
 use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
-use super::Knowledge;
+use super::SupervisorState;
 use crate::link::Link;
 
 /// New goals that one round looks at; a flood waits in its clients' buffers. Each check takes some 2 ms.
@@ -14,7 +14,7 @@ const OPEN_MAX: usize = 16;
 
 /// The goals that clients wait for.
 #[derive(Debug)]
-pub(super) struct GoalDesk {
+pub(super) struct GoalService {
     server: GoalServer,
     open: Vec<OpenGoal>,
 }
@@ -27,7 +27,7 @@ struct OpenGoal {
     ended: bool,
 }
 
-impl GoalDesk {
+impl GoalService {
     pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
         Ok(Self {
             server: bus.goal_server()?,
@@ -36,10 +36,10 @@ impl GoalDesk {
     }
 
     /// Takes new goals, passes on cancels, notices clients that went away.
-    pub(super) fn serve(&mut self, knowledge: &Knowledge, link: &Link) {
+    pub(super) fn serve(&mut self, state: &SupervisorState, link: &Link) {
         for _ in 0..GOALS_PER_ROUND {
             match self.server.poll() {
-                Ok(Some(client)) => self.receive(client, knowledge, link),
+                Ok(Some(client)) => self.receive(client, state, link),
                 Ok(None) => break,
                 Err(error) => {
                     tracing::warn!(%error, "a goal could not be read");
@@ -60,10 +60,10 @@ impl GoalDesk {
         self.open.retain(|goal| !goal.ended);
     }
 
-    fn receive(&mut self, client: ActiveGoal, knowledge: &Knowledge, link: &Link) {
+    fn receive(&mut self, client: ActiveGoal, state: &SupervisorState, link: &Link) {
         // The client can write to this memory: what is checked must be what is used.
         let request = *client.request();
-        match self.admit(&request, knowledge, link) {
+        match self.admit(&request, state, link) {
             Ok(()) => {
                 self.open.push(OpenGoal {
                     id: request.goal_id,
@@ -75,7 +75,7 @@ impl GoalDesk {
             Err(reason) => {
                 let task = &request.task;
                 tracing::info!(goal = request.goal_id, kind = %request.kind, %task, %reason, "goal rejected");
-                let _heard = client.update(&rejection(&request, reason, knowledge.tick));
+                let _heard = client.update(&rejection(&request, reason, state.tick));
             }
         }
     }
@@ -83,10 +83,10 @@ impl GoalDesk {
     fn admit(
         &self,
         request: &GoalRequest,
-        knowledge: &Knowledge,
+        state: &SupervisorState,
         link: &Link,
     ) -> Result<(), Reason> {
-        let goal = check::check(request, &knowledge.circumstances())?;
+        let goal = check::check(request, &state.circumstances())?;
         let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
         if id_in_use || self.open.len() >= OPEN_MAX {
             return Err(Reason::of(Cause::BUSY));

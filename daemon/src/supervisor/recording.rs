@@ -4,9 +4,9 @@ use shm_bus::{Bus, BusError, Publisher};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
 
-use super::Knowledge;
+use super::SupervisorState;
 use crate::config::BUILT_IN;
-use crate::tape::Tape;
+use crate::input_log::InputLog;
 
 /// The publishers, open only while recording is switched on.
 #[derive(Debug)]
@@ -17,40 +17,40 @@ pub(super) struct RecordStream {
 
 impl RecordStream {
     /// Opens the streams and publishes the header.
-    pub(super) fn open(bus: &Bus, knowledge: &Knowledge) -> Result<Self, BusError> {
+    pub(super) fn open(bus: &Bus, state: &SupervisorState) -> Result<Self, BusError> {
         let stream = Self {
             headers: bus.publisher(service::RUN_HEADER)?,
             inputs: bus.publisher(service::TICK_INPUTS)?,
         };
-        stream.headers.send(&header(knowledge))?;
+        stream.headers.send(&header(state))?;
         Ok(stream)
     }
 
     /// Publishes the parts that wait, and lets recorders that came late have the header.
-    pub(super) fn publish(&self, tape: &Tape) {
-        while let Some(part) = tape.next() {
+    pub(super) fn publish(&self, input_log: &InputLog) {
+        while let Some(part) = input_log.next() {
             super::telemetry::report_failure(self.inputs.send(&part));
-            tape.give_back(part);
+            input_log.give_back(part);
         }
         super::telemetry::report_failure(self.headers.connect_readers());
     }
 }
 
-fn header(knowledge: &Knowledge) -> Box<RunHeader> {
-    let config = &knowledge.config;
+fn header(state: &SupervisorState) -> Box<RunHeader> {
+    let config = &state.config;
     let mut header: Box<RunHeader> = Box::default();
     header.stamp = Stamp {
-        captured_ns: knowledge.started_ns,
+        captured_ns: state.started_ns,
         ..Stamp::default()
     };
     header.version = Text::new(env!("CARGO_PKG_VERSION"));
-    header.config_hash = knowledge.config_hash;
+    header.config_hash = state.config_hash;
     header.robot = Text::new(&config.robot.urdf);
     header.robot_hash = robot_hash(&config.robot.urdf);
     header.rate_hz = config.realtime.rate_hz;
-    header.flags = knowledge.flags;
+    header.flags = state.flags;
     header.config = Text::new(&config.text());
-    atas_core::record::write_origin(&mut header, &knowledge.wiring, &config.settings());
+    atas_core::record::write_origin(&mut header, &state.wiring, &config.settings());
     header
 }
 

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use shm_bus::{Bus, BusError, Publisher};
 use shm_schemas::{ModuleEvent, Status, Text, TickReport, service};
 
-use super::Knowledge;
+use super::SupervisorState;
 use crate::figures::Figures;
 use crate::link::{Link, TickRecord};
 
@@ -49,7 +49,7 @@ impl Telemetry {
     }
 
     /// Publishes the status if it is due.
-    pub(super) fn publish_status(&mut self, knowledge: &Knowledge, link: &Link) {
+    pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &Link) {
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
         }
@@ -59,13 +59,13 @@ impl Telemetry {
         self.due = Instant::now() + STATUS_EVERY;
         let mut status = self.snapshot;
         status.stamp.sequence = self.sequence;
-        status.stamp.writer_epoch = knowledge.wiring.writer_epoch;
+        status.stamp.writer_epoch = state.wiring.writer_epoch;
         status.version = Text::new(env!("CARGO_PKG_VERSION"));
-        status.config_hash = knowledge.config_hash;
-        status.started_ns = knowledge.started_ns;
+        status.config_hash = state.config_hash;
+        status.started_ns = state.started_ns;
         status.pid = std::process::id();
-        status.flags = knowledge.flags;
-        status.rate_hz = knowledge.config.realtime.rate_hz;
+        status.flags = state.flags;
+        status.rate_hz = state.config.realtime.rate_hz;
         status.dropped_records = link.dropped();
         if let Some(figures) = &self.figures {
             figures.write(&mut status);

@@ -1,4 +1,4 @@
-//! The tape: what every tick took in and gave out, on its way from the tick to a recorder.
+//! The input_log: what every tick took in and gave out, on its way from the tick to a recorder.
 //!
 //! A fixed number of boxes goes round: the tick fills a blank one and passes it on, the supervisor publishes it and gives
 //! it back. Nothing is allocated, nothing waits; if the blanks are used up, parts are dropped, counted, and missing from
@@ -20,9 +20,9 @@ const WAITING: usize = BOXES / 4;
 /// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
 const WARM: usize = 8;
 
-/// The tape.
+/// The input_log.
 #[derive(Debug)]
-pub struct Tape {
+pub struct InputLog {
     /// Blank boxes that were used lately; taken first.
     warm: ArrayQueue<Box<TickInputs>>,
     spare: ArrayQueue<Box<TickInputs>>,
@@ -31,7 +31,7 @@ pub struct Tape {
     dropped: AtomicU64,
 }
 
-impl Default for Tape {
+impl Default for InputLog {
     fn default() -> Self {
         let spare = ArrayQueue::new(BOXES);
         while spare.push(Box::default()).is_ok() {}
@@ -46,7 +46,7 @@ impl Default for Tape {
 }
 
 /// The tick's end.
-impl Tape {
+impl InputLog {
     /// Keeps what a tick took in, and the command that it gave out.
     pub fn keep(&self, inputs: &Inputs<'_>, command: &JointCommand) {
         let frames = inputs.frames.iter().map(|frames| frames.len());
@@ -73,7 +73,7 @@ impl Tape {
 }
 
 /// The supervisor's end.
-impl Tape {
+impl InputLog {
     /// The next part; give it back after use.
     #[must_use]
     pub fn next(&self) -> Option<Box<TickInputs>> {
@@ -143,22 +143,22 @@ mod tests {
 
     #[test]
     fn a_used_box_carries_nothing_over() {
-        let tape = Tape::default();
+        let input_log = InputLog::default();
         let command = JointCommand::default();
         let frame = HandFrame {
             finger_count: 2,
             ..HandFrame::default()
         };
-        tape.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
-        let first = tape.next().expect("a part");
+        input_log.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
+        let first = input_log.next().expect("a part");
         assert_eq!(
             (first.has_frame, first.order.kind),
             ([1, 0], OrderKind::RECOVER)
         );
         assert_eq!(first.frames[0], frame);
-        tape.give_back(first);
-        tape.keep(&inputs(1, &[], None), &command);
-        let mut second = tape.next().expect("a part");
+        input_log.give_back(first);
+        input_log.keep(&inputs(1, &[], None), &command);
+        let mut second = input_log.next().expect("a part");
         assert_eq!((second.stamp.sequence, second.parts), (1, 1));
         (second.stamp, second.tick, second.parts) = (Stamp::default(), 0, 0);
         assert_eq!(*second, TickInputs::default());
@@ -166,50 +166,50 @@ mod tests {
 
     #[test]
     fn several_frames_are_several_parts() {
-        let tape = Tape::default();
+        let input_log = InputLog::default();
         let frame = |finger_count| HandFrame {
             finger_count,
             ..HandFrame::default()
         };
-        tape.keep(
+        input_log.keep(
             &inputs(5, &[frame(1), frame(2), frame(3)], None),
             &JointCommand::default(),
         );
         for part in 0..3 {
-            let told = tape.next().expect("a part");
+            let told = input_log.next().expect("a part");
             assert_eq!((told.part, told.parts, told.tick), (part, 3, 5));
             assert_eq!(
                 (told.frames[0].finger_count, told.stamp.sequence),
                 (part + 1, u64::from(part))
             );
         }
-        assert!(tape.next().is_none());
+        assert!(input_log.next().is_none());
     }
 
     #[test]
     fn what_finds_no_blank_box_is_counted_and_missing_from_the_sequence() {
-        let tape = Tape::default();
+        let input_log = InputLog::default();
         for index in 0..BOXES as u64 + 3 {
-            tape.keep(&inputs(index, &[], None), &JointCommand::default());
+            input_log.keep(&inputs(index, &[], None), &JointCommand::default());
         }
-        assert_eq!(tape.dropped(), 3);
-        while let Some(part) = tape.next() {
-            tape.give_back(part);
+        assert_eq!(input_log.dropped(), 3);
+        while let Some(part) = input_log.next() {
+            input_log.give_back(part);
         }
-        tape.keep(&inputs(9, &[], None), &JointCommand::default());
-        let after = tape.next().expect("a part");
+        input_log.keep(&inputs(9, &[], None), &JointCommand::default());
+        let after = input_log.next().expect("a part");
         assert_eq!(after.stamp.sequence, BOXES as u64 + 3);
     }
 
     #[test]
     fn there_is_room_until_a_few_parts_wait() {
-        let tape = Tape::default();
+        let input_log = InputLog::default();
         for index in 0..WAITING as u64 {
-            assert!(tape.has_room(), "{index}");
-            tape.keep(&inputs(index, &[], None), &JointCommand::default());
+            assert!(input_log.has_room(), "{index}");
+            input_log.keep(&inputs(index, &[], None), &JointCommand::default());
         }
-        assert!(!tape.has_room());
-        tape.give_back(tape.next().expect("a part"));
-        assert!(tape.has_room());
+        assert!(!input_log.has_room());
+        input_log.give_back(input_log.next().expect("a part"));
+        assert!(input_log.has_room());
     }
 }

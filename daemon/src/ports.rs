@@ -10,8 +10,8 @@ pub const FRAMES_PER_TICK: usize = 64;
 
 /// The subscribers of the tick thread.
 #[derive(Debug)]
-pub struct Inlet {
-    hands: [HandInlet; HANDS],
+pub struct InputPorts {
+    hands: [HandPort; HANDS],
     joints: Subscriber<JointState>,
     newest: JointState,
     has_news: bool,
@@ -19,13 +19,13 @@ pub struct Inlet {
 }
 
 #[derive(Debug)]
-struct HandInlet {
+struct HandPort {
     port: Subscriber<HandFrame>,
     frames: Box<[HandFrame]>,
     count: usize,
 }
 
-impl Inlet {
+impl InputPorts {
     /// Opens the ports.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl Inlet {
     pub fn open(bus: &Bus) -> Result<Self, BusError> {
         let [left, right] = service::HAND_FRAME;
         Ok(Self {
-            hands: [HandInlet::open(bus, left)?, HandInlet::open(bus, right)?],
+            hands: [HandPort::open(bus, left)?, HandPort::open(bus, right)?],
             joints: bus.subscriber(service::JOINT_STATE)?,
             newest: JointState::default(),
             has_news: false,
@@ -80,7 +80,7 @@ impl Inlet {
     }
 }
 
-impl HandInlet {
+impl HandPort {
     fn open(bus: &Bus, name: &str) -> Result<Self, BusError> {
         let frames = vec![HandFrame::default(); FRAMES_PER_TICK].into_boxed_slice();
         Ok(Self {

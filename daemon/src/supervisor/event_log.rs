@@ -12,7 +12,7 @@ const QUIET: Duration = Duration::from_secs(1);
 
 /// Decides what is worth a line.
 #[derive(Debug, Default)]
-pub(super) struct Journal {
+pub(super) struct EventLog {
     repeated: HashMap<&'static str, Repeated>,
     bus_failures: u64,
     missed: u64,
@@ -25,7 +25,7 @@ struct Repeated {
     suppressed: u64,
 }
 
-impl Journal {
+impl EventLog {
     pub(super) fn write_event(&mut self, event: &ModuleEvent) {
         let (tick, reason) = (event.tick, event.reason);
         match event.kind {
@@ -126,9 +126,9 @@ mod tests {
 
     #[test]
     fn repetitions_are_counted_not_written() {
-        let mut journal = Journal::default();
-        assert_eq!(journal.is_news("a"), Some(0));
-        assert_eq!(journal.is_news("a"), None);
-        assert_eq!(journal.is_news("b"), Some(0));
+        let mut event_log = EventLog::default();
+        assert_eq!(event_log.is_news("a"), Some(0));
+        assert_eq!(event_log.is_news("a"), None);
+        assert_eq!(event_log.is_news("b"), Some(0));
     }
 }

@@ -8,9 +8,9 @@ use shm_schemas::{Mode, StatusFlags};
 use crate::config::{Config, Source};
 use crate::link::{Link, TickRecord};
 
-/// What the desks of the supervisor share.
+/// What the parts of the supervisor share.
 #[derive(Debug)]
-pub struct Knowledge {
+pub struct SupervisorState {
     /// Where the configuration came from.
     pub source: Source,
     /// The configuration in force, settings included.
@@ -37,7 +37,7 @@ pub struct Knowledge {
     pub ticks_seen: u64,
 }
 
-impl Knowledge {
+impl SupervisorState {
     /// What is known before the first tick.
     #[must_use]
     pub fn new(
