@@ -97,10 +97,14 @@ pub struct Realtime {
     pub rate_hz: u32,
     /// Longest spin before a deadline, µs.
     pub spin_us: u32,
+    /// Whether the cores are kept from idle states that they wake up from slowly.
+    pub keep_awake: bool,
     /// Whether ticks follow the frames.
     pub phase_lock: bool,
-    /// Least time from a frame's stamp to its tick, µs.
+    /// First guess of the time from a frame's stamp to its arrival, µs.
     pub phase_offset_us: u32,
+    /// Longest time that a tick awaits a frame beyond its usual arrival, µs.
+    pub arrival_wait_us: u32,
 }
 
 /// A core, or any.
@@ -168,8 +172,10 @@ impl Default for Realtime {
             cpu: Cpu::Any(AnyWord::Any),
             rate_hz: 1000,
             spin_us: 50,
+            keep_awake: true,
             phase_lock: true,
             phase_offset_us: 40,
+            arrival_wait_us: 200,
         }
     }
 }

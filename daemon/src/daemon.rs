@@ -83,7 +83,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let robot = config.robot_model()?;
     let wiring = config.wiring(if args.lockstep { 1 } else { writer_epoch() })?;
     let controller = Box::new(Controller::new(&robot, wiring.clone(), config.settings()));
-    let granted = realtime::lock_memory(&config.realtime)?;
+    let mut granted = realtime::lock_memory(&config.realtime)?;
+    if let Err(refused) = realtime::keep_awake(&config.realtime, &mut granted) {
+        tracing::info!("{refused}");
+    }
     let link = Arc::new(if config.recording.stream {
         Link::recording()
     } else {
@@ -130,6 +133,7 @@ fn flags(granted: &Granted, lockstep: bool) -> u32 {
         (lockstep, StatusFlags::LOCKSTEP),
         (granted.fifo, StatusFlags::REALTIME),
         (granted.locked, StatusFlags::MEMORY_LOCKED),
+        (granted.awake.is_some(), StatusFlags::KEPT_AWAKE),
     ]
     .into_iter()
     .filter_map(|(is_set, flag)| is_set.then_some(flag))
@@ -140,7 +144,10 @@ fn free_pacer(realtime: &config::Realtime) -> FreePacer {
     let period_ns = 1_000_000_000 / u64::from(realtime.rate_hz);
     let pacer = FreePacer::new(period_ns, u64::from(realtime.spin_us) * 1000);
     if realtime.phase_lock {
-        pacer.locked(u64::from(realtime.phase_offset_us) * 1000)
+        pacer.locked(
+            u64::from(realtime.phase_offset_us) * 1000,
+            u64::from(realtime.arrival_wait_us) * 1000,
+        )
     } else {
         pacer
     }

@@ -71,6 +71,12 @@ impl Guard {
         self.guarded(inputs, |controller| controller.step_timed(inputs, passed))
     }
 
+    /// The controller, as long as it can be asked.
+    #[must_use]
+    pub fn controller(&self) -> Option<&Controller> {
+        self.failure.is_none().then_some(&*self.controller)
+    }
+
     /// Whether a goal is being pursued.
     #[must_use]
     pub fn pursues_goal(&self) -> bool {

@@ -44,3 +44,4 @@ pub mod ports;
 pub mod realtime;
 pub mod supervisor;
 pub mod tick;
+pub mod warm;

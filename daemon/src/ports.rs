@@ -8,6 +8,9 @@ use shm_schemas::{HandFrame, JointState, service};
 /// Most frames of one hand that one tick takes in. More wait for the next tick, which makes the drain bounded.
 pub const FRAMES_PER_TICK: usize = 64;
 
+/// Streams that a tick takes in: the frames of both hands, and the joint states behind them.
+pub const STREAMS: usize = HANDS + 1;
+
 /// The subscribers of the tick thread.
 #[derive(Debug)]
 pub struct InputPorts {
@@ -23,6 +26,7 @@ struct HandPort {
     port: Subscriber<HandFrame>,
     frames: Box<[HandFrame]>,
     count: usize,
+    captured_ns: u64,
 }
 
 impl InputPorts {
@@ -41,19 +45,40 @@ impl InputPorts {
         })
     }
 
-    /// Takes the newest joint state; `false` if none came since the last call.
-    pub fn take_joints(&mut self) -> bool {
-        let taken = self.joints.newest(&mut self.newest);
-        self.failures += u64::from(taken.is_err());
-        self.has_news = taken.unwrap_or(false);
-        self.has_news
+    /// Forgets what the last tick used.
+    pub fn begin(&mut self) {
+        self.hands.iter_mut().for_each(|hand| hand.count = 0);
+        self.has_news = false;
     }
 
-    /// Takes the frames that wait, at most [`FRAMES_PER_TICK`] of each hand.
-    pub fn take_frames(&mut self) {
+    /// Takes in what has come since the last look, hands before joints, as they are sent. At most [`FRAMES_PER_TICK`]
+    /// frames of each hand fit between two calls of [`InputPorts::begin`].
+    pub fn look(&mut self) {
+        self.look_for_frames();
+        self.look_for_joints();
+    }
+
+    /// Takes in the frames alone.
+    pub fn look_for_frames(&mut self) {
         for hand in &mut self.hands {
             self.failures += u64::from(hand.take().is_err());
         }
+    }
+
+    /// Takes in the newest joint state alone; `false` if none has come since [`InputPorts::begin`].
+    pub fn look_for_joints(&mut self) -> bool {
+        let taken = self.joints.newest(&mut self.newest);
+        self.failures += u64::from(taken.is_err());
+        self.has_news |= taken.unwrap_or(false);
+        self.has_news
+    }
+
+    /// When the newest payload of each stream was captured, ns, as its writer says; 0 if there was none yet. Nobody has
+    /// checked it: good enough to begin a tick by, and for nothing else.
+    #[must_use]
+    pub fn captured_ns(&self) -> [u64; STREAMS] {
+        let [left, right] = self.hands.each_ref().map(|hand| hand.captured_ns);
+        [left, right, self.joints_captured_ns()]
     }
 
     /// When the newest joint state was captured, ns.
@@ -87,18 +112,20 @@ impl HandPort {
             port: bus.subscriber(name)?,
             frames,
             count: 0,
+            captured_ns: 0,
         })
     }
 
     fn take(&mut self) -> Result<(), BusError> {
-        self.count = 0;
         let Self {
             port,
             frames,
             count,
+            captured_ns,
         } = self;
-        port.drain(FRAMES_PER_TICK, |frame| {
+        port.drain(FRAMES_PER_TICK - *count, |frame| {
             frames[*count] = *frame;
+            *captured_ns = frame.stamp.captured_ns;
             *count += 1;
         })?;
         Ok(())

@@ -1,9 +1,10 @@
-//! Real-time set-up: locked memory, a pinned core, `SCHED_FIFO`, a pre-faulted stack.
+//! Real-time set-up: locked memory, a pinned core, `SCHED_FIFO`, a pre-faulted stack, cores that do not sleep deeply.
 //!
 //! Whether the kernel grants it is found out by asking. A refusal stops the daemon under `realtime.mode = "require"`,
 //! and is shown as `DEGRADED` under `"try"`.
 
-use std::io;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write as _};
 
 use rustix::mm::MlockAllFlags;
 use rustix::process::{Resource, Rlimit};
@@ -18,6 +19,10 @@ const COMPUTE_MAX_US: u64 = 20_000;
 const STACK_BYTES: usize = 128 << 10;
 /// Timer slack of the tick thread, ns: the least there is. It matters only without `SCHED_FIFO`.
 const TIMER_SLACK_NS: u64 = 1;
+
+/// Where the kernel is told how long a core may take to wake up from idle. The wish lasts as long as the file is open, so
+/// it ends with the process, however that ends; per-core settings would outlive a killed daemon.
+const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
 
 /// Something the kernel refused.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +40,8 @@ pub struct Granted {
     pub fifo: bool,
     /// Memory is locked.
     pub locked: bool,
+    /// Cores are kept from deep idle states while this is open.
+    pub awake: Option<File>,
     /// What was asked for and refused.
     pub refused: Vec<Refused>,
 }
@@ -62,6 +69,28 @@ pub fn lock_memory(realtime: &Realtime) -> Result<Granted, Refused> {
         granted.locked = granted.note(realtime.mode, mlockall())?;
     }
     Ok(granted)
+}
+
+/// Keeps the cores from idle states that they wake up from slowly, as long as `granted.awake` lives. It costs power, and a
+/// refusal costs some 50 µs of wake-up latency at most: it is told, and never stops or degrades the daemon.
+///
+/// # Errors
+/// [`Refused`], for the log.
+pub fn keep_awake(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
+    if realtime.mode == RealtimeMode::Off || !realtime.keep_awake {
+        return Ok(());
+    }
+    let wish = |mut file: File| file.write_all(&0_i32.to_ne_bytes()).map(|()| file);
+    let opened = OpenOptions::new()
+        .write(true)
+        .open(IDLE_LATENCY)
+        .and_then(wish);
+    granted.awake = Some(opened.map_err(|source| Refused {
+        what: format!("keep the cores awake through {IDLE_LATENCY}"),
+        source,
+        cure: "install daemon/systemd/60-atas.rules, which gives the group atas the right, or set realtime.keep_awake to false",
+    })?);
+    Ok(())
 }
 
 /// Makes the calling thread the tick thread.

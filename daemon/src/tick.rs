@@ -5,7 +5,7 @@
 //!   log, no system call but the sleep (`tests/allocation.rs`). A tick publishes in every mode, also after a panic.
 //! * **Absent on purpose:** statistics. The tick only writes down what it measured; the supervisor counts.
 
-use atas_core::{Controller, Order};
+use atas_core::{Controller, Order, Tick};
 use robot_model::ROBOT_JOINTS;
 use shm_bus::{Bus, BusError, Publisher, now_ns};
 use shm_schemas::capacity::STAGES;
@@ -14,8 +14,9 @@ use std::sync::Arc;
 
 use crate::guard::{Guard, Step};
 use crate::link::{Link, TickRecord};
-use crate::pacer::{Pacer, TickStart};
-use crate::ports::InputPorts;
+use crate::pacer::{Arrivals, Began, Pacer, TickStart};
+use crate::ports::{InputPorts, STREAMS};
+use crate::warm::DryTick;
 
 /// Places of the stages after the controller's own in [`TickReport::stage_ns`].
 const PUBLISH: usize = 5;
@@ -30,6 +31,9 @@ pub struct TickLoop {
     pacer: Pacer,
     ports: InputPorts,
     guard: Guard,
+    dry_tick: DryTick,
+    last_tick: Tick,
+    period_ns: u64,
     commands: Publisher<JointCommand>,
     link: Arc<Link>,
     watch: Stopwatch,
@@ -40,6 +44,8 @@ pub struct TickLoop {
 struct Counts {
     ticks: u64,
     late: u64,
+    on_arrival: u64,
+    in_vain: u64,
     unsent: u64,
     status_every: u64,
 }
@@ -58,18 +64,24 @@ impl TickLoop {
     ) -> Result<Self, BusError> {
         let commands = bus.publisher(service::JOINT_COMMAND)?;
         let status_every = (u64::from(rate_hz) / STATUS_HZ).max(1);
+        let dry_tick = DryTick::new(&controller);
         let guard = Guard::new(controller);
         link.leave_snapshot(&guard.status(now_ns()));
         Ok(Self {
             pacer,
             ports: InputPorts::open(bus)?,
             guard,
+            dry_tick,
+            last_tick: Tick::default(),
+            period_ns: 1_000_000_000 / u64::from(rate_hz.max(1)),
             commands,
             link,
             watch: Stopwatch::default(),
             counts: Counts {
                 ticks: 0,
                 late: 0,
+                on_arrival: 0,
+                in_vain: 0,
                 unsent: 0,
                 status_every,
             },
@@ -87,16 +99,24 @@ impl TickLoop {
             pacer,
             ports,
             guard,
+            dry_tick,
+            last_tick,
+            period_ns,
             commands,
             link,
             watch,
             counts,
         } = self;
-        let Some(start) = pacer.wait(ports, link, guard.pursues_goal()) else {
+        let warm = |ports: &InputPorts| {
+            if let Some(controller) = guard.controller() {
+                dry_tick.run(controller, &ports.inputs(*last_tick, None), *period_ns);
+            }
+        };
+        let Some(start) = pacer.wait(ports, link, guard.pursues_goal(), warm) else {
             return false;
         };
         watch.start();
-        ports.take_frames();
+        *last_tick = start.tick;
         let order = link.take_order(start.settling);
         let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.order));
         let step = guard.step(&inputs, |stage| watch.passed(stage as usize));
@@ -112,7 +132,7 @@ impl TickLoop {
         let mut record = record_of(&step, &start, watch.stage_ns, body_ns);
         record.ticket = order.map_or(0, |o| o.ticket);
         record.bus_failures = counts.unsent + ports.failures();
-        record.phase_locked = pacer.learn(&start, &record.report);
+        record.phase_locked = pacer.learn(&start, arrivals(&record.report, ports));
         let is_news = record.goal_update.is_some() || !step.events.is_empty();
         link.leave(&record, step.events);
         if is_news || counts.ticks.is_multiple_of(counts.status_every) {
@@ -129,12 +149,16 @@ impl Counts {
     fn count(&mut self, start: &TickStart, sent: bool) {
         self.ticks += 1;
         self.late += u64::from(start.is_late);
+        self.on_arrival += u64::from(start.began == Began::OnArrival);
+        self.in_vain += u64::from(start.began == Began::InVain);
         self.unsent += u64::from(!sent);
     }
 
     fn complete(&self, mut status: shm_schemas::Status, start: &TickStart) -> shm_schemas::Status {
         status.ticks = self.ticks;
         status.late_ticks = self.late;
+        status.ticks_on_arrival = self.on_arrival;
+        status.ticks_in_vain = self.in_vain;
         status.missed_ticks = start.missed;
         status
     }
@@ -166,6 +190,23 @@ fn record_of(
         bus_failures: 0,
         phase_locked: false,
     }
+}
+
+/// What had come by this tick: of the hands what was believed, of the joints what was said.
+fn arrivals(report: &TickReport, ports: &InputPorts) -> [Option<Arrivals>; STREAMS] {
+    let [left, right] = report.hands.map(|hand| {
+        let captured_ns = report.stamp.captured_ns.checked_sub(hand.frame_age_ns)?;
+        Some(Arrivals {
+            captured_ns,
+            count: hand.frames,
+        })
+    });
+    let captured_ns = ports.joints_captured_ns();
+    let joints = Arrivals {
+        captured_ns,
+        count: 1,
+    };
+    [left, right, (captured_ns != 0).then_some(joints)]
 }
 
 fn commanded_rad(command: &JointCommand) -> Option<[f64; ROBOT_JOINTS]> {

@@ -94,6 +94,8 @@ impl StatusFlags {
     pub const MEMORY_LOCKED: u32 = 1 << 3;
     /// The ticks are locked to the frames' stamps.
     pub const PHASE_LOCKED: u32 = 1 << 4;
+    /// The cores are kept from idle states that they wake up from slowly.
+    pub const KEPT_AWAKE: u32 = 1 << 5;
 }
 
 payload! {
@@ -123,6 +125,10 @@ payload! {
         pub missed_ticks: u64,
         /// Ticks that began more than a tenth of a period late.
         pub late_ticks: u64,
+        /// Ticks that began because the frames that they awaited came.
+        pub ticks_on_arrival: u64,
+        /// Ticks that awaited a frame until the latest moment, in vain.
+        pub ticks_in_vain: u64,
         /// Records dropped because the queue to the non-real-time side was full.
         pub dropped_records: u64,
         /// Active or last goal, 0 if none.

@@ -28,6 +28,9 @@ const SPIN_MAX_US: u32 = 100;
 /// As old as a frame may be before the robot holds (`intake.hold_age_s` by default).
 const PHASE_OFFSET_MAX_US: u32 = 5_000;
 
+/// Less is within the jitter of any arrival; more would leave a 1 kHz tick less than half of its period.
+const ARRIVAL_WAIT_US: std::ops::RangeInclusive<u32> = 10..=500;
+
 const FIXED: &[FixedKey] = &[
     FixedKey {
         name: "realtime.mode",
@@ -55,6 +58,11 @@ const FIXED: &[FixedKey] = &[
         holds: |c| c.realtime.spin_us <= SPIN_MAX_US,
     },
     FixedKey {
+        name: "realtime.keep_awake",
+        needs: YES_NO,
+        holds: |_| true,
+    },
+    FixedKey {
         name: "realtime.phase_lock",
         needs: YES_NO,
         holds: |_| true,
@@ -63,6 +71,11 @@ const FIXED: &[FixedKey] = &[
         name: "realtime.phase_offset_us",
         needs: "a whole number from 0 to 5000",
         holds: |c| c.realtime.phase_offset_us <= PHASE_OFFSET_MAX_US,
+    },
+    FixedKey {
+        name: "realtime.arrival_wait_us",
+        needs: "a whole number from 10 to 500",
+        holds: |c| ARRIVAL_WAIT_US.contains(&c.realtime.arrival_wait_us),
     },
     FixedKey {
         name: "robot.urdf",

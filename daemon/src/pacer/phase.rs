@@ -1,23 +1,28 @@
-//! Phase lock: ticks come shortly after the frames they need, instead of at any time in between.
+//! Phase lock: ticks come when the frames do, instead of at any time in between.
 //!
 //! ```text
-//!  stamp        arrival
-//!    │ ◀── lag ───▶│tick      lag: least at first, more when frames come later than it, less when all come in time
-//!    └─────────────┴┴──────────────── next stamp
+//!  stamp          arrival
+//!    │ ◀─── lag ────▶│               lag: the median time from a frame's stamp to its arrival
+//!    └───────────────┼────────────────── next stamp
+//!             awake ┌┼────────┐ latest
+//!                   └┴────────┘      the tick looks for the frame, and begins when it is there
+//!                    deadline
 //! ```
 //!
-//! A free-running tick finds frames that are anything up to a frame period old. The lock watches how long after the stamp
-//! of the followed hand's frames the ticks run, and moves the deadlines by a few microseconds per tick until that is
-//! `lag`.
+//! A free-running tick finds frames that are anything up to a frame period old. The lock watches when the frames of one
+//! hand arrive, moves the deadlines by a few microseconds per tick until they fall on the arrivals, and says which payloads
+//! the next tick should await: the frames of that hand, and what is captured together with them.
 //!
-//! * **In:** per tick its deadline, its time, and what arrived of each hand. **Out:** by how much to move the
-//!   next deadline.
-//! * **Invariants:** a deadline never moves by more than 5 µs or a two-hundredth of a period. Without new
-//!   frames it does not move: the ticks go on by the timer. No clock is read here.
+//! * **In:** per tick how and when it began, and what had come by then. **Out:** by how much to move the next deadline, and
+//!   what to await at it.
+//! * **Invariants:** a deadline never moves by more than 5 µs or a two-hundredth of a period. Without new frames it does not
+//!   move and nothing is awaited: the ticks go on by the timer. No clock is read here.
 //! * **Absent on purpose:** sensors that send faster than the ticks gain nothing, their frames are young anyway.
 
-use atas_core::Tick;
+use crate::ports::STREAMS;
 use shm_schemas::capacity::HANDS;
+
+use super::schedule::{Began, TickStart};
 
 /// Largest move of one deadline, ns: half a percent of a 1 kHz period, far below what a motion could show. Ours.
 const SLEW_MAX_NS: u64 = 5_000;
@@ -26,38 +31,68 @@ const SLEW_PERIODS: u64 = 200;
 /// Share of the phase error that one frame corrects. Smaller: slow to lock. Larger: the ticks follow the jitter of the
 /// stamps. Ours.
 const GAIN: i64 = 8;
-/// How much the lag grows after a frame that came late, and which part of its excess goes after one that came in time.
-/// The two meet where the share of late frames is the excess over `UP × LEAK` = 8 ms: 0.5 % for 40 µs. A quantile would be
-/// simpler, but a sensor process that is starved for milliseconds every hundred frames would drive it away for ever. Ours.
-const UP_NS: u64 = 1_000;
-const LEAK: u64 = 8_192;
+/// Largest step of the lag after one frame, ns, and the share of a smaller error that is taken. Together they make it
+/// Huber's estimate of the middle: as fine as a mean where arrivals scatter by a few µs, as robust as a median against a
+/// sensor process that is starved for milliseconds. Ours.
+const LAG_STEP_NS: i64 = 1_000;
+const LAG_GAIN: i64 = 16;
 /// Longest lag, periods: the slowest way from a sensor to the bus that is worth following. Ours.
 const LAG_MAX_PERIODS: u64 = 5;
 /// Silence after which another hand's frames are followed, ns: half of the age at which frames are refused. Ours.
 const SILENT_NS: u64 = 50_000_000;
 /// Phase error below which the ticks count as locked, as a fraction of the period. Ours.
 const LOCKED_PERIODS: i64 = 20;
+/// Ticks that may await a frame in vain, one after the other, before none is awaited until the next one has come: a lost
+/// sensor costs three waits, not a core. Ours.
+const VAIN_MAX: u32 = 3;
+/// Stamps that lie closer together than this fraction of a period belong together and are awaited together. Ours.
+const TOGETHER_PERIODS: u64 = 20;
+/// Share of a new distance between stamps in the estimate of the frame period. Ours.
+const FRAME_PERIOD_GAIN: u64 = 8;
 
 /// The state of the lock.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseLock {
     period_ns: u64,
-    least_ns: u64,
     lag_ns: u64,
     /// What is left of the last correction, ns.
     rest_ns: i64,
     error_ns: i64,
     leader: Option<Leader>,
+    /// Streams that are captured together with the leader's, and the leader's own.
+    together: [bool; STREAMS],
     last_tick_ns: u64,
 }
 
-/// What is known of one hand's frames after a tick.
+/// What is known of one stream after a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arrivals {
-    /// Stamp of the newest believed frame, ns.
+    /// Stamp of the newest believed payload, ns.
     pub captured_ns: u64,
-    /// Frames that arrived since the tick before.
-    pub frames: u32,
+    /// Payloads that arrived since the tick before.
+    pub count: u32,
+}
+
+/// What a tick awaits: a stamp not older than this of each stream, ns; `None` where nothing is awaited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Awaited {
+    /// Of every stream.
+    pub least_captured_ns: [Option<u64>; STREAMS],
+}
+
+impl Awaited {
+    /// Whether anything is awaited.
+    #[must_use]
+    pub fn is_something(&self) -> bool {
+        self.least_captured_ns.iter().any(Option::is_some)
+    }
+
+    /// Whether all of it has come, by the newest stamps.
+    #[must_use]
+    pub fn have_come(&self, captured_ns: &[u64; STREAMS]) -> bool {
+        let mut streams = self.least_captured_ns.iter().zip(captured_ns);
+        streams.all(|(least, newest)| least.is_none_or(|least| *newest >= least))
+    }
 }
 
 /// The hand whose frames are followed.
@@ -65,41 +100,62 @@ pub struct Arrivals {
 struct Leader {
     hand: usize,
     captured_ns: u64,
-    heard_ns: u64,
+    received_ns: u64,
+    frame_period_ns: u64,
+    vain: u32,
 }
 
 impl PhaseLock {
-    /// A lock for ticks of this period (not 0) that shall run at least `least_ns` after the stamps.
+    /// A lock for ticks of this period (not 0) whose frames arrive about `lag_ns` after their stamps.
     #[must_use]
-    pub fn new(period_ns: u64, least_ns: u64) -> Self {
+    pub fn new(period_ns: u64, lag_ns: u64) -> Self {
         Self {
             period_ns,
-            least_ns,
-            lag_ns: least_ns,
+            lag_ns,
             rest_ns: 0,
             error_ns: 0,
             leader: None,
+            together: [false; STREAMS],
             last_tick_ns: 0,
         }
     }
 
-    /// Learns from a tick, and says by how much to move the next deadline, ns. `deadline_ns` is when the tick was due,
-    /// `hands` what arrived, `None` for a hand that never sent.
-    pub fn correct(
-        &mut self,
-        tick: Tick,
-        deadline_ns: u64,
-        hands: [Option<Arrivals>; HANDS],
-    ) -> i64 {
-        if let Some((oldest_ns, newest_ns)) = self.follow(tick.now_ns, hands) {
-            self.learn_lag(oldest_ns);
-            self.learn_phase(deadline_ns, newest_ns);
+    /// Learns from a tick, and says by how much to move the next deadline, ns. `streams` is what came of the left hand, the
+    /// right hand and the joints; `None` for one that never sent.
+    pub fn correct(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> i64 {
+        if let Some((oldest_ns, newest_ns)) = self.follow(start, streams) {
+            self.learn_lag(oldest_ns, start);
+            self.learn_phase(start.deadline_ns, newest_ns);
         }
-        self.last_tick_ns = tick.now_ns;
+        self.learn_together(streams);
+        self.last_tick_ns = start.tick.now_ns;
         let most_ns = SLEW_MAX_NS.min(self.period_ns / SLEW_PERIODS).cast_signed();
         let move_ns = self.rest_ns.clamp(-most_ns, most_ns);
         self.rest_ns -= move_ns;
         move_ns
+    }
+
+    /// What the tick with this deadline should await: nothing unless a frame is due at it.
+    #[must_use]
+    pub fn awaited(&self, deadline_ns: u64) -> Awaited {
+        let Some(leader) = self.leader.filter(|leader| leader.vain < VAIN_MAX) else {
+            return Awaited::default();
+        };
+        // The frame whose arrival lies nearest to the deadline.
+        let target_ns = deadline_ns.saturating_sub(self.lag_ns);
+        let since_ns = target_ns.saturating_sub(leader.captured_ns);
+        let frame_ns = leader.frame_period_ns;
+        let frames = ((since_ns + frame_ns / 2) / frame_ns).max(1);
+        let stamp_ns = leader
+            .captured_ns
+            .saturating_add(frames.saturating_mul(frame_ns));
+        if !self.is_led(deadline_ns) || stamp_ns.abs_diff(target_ns) > self.period_ns / 2 {
+            return Awaited::default();
+        }
+        let least_ns = stamp_ns - frame_ns.min(self.period_ns) / 2;
+        Awaited {
+            least_captured_ns: self.together.map(|is| is.then_some(least_ns)),
+        }
     }
 
     /// Whether the ticks run where they should, after frames that still come.
@@ -109,7 +165,7 @@ impl PhaseLock {
         self.is_led(self.last_tick_ns) && self.error_ns.abs() <= close_ns
     }
 
-    /// How long after a frame's stamp the ticks shall run, ns.
+    /// The median time from a frame's stamp to its arrival, ns.
     #[must_use]
     pub fn lag_ns(&self) -> u64 {
         self.lag_ns
@@ -117,45 +173,77 @@ impl PhaseLock {
 
     fn is_led(&self, now_ns: u64) -> bool {
         self.leader
-            .is_some_and(|leader| now_ns.saturating_sub(leader.heard_ns) < SILENT_NS)
+            .is_some_and(|leader| now_ns.saturating_sub(leader.received_ns) < SILENT_NS)
     }
 
     /// The stamps of the oldest and the newest frame of the leader that arrived since the tick before, if any did. Left
     /// leads before right; a silent leader is replaced.
-    fn follow(&mut self, now_ns: u64, hands: [Option<Arrivals>; HANDS]) -> Option<(u64, u64)> {
+    fn follow(
+        &mut self,
+        start: &TickStart,
+        streams: [Option<Arrivals>; STREAMS],
+    ) -> Option<(u64, u64)> {
+        let now_ns = start.tick.now_ns;
         if !self.is_led(now_ns) {
             let sends = |hand: &Arrivals| now_ns.saturating_sub(hand.captured_ns) < SILENT_NS;
-            let hand = (0..HANDS).find(|hand| hands[*hand].as_ref().is_some_and(sends))?;
+            let hand = (0..HANDS).find(|hand| streams[*hand].as_ref().is_some_and(sends))?;
             self.leader = Some(Leader {
                 hand,
                 captured_ns: 0,
-                heard_ns: now_ns,
+                received_ns: now_ns,
+                frame_period_ns: self.period_ns,
+                vain: 0,
             });
         }
         let leader = self.leader.as_mut()?;
-        let hand = hands[leader.hand]?;
+        if start.began == Began::InVain {
+            leader.vain += 1;
+        }
+        let hand = streams[leader.hand]?;
         if hand.captured_ns == leader.captured_ns {
             return None;
         }
-        let steps = u64::from(hand.frames.max(1));
+        let steps = u64::from(hand.count.max(1));
         let since_ns = hand.captured_ns.saturating_sub(leader.captured_ns);
         let oldest_ns = hand.captured_ns - since_ns / steps * (steps - 1);
-        (leader.captured_ns, leader.heard_ns) = (hand.captured_ns, now_ns);
+        if leader.captured_ns != 0 {
+            leader.learn_frame_period(since_ns / steps);
+        }
+        (leader.captured_ns, leader.received_ns) = (hand.captured_ns, now_ns);
+        if start.began != Began::InVain {
+            leader.vain = 0;
+        }
         Some((oldest_ns, hand.captured_ns))
     }
 
-    /// A frame is late if the tick before ran a lag after its stamp and did not find it.
-    fn learn_lag(&mut self, captured_ns: u64) {
+    /// Streams whose newest stamps lie at the leader's.
+    fn learn_together(&mut self, streams: [Option<Arrivals>; STREAMS]) {
+        let Some(leader) = self.leader else { return };
+        let close_ns = self.period_ns / TOGETHER_PERIODS;
+        self.together = streams.map(|stream| {
+            stream.is_some_and(|s| s.captured_ns.abs_diff(leader.captured_ns) <= close_ns)
+        });
+    }
+
+    /// A frame that came while it was looked for shows its lag. One that waited came earlier; one that the tick before ran
+    /// without, a lag after its stamp, came later.
+    fn learn_lag(&mut self, captured_ns: u64, start: &TickStart) {
         let due_ns = captured_ns.saturating_add(self.lag_ns);
         let is_late = due_ns <= self.last_tick_ns.saturating_add(SLEW_MAX_NS);
-        let excess_ns = self.lag_ns - self.least_ns;
-        let most_ns = (LAG_MAX_PERIODS * self.period_ns).saturating_sub(self.least_ns);
-        let excess_ns = if is_late {
-            (excess_ns + UP_NS).min(most_ns)
+        let step_ns = if is_late {
+            LAG_STEP_NS
         } else {
-            excess_ns - excess_ns.div_ceil(LEAK)
+            match start.began {
+                Began::OnArrival => {
+                    let error_ns = start.tick.now_ns.wrapping_sub(due_ns).cast_signed();
+                    (error_ns / LAG_GAIN).clamp(-LAG_STEP_NS, LAG_STEP_NS)
+                }
+                Began::FoundWaiting | Began::AtDeadline => -LAG_STEP_NS,
+                Began::InVain => 0,
+            }
         };
-        self.lag_ns = self.least_ns + excess_ns;
+        let most_ns = LAG_MAX_PERIODS * self.period_ns;
+        self.lag_ns = self.lag_ns.saturating_add_signed(step_ns).min(most_ns);
     }
 
     /// The error counts modulo the period, to the nearer side: which of two ticks takes a frame makes no difference.
@@ -174,205 +262,14 @@ impl PhaseLock {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    /// A sensor and the ticks that follow it, in simulated time.
-    struct Scene {
-        lock: PhaseLock,
-        period_ns: u64,
-        deadline_ns: u64,
-        /// Stamp and arrival of the frames that are under way, oldest first.
-        frames: Vec<(u64, u64)>,
-        newest_ns: u64,
-        next_stamp_ns: u64,
-        sensor_period_ns: u64,
-        seed: u64,
-    }
-
-    impl Scene {
-        fn new(period_ns: u64, sensor_period_ns: u64, phase_ns: u64, least_ns: u64) -> Self {
-            let start_ns = 1_000_000_000;
-            Self {
-                lock: PhaseLock::new(period_ns, least_ns),
-                period_ns,
-                deadline_ns: start_ns,
-                frames: Vec::new(),
-                newest_ns: 0,
-                next_stamp_ns: start_ns + phase_ns,
-                sensor_period_ns,
-                seed: phase_ns,
-            }
-        }
-
-        /// Xorshift: any number below `below` (not 0).
-        fn random(&mut self, below: u64) -> u64 {
-            self.seed = (self.seed ^ 0x9E37_79B9_7F4A_7C15).rotate_left(17);
-            self.seed ^= self.seed << 7;
-            self.seed ^= self.seed >> 9;
-            self.seed % below
-        }
-
-        fn run(&mut self, ticks: usize, delay_ns: u64, jitter_ns: u64, sends: bool) {
-            for _ in 0..ticks {
-                self.tick(delay_ns, jitter_ns, sends);
-            }
-        }
-
-        /// One tick; `delay_ns` from stamp to arrival plus up to `jitter_ns`. Returns the age of the newest frame that
-        /// has arrived, and how far the next deadline moved.
-        fn tick(&mut self, delay_ns: u64, jitter_ns: u64, sends: bool) -> (u64, i64) {
-            while self.next_stamp_ns <= self.deadline_ns {
-                if sends {
-                    let arrival_ns = self.next_stamp_ns + delay_ns + self.random(jitter_ns + 1);
-                    self.frames.push((self.next_stamp_ns, arrival_ns));
-                }
-                self.next_stamp_ns += self.sensor_period_ns;
-            }
-            let now_ns = self.deadline_ns;
-            let arrived = self.frames.iter().take_while(|(_, at)| *at <= now_ns);
-            let frames = arrived.count();
-            if let Some((stamp_ns, _)) = self.frames.drain(..frames).next_back() {
-                self.newest_ns = stamp_ns;
-            }
-            let hand = Arrivals {
-                captured_ns: self.newest_ns,
-                frames: frames as u32,
-            };
-            let tick = Tick { index: 0, now_ns };
-            let move_ns = self.lock.correct(tick, now_ns, [None, Some(hand)]);
-            self.deadline_ns = (now_ns + self.period_ns).strict_add_signed(move_ns);
-            (now_ns - self.newest_ns, move_ns)
-        }
-    }
-
-    fn percentile(mut ages_ns: Vec<u64>, share: f64) -> u64 {
-        ages_ns.sort_unstable();
-        ages_ns[(ages_ns.len() as f64 * share) as usize]
-    }
-
-    fn check_converges(
-        period_ns: u64,
-        phase_ns: u64,
-        least_ns: u64,
-        delay_ns: u64,
-        jitter_ns: u64,
-    ) {
-        let mut scene = Scene::new(period_ns, period_ns, phase_ns, least_ns);
-        scene.run(4_000, delay_ns, jitter_ns, true);
-        let ages_ns: Vec<u64> = (0..4_000)
-            .map(|_| scene.tick(delay_ns, jitter_ns, true).0)
-            .collect();
-        let needed_ns = (delay_ns + jitter_ns).max(least_ns);
-        let (p50, p98) = (percentile(ages_ns.clone(), 0.5), percentile(ages_ns, 0.98));
-        assert!(
-            p50 <= needed_ns + 15_000,
-            "p50 {p50} ns, needed {needed_ns} ns"
-        );
-        assert!(
-            p98 <= needed_ns + 30_000,
-            "p98 {p98} ns, needed {needed_ns} ns"
-        );
-        assert!(scene.lock.is_locked());
-    }
-
-    #[test]
-    fn a_sensor_whose_way_takes_periods_is_followed_if_its_offset_is_set() {
-        check_converges(1_000_000, 300_000, 2_250_000, 2_300_000, 10_000);
-    }
-
-    #[test]
-    fn a_starved_sensor_process_does_not_drive_the_lag_away() {
-        let mut scene = Scene::new(1_000_000, 1_000_000, 0, 40_000);
-        for tick in 0..100_000 {
-            let starved = tick % 100 == 0;
-            scene.tick(if starved { 5_000_000 } else { 50_000 }, 5_000, true);
-        }
-        assert!(scene.lock.lag_ns() < 250_000, "{} ns", scene.lock.lag_ns());
-        assert!(scene.lock.is_locked());
-    }
-
-    #[test]
-    fn a_slow_sensor_is_followed() {
-        let mut scene = Scene::new(1_000_000, 10_000_000, 432_100, 30_000);
-        scene.run(20_000, 50_000, 0, true);
-        let youngest = (0..10).map(|_| scene.tick(50_000, 0, true).0).min();
-        assert!(
-            youngest.is_some_and(|age_ns| age_ns <= 65_000),
-            "{youngest:?}"
-        );
-    }
-
-    #[test]
-    fn silence_leaves_the_timer_alone_and_another_hand_takes_over() {
-        let mut lock = PhaseLock::new(1_000_000, 0);
-        let mut now_ns = 1_000_000_000;
-        let mut tick = |lock: &mut PhaseLock, captured_ns: [u64; 2]| {
-            now_ns += 1_000_000;
-            let hands = captured_ns.map(|captured_ns| {
-                (captured_ns != 0).then_some(Arrivals {
-                    captured_ns,
-                    frames: 1,
-                })
-            });
-            lock.correct(Tick { index: 0, now_ns }, now_ns, hands)
-        };
-        let left_ns = 1_000_700_000;
-        assert_ne!(tick(&mut lock, [left_ns, 0]), 0);
-        // The correction of that frame runs out, then nothing moves.
-        for _ in 0..20 {
-            tick(&mut lock, [left_ns, 0]);
-        }
-        for _ in 0..40 {
-            assert_eq!(tick(&mut lock, [left_ns, 0]), 0);
-        }
-        assert!(!lock.is_locked());
-        assert_ne!(tick(&mut lock, [left_ns, 1_061_600_000]), 0);
-    }
-
-    proptest! {
-        #[test]
-        fn converges_from_any_phase(
-            rate_hz in prop_oneof![Just(1000_u64), Just(500), Just(2000)],
-            phase in 0.0..1.0_f64,
-            delay_ns in 0_u64..100_000,
-            jitter_ns in 0_u64..40_000,
-        ) {
-            let period_ns = 1_000_000_000 / rate_hz;
-            check_converges(period_ns, (phase * period_ns as f64) as u64, 40_000, delay_ns, jitter_ns);
-        }
-
-        #[test]
-        fn no_deadline_ever_jumps(
-            period_ns in 100_000_u64..10_000_000,
-            ticks in proptest::collection::vec(
-                (0_u64..20_000_000, proptest::array::uniform2(proptest::option::of((any::<u64>(), any::<u32>())))), 1..200),
-            least_ns in 0_u64..500_000,
-        ) {
-            let mut lock = PhaseLock::new(period_ns, least_ns);
-            let mut now_ns = 1_u64 << 40;
-            for (pause_ns, hands) in ticks {
-                now_ns += pause_ns;
-                let arrivals = |(captured_ns, frames)| Arrivals { captured_ns, frames };
-                let hands = hands.map(|hand| hand.map(arrivals));
-                let move_ns = lock.correct(Tick { index: 0, now_ns }, now_ns, hands);
-                prop_assert!(move_ns.unsigned_abs() <= SLEW_MAX_NS.min(period_ns / SLEW_PERIODS));
-                prop_assert!(lock.lag_ns() >= least_ns);
-            }
-        }
-
-        #[test]
-        fn survives_gaps(phase_ns in 0_u64..1_000_000, gaps in proptest::collection::vec((1_usize..300, 1_usize..300), 1..6)) {
-            let mut scene = Scene::new(1_000_000, 1_000_000, phase_ns, 20_000);
-            for (sent, lost) in gaps {
-                scene.run(sent, 30_000, 5_000, true);
-                scene.run(lost, 30_000, 5_000, false);
-            }
-            scene.run(2_000, 30_000, 5_000, true);
-            let (age_ns, _) = scene.tick(30_000, 5_000, true);
-            prop_assert!(scene.lock.is_locked(), "age {age_ns} ns");
-        }
+impl Leader {
+    fn learn_frame_period(&mut self, observed_ns: u64) {
+        let old_ns = self.frame_period_ns;
+        let bounded_ns = observed_ns.clamp(old_ns / 2, old_ns.saturating_mul(2));
+        let new_ns = old_ns - old_ns / FRAME_PERIOD_GAIN + bounded_ns / FRAME_PERIOD_GAIN;
+        self.frame_period_ns = new_ns.max(1_000);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,14 +2,33 @@
 
 use atas_core::Tick;
 
+/// What made a tick begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Began {
+    /// Its deadline; nothing was awaited.
+    #[default]
+    AtDeadline,
+    /// What was awaited had come before the first look.
+    FoundWaiting,
+    /// What was awaited came while it was looked for.
+    OnArrival,
+    /// What was awaited had not come at the latest moment.
+    InVain,
+}
+
 /// A tick that begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct TickStart {
     /// Index and time.
     pub tick: Tick,
-    /// How late it begins, ns after the deadline that was waited for.
+    /// When it was due, ns.
+    pub deadline_ns: u64,
+    /// What made it begin.
+    pub began: Began,
+    /// How long after its moment it begins, ns: after the deadline; where something was awaited, after the last look that
+    /// did not find it, or after the latest moment.
     pub late_ns: u64,
-    /// Whether it begins more than a tenth of a period late.
+    /// Whether that is more than a tenth of a period.
     pub is_late: bool,
     /// Ticks missed so far.
     pub missed: u64,
@@ -49,17 +68,19 @@ impl Schedule {
         self.deadline_ns = self.deadline_ns.saturating_add_signed(by_ns);
     }
 
-    /// Begins the tick whose deadline has passed at `now_ns`. If whole periods have passed since, this tick is the one
-    /// of the latest deadline, and those before it are missed.
-    pub fn begin(&mut self, now_ns: u64) -> TickStart {
-        let late_ns = now_ns.saturating_sub(self.deadline_ns);
-        let skipped = late_ns / self.period_ns;
+    /// Begins the next tick at `now_ns`, `late_ns` after its moment. If whole periods have passed since its deadline, this
+    /// tick is the one of the latest deadline, and those before it are missed.
+    pub fn begin(&mut self, now_ns: u64, began: Began, late_ns: u64) -> TickStart {
+        let deadline_ns = self.deadline_ns;
+        let skipped = now_ns.saturating_sub(deadline_ns) / self.period_ns;
         self.missed += skipped;
         let index = self.index + skipped;
         self.index = index + 1;
         self.deadline_ns += (skipped + 1) * self.period_ns;
         TickStart {
             tick: Tick { index, now_ns },
+            deadline_ns,
+            began,
             late_ns,
             is_late: late_ns > self.period_ns / 10,
             missed: self.missed,
@@ -82,12 +103,8 @@ mod tests {
         for delay_ns in delays_ns {
             let deadline_ns = schedule.deadline_ns();
             now_ns = now_ns.max(deadline_ns) + delay_ns;
-            let start = schedule.begin(now_ns);
-            assert_eq!(
-                start.late_ns,
-                now_ns - deadline_ns,
-                "lateness counts from the deadline waited for"
-            );
+            let start = schedule.begin(now_ns, Began::AtDeadline, now_ns - deadline_ns);
+            assert_eq!(start.deadline_ns, deadline_ns, "the deadline waited for");
             assert_eq!(
                 (schedule.deadline_ns() - START_NS) % period_ns,
                 0,

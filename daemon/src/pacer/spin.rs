@@ -30,6 +30,12 @@ impl SpinMargin {
         self.margin_ns
     }
 
+    /// Its cap, ns.
+    #[must_use]
+    pub fn max_ns(&self) -> u64 {
+        self.max_ns
+    }
+
     /// Learns how late a sleep ended, ns.
     pub fn observe(&mut self, late_ns: u64) {
         let wanted_ns = if late_ns > self.margin_ns {
