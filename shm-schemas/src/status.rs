@@ -100,7 +100,7 @@ impl StatusFlags {
 
 payload! {
     /// The daemon's state, 50 Hz.
-    Status as "atas.Status.v1" {
+    Status as "atas.Status.v2" {
         /// `captured_ns` is when the snapshot was taken.
         pub stamp: Stamp,
         /// Version of the daemon.
