@@ -29,22 +29,38 @@ pub struct Layout {
 pub const DOME_HALF_ANGLE_RAD: f64 = 35.0 * core::f64::consts::PI / 180.0;
 /// Radius of the built-in domes, m (ours).
 pub const DOME_RADIUS_M: f64 = 0.015;
+/// Sensing area of one element of `pad-N`, m²: taxels of commercial pads stand 4 to 5 mm apart.
+pub const PAD_ELEMENT_AREA_M2: f64 = 2.0e-5;
 /// Elements per ring of `dome-41`, from the pole outwards.
 const RINGS: [usize; 4] = [1, 7, 13, 20];
 
 impl Layout {
-    /// The layout with this name: `dome-41` (rings 1+7+13+20 on a 35° cap) or `dome-1` (one three-axis element at the
-    /// pole, such as a single OMD dome).
+    /// The layout with this name: `dome-41` (rings 1+7+13+20 on a 35° cap), `dome-1` (one three-axis element at the
+    /// pole, such as a single OMD dome) or `pad-N` (a flat pad of 1 to 64 elements that all feel along the dome axis).
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         match name {
             "dome-41" => Some(Self::dome_41()),
             "dome-1" => Some(Self::rings(&RINGS[..1])),
-            _ => None,
+            _ => Self::pad(name.strip_prefix("pad-")?.parse().ok()?),
         }
     }
 
-    /// Names that [`Layout::named`] knows.
+    /// A flat pad. Where its elements sit is not known here, so all stand at the pole.
+    fn pad(count: usize) -> Option<Self> {
+        if !(1..=ELEMENTS).contains(&count) {
+            return None;
+        }
+        let mut pad = Self::rings(&RINGS[..1]);
+        for element in 1..count {
+            pad.place(element, 0.0, 0.0);
+        }
+        pad.count = count;
+        pad.element_area_m2 = PAD_ELEMENT_AREA_M2;
+        Some(pad)
+    }
+
+    /// Names that [`Layout::named`] knows, beside `pad-N`.
     pub const NAMES: [&'static str; 2] = ["dome-41", "dome-1"];
 
     /// The paper's dome: 41 elements of equal area in rings 1+7+13+20 within a 35° cap.

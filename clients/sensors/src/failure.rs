@@ -12,8 +12,6 @@
 //!
 //! The codes are stable: service managers and scripts may act on them.
 
-use crate::wire::optoforce::Kind;
-
 /// Why a sensor process could not go on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -41,14 +39,12 @@ pub enum Failure {
         reason: String,
     },
     /// The device is of another kind.
-    #[error("could not use the data of {device}: it sends {found} frames, this process was told to expect {expected} ones; pass --channels {}", channels(*found))]
+    #[error("could not use the data of {device}: it sends {found}")]
     WrongKind {
         /// The path that was given.
         device: String,
-        /// What it sends.
-        found: Kind,
-        /// What was asked for.
-        expected: Kind,
+        /// What it sends, and the option that selects it.
+        found: &'static str,
     },
     /// The device was there and is gone.
     #[error("lost {device}: {reason}; reconnect it and start again, or start with --reconnect")]
@@ -84,14 +80,5 @@ impl Failure {
             self,
             Self::Open { .. } | Self::Configure { .. } | Self::Gone { .. }
         )
-    }
-}
-
-/// The value of `--channels` that selects a kind.
-fn channels(kind: Kind) -> &'static str {
-    match kind {
-        Kind::OneChannel => "1",
-        Kind::FourChannel => "4",
-        Kind::SixAxis => "six-axis",
     }
 }

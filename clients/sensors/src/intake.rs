@@ -1,61 +1,83 @@
-//! Bytes in, numbered readings out: decoder and continuity together, still without a clock or a device.
+//! Bytes in, numbered readings out: driver and continuity together, still without a clock or a device.
 
-use crate::output::{Health, Reading};
-use crate::wire::continuity::Continuity;
-use crate::wire::optoforce::{DataFrame, Decoder, DeviceStatus, Kind, Message};
+use crate::continuity::{Arrival, Continuity};
+use crate::reading::{Batch, Frame, Health, Reading, Shape};
+use crate::wire::{Driver, Event};
 
 /// Frames of a wrong kind, without one of the right kind, that prove a wrong device. Ours; damaged frames that look
 /// like another kind are far rarer.
-const WRONG_KIND_FRAMES: u64 = 20;
-/// Readings that one read can bring at most, rounded up: 4096 bytes of 16-byte frames, and two that were pending.
-const BATCH: usize = 260;
+const FOREIGN_FRAMES: u64 = 20;
+/// Frames whose mean becomes zero, for devices that cannot take their zero themselves. Ours: half a second at 100 Hz.
+const TARE_FRAMES: u32 = 50;
 
 /// Takes one device's stream.
-#[derive(Debug)]
 pub struct Intake {
-    decoder: Decoder,
+    driver: Box<dyn Driver>,
     series: Series,
     /// Readings that were not delivered yet, in order of arrival, without their time. The owner takes them out.
-    pub batch: Vec<Reading>,
+    pub batch: Batch,
 }
 
-/// What the messages so far amount to.
-#[derive(Debug)]
+/// What the events so far amount to.
 struct Series {
-    kind: Kind,
     continuity: Continuity,
-    /// Number of the next frame that is newer than all before and follows without a gap.
-    next_sequence: u64,
+    tare: Option<Tare>,
     awaits_acknowledgement: bool,
-    refusal: Option<u8>,
-    right_kind: u64,
-    wrong_kind: u64,
-    last_wrong: Kind,
+    refusal: Option<u32>,
+    frames: u64,
+    foreign: u64,
+    last_foreign: &'static str,
+    unanswered: u64,
     device_errors: u64,
-    device_status: DeviceStatus,
+    device_status: u32,
+}
+
+/// The zero that is taken here.
+struct Tare {
+    frames: u32,
+    mean: Vec<f64>,
+    /// Room for a frame without its zero.
+    tared: Vec<f64>,
 }
 
 impl Intake {
-    /// For a device that sends this kind of frame.
+    /// For a device with this driver. With `tare`, the mean of the first frames is subtracted from all that follow.
     #[must_use]
-    pub fn new(kind: Kind) -> Self {
+    pub fn new(driver: Box<dyn Driver>, tare: bool) -> Self {
+        let shape = driver.shape();
         let series = Series {
-            kind,
-            continuity: Continuity::default(),
-            next_sequence: 0,
+            continuity: Continuity::new(driver.counter_bits()),
+            tare: tare.then(|| Tare {
+                frames: 0,
+                mean: vec![0.0; shape.values()],
+                tared: Vec::with_capacity(shape.values()),
+            }),
             awaits_acknowledgement: false,
             refusal: None,
-            right_kind: 0,
-            wrong_kind: 0,
-            last_wrong: kind,
+            frames: 0,
+            foreign: 0,
+            last_foreign: "",
+            unanswered: 0,
             device_errors: 0,
-            device_status: DeviceStatus::default(),
+            device_status: 0,
         };
         Self {
-            decoder: Decoder::default(),
+            driver,
             series,
-            batch: Vec::with_capacity(BATCH),
+            batch: Batch::new(shape),
         }
+    }
+
+    /// What every frame holds.
+    #[must_use]
+    pub fn shape(&self) -> Shape {
+        self.driver.shape()
+    }
+
+    /// The driver, for its dialogue.
+    #[must_use]
+    pub fn driver(&self) -> &dyn Driver {
+        self.driver.as_ref()
     }
 
     /// A device was connected. If it was configured, its frames count only after its acknowledgement, because those
@@ -65,16 +87,27 @@ impl Intake {
         self.series.refusal = None;
     }
 
+    /// The device was told to begin anew.
+    pub fn begin_anew(&mut self) {
+        self.series.continuity.expect_restart();
+    }
+
+    /// A request was not answered: one frame is missing.
+    pub fn miss(&mut self) {
+        self.series.unanswered += 1;
+    }
+
     /// Takes bytes; readings gather in [`Intake::batch`].
     pub fn push(&mut self, bytes: &[u8]) {
-        self.decoder
-            .push(bytes, |message| self.series.sort(message, &mut self.batch));
+        let (series, batch) = (&mut self.series, &mut self.batch);
+        self.driver
+            .receive(bytes, &mut |event| series.sort(event, batch));
     }
 
     /// The device is gone or the recording at its end: what is pending is settled. All counts go on.
     pub fn finish(&mut self) {
-        self.decoder
-            .finish(|message| self.series.sort(message, &mut self.batch));
+        let (series, batch) = (&mut self.series, &mut self.batch);
+        self.driver.finish(&mut |event| series.sort(event, batch));
     }
 
     /// Whether the configuration was not answered yet.
@@ -85,28 +118,30 @@ impl Intake {
 
     /// The status of an acknowledgement that was not "accepted".
     #[must_use]
-    pub fn refusal(&self) -> Option<u8> {
+    pub fn refusal(&self) -> Option<u32> {
         self.series.refusal
     }
 
     /// What the device sends, when that is clearly not what was expected.
     #[must_use]
-    pub fn wrong_kind(&self) -> Option<Kind> {
+    pub fn foreign(&self) -> Option<&'static str> {
         let Series {
-            right_kind,
-            wrong_kind,
-            last_wrong,
+            frames,
+            foreign,
+            last_foreign,
             ..
         } = self.series;
-        (right_kind == 0 && wrong_kind >= WRONG_KIND_FRAMES).then_some(last_wrong)
+        (frames == 0 && foreign >= FOREIGN_FRAMES).then_some(last_foreign)
     }
 
     /// Everything counted so far; whether the device is alive is for the owner to say.
     #[must_use]
     pub fn health(&self) -> Health {
+        let mut continuity = self.series.continuity.totals();
+        continuity.lost += self.series.unanswered;
         Health {
-            bytes: self.decoder.counts(),
-            continuity: self.series.continuity.totals(),
+            bytes: self.driver.counts(),
+            continuity,
             device_errors: self.series.device_errors,
             device_status: self.series.device_status,
             alive: false,
@@ -115,92 +150,165 @@ impl Intake {
 }
 
 impl Series {
-    fn sort(&mut self, message: Message, batch: &mut Vec<Reading>) {
-        match message {
-            Message::Acknowledgement(answer) if self.awaits_acknowledgement => {
+    fn sort(&mut self, event: Event<'_>, batch: &mut Batch) {
+        match event {
+            Event::Acknowledged(status) if self.awaits_acknowledgement => {
                 self.awaits_acknowledgement = false;
-                self.refusal = (answer.status != 0).then_some(answer.status);
+                self.refusal = (status != 0).then_some(status);
             }
-            Message::Acknowledgement(_) => {}
-            Message::Data(frame) if frame.kind != self.kind => {
-                self.wrong_kind += 1;
-                self.last_wrong = frame.kind;
+            Event::Acknowledged(_) => {}
+            Event::Foreign(kind) => {
+                self.foreign += 1;
+                self.last_foreign = kind;
             }
-            Message::Data(_) if self.awaits_acknowledgement => {}
-            Message::Data(frame) => batch.push(self.number(frame)),
+            Event::Frame(_) if self.awaits_acknowledgement => {}
+            Event::Frame(frame) => self.number(&frame, batch),
         }
     }
 
-    fn number(&mut self, frame: DataFrame) -> Reading {
-        self.right_kind += 1;
+    fn number(&mut self, frame: &Frame<'_>, batch: &mut Batch) {
+        let first = self.frames == 0;
+        self.frames += 1;
         self.device_status = frame.status;
-        self.device_errors += u64::from(frame.status.is_abnormal());
-        let arrival = self.continuity.observe(frame.count);
-        self.next_sequence += arrival.advance().unwrap_or(0);
-        Reading {
-            frame,
+        self.device_errors += u64::from(frame.condition != Default::default());
+        let arrival = match frame.count {
+            Some(count) => self.continuity.observe(count),
+            None if first => Arrival::First,
+            None => Arrival::Newer { gap: 0 },
+        };
+        let reading = Reading {
+            byte_offset: frame.byte_offset,
+            count: frame.count,
+            status: frame.status,
+            condition: frame.condition,
             arrival,
-            sequence: self.next_sequence - 1,
+            advance: arrival.advance().unwrap_or(0),
             captured_ns: 0,
+        };
+        match &mut self.tare {
+            None => batch.push(reading, frame.values),
+            Some(tare) => {
+                if let Some(values) = tare.subtract(frame.values) {
+                    batch.push(reading, values);
+                }
+            }
         }
+    }
+}
+
+impl Tare {
+    /// The values without their zero; `None` while it is being taken.
+    fn subtract(&mut self, values: &[f64]) -> Option<&[f64]> {
+        if self.frames < TARE_FRAMES {
+            self.frames += 1;
+            for (mean, value) in self.mean.iter_mut().zip(values) {
+                *mean += (value - *mean) / f64::from(self.frames);
+            }
+            return None;
+        }
+        self.tared.clear();
+        self.tared.extend(
+            values
+                .iter()
+                .zip(&self.mean)
+                .map(|(value, zero)| value - zero),
+        );
+        Some(&self.tared)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::Intake;
-    use crate::wire::optoforce::Kind;
+    use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
+    use crate::wire::{Dialogue, Driver, Event};
 
-    /// A one-channel frame with no load.
-    fn frame(count: u16) -> [u8; 16] {
-        let mut bytes = [0; 16];
-        bytes[..4].copy_from_slice(&[0xAA, 7, 8, 10]);
-        bytes[4..6].copy_from_slice(&count.to_be_bytes());
-        let sum: u16 = bytes.iter().map(|&byte| u16::from(byte)).sum();
-        bytes[14..].copy_from_slice(&sum.to_be_bytes());
-        bytes
+    /// Each byte is an event: below 100 a frame with that count and value, 100 foreign, above an acknowledgement.
+    #[derive(Default)]
+    struct Spoken(ByteCounts);
+
+    impl Driver for Spoken {
+        fn shape(&self) -> Shape {
+            Shape {
+                quantity: Quantity::Pressure,
+                unit: "counts",
+                fingers: 1,
+                taxels: 1,
+            }
+        }
+
+        fn dialogue(&self) -> Dialogue {
+            Dialogue::default()
+        }
+
+        fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
+            for &byte in bytes {
+                self.0.frames += u64::from(byte < 100);
+                match byte {
+                    0..100 => report(Event::Frame(Frame {
+                        byte_offset: 0,
+                        count: Some(byte.into()),
+                        status: 0,
+                        condition: Condition::Well,
+                        values: &[byte.into()],
+                    })),
+                    100 => report(Event::Foreign("others; pass --others")),
+                    _ => report(Event::Acknowledged((byte - 101).into())),
+                }
+            }
+        }
+
+        fn counts(&self) -> ByteCounts {
+            self.0
+        }
     }
 
-    fn sequences(intake: &Intake) -> Vec<u64> {
-        intake
-            .batch
-            .iter()
-            .map(|reading| reading.sequence)
-            .collect()
+    fn intake(tare: bool) -> Intake {
+        Intake::new(Box::new(Spoken::default()), tare)
     }
 
     #[test]
-    fn the_series_has_the_devices_gaps_and_never_goes_back() {
-        let mut intake = Intake::new(Kind::OneChannel);
-        for count in [65535, 0, 3, 3, 2, 4, 40000, 40001] {
-            intake.push(&frame(count));
-        }
-        assert_eq!(sequences(&intake), [0, 1, 4, 4, 4, 5, 6, 7]);
+    fn a_reading_advances_by_the_devices_gaps_and_never_goes_back() {
+        let mut intake = intake(false);
+        intake.push(&[1, 2, 5, 5, 4, 6]);
+        let advances: Vec<u64> = intake.batch.readings.iter().map(|r| r.advance).collect();
+        assert_eq!(advances, [1, 1, 3, 0, 0, 1]);
+        intake.miss();
+        assert_eq!(intake.health().continuity.lost, 1 + 1);
     }
 
     #[test]
     fn frames_before_the_acknowledgement_follow_old_settings_and_are_left_out() {
-        let mut intake = Intake::new(Kind::OneChannel);
+        let mut intake = intake(false);
         intake.begin_stream(true);
-        intake.push(&frame(1));
-        intake.push(&[0xAA, 0, 0x50, 1, 0, 0, 0xFB]);
-        intake.push(&frame(9));
+        intake.push(&[1, 101, 9]);
         assert_eq!(
-            (sequences(&intake), intake.awaits_acknowledgement()),
-            (vec![0], false)
+            (intake.batch.len(), intake.awaits_acknowledgement()),
+            (1, false)
         );
         assert_eq!(intake.health().bytes.frames, 2);
     }
 
     #[test]
     fn a_refusal_and_a_wrong_kind_are_noticed() {
-        let mut intake = Intake::new(Kind::FourChannel);
+        let mut intake = intake(false);
         intake.begin_stream(true);
-        intake.push(&[0xAA, 0, 0x50, 1, 2, 0, 0xFD]);
+        intake.push(&[103]);
         assert_eq!(intake.refusal(), Some(2));
-        (0..19).for_each(|count| intake.push(&frame(count)));
-        assert_eq!(intake.wrong_kind(), None);
-        intake.push(&frame(19));
-        assert_eq!(intake.wrong_kind(), Some(Kind::OneChannel));
+        intake.push(&[100; 19]);
+        assert_eq!(intake.foreign(), None);
+        intake.push(&[100]);
+        assert_eq!(intake.foreign(), Some("others; pass --others"));
+    }
+
+    #[test]
+    fn the_load_at_the_start_becomes_zero() {
+        let mut intake = intake(true);
+        for n in 0..25 {
+            intake.push(&[10, 20]);
+            assert!(intake.batch.is_empty(), "{n}");
+        }
+        intake.push(&[18]);
+        assert_eq!(intake.batch.iter().next().unwrap().1, [3.0]);
     }
 }

@@ -1,26 +1,35 @@
 //! Sensor processes for real tactile hardware.
 //!
-//! One process reads one device and publishes one [`HandFrame`](shm_schemas::HandFrame) per device frame:
+//! One process reads the devices of one hand and publishes [`HandFrame`](shm_schemas::HandFrame)s:
 //!
 //! ```text
-//! device ─bytes─▶ wire (decode) ─frames─▶ intake (number) ─▶ driver (stamp) ─readings─▶ output (bus or table)
+//! device ─▶ transport ─bytes─▶ wire (driver: decode) ─frames─▶ intake (number) ─▶ port (stamp) ─readings─▶ hand ─▶ bus
+//! device ─▶ ...                                                                  one thread per port ─▶      └▶ table
 //! ```
 //!
-//! * **In:** a serial device; the command line. **Out:** frames and [`SensorStatus`](shm_schemas::SensorStatus) on the
-//!   bus, or a table on standard output; a log on standard error; an [exit code](failure).
-//! * **Invariants:** no valid frame is lost to damage around it (`tests/decoder.rs`); every byte is accounted for (same
-//!   place); stamps increase and are never in the future ([`stamping`]); sequences show the device's own gaps
-//!   ([`intake`]).
+//! * **In:** serial terminals, UDP peers, WebSocket servers; the command line. **Out:** frames and
+//!   [`SensorStatus`](shm_schemas::SensorStatus) on the bus, or a table on standard output; a log on standard error; an
+//!   [exit code](failure).
+//! * **Invariants:** no valid frame is lost to damage around it (`tests/decoder.rs`, `tests/peers.rs`); every byte is
+//!   accounted for (same places); stamps increase and are never in the future ([`stamping`]); sequences show the
+//!   device's own gaps ([`intake`]); nothing that a device sends makes a parser panic (`tests/any_bytes.rs`).
 //! * **Absent on purpose:** filtering, thresholds and any judgement about touch: that is perception, in `atas`.
 //!
-//! A further sensor adds a decoder in [`wire`], a driver, and a variant of [`cli::Sensor`].
+//! A further sensor is one file in [`wire`] with its format, one line in [`wire::SENSORS`], and one table of test vectors
+//! in `tests/vectors/`.
 
 pub mod cli;
-pub mod device;
-pub mod driver;
+pub mod commands;
+pub mod continuity;
 pub mod failure;
+pub mod hand;
 pub mod intake;
 pub mod mapping;
-pub mod output;
+pub mod plan;
+pub mod port;
+pub mod reading;
+pub mod resync;
 pub mod stamping;
+pub mod table;
+pub mod transport;
 pub mod wire;

@@ -1,4 +1,4 @@
-//! From a device's counts to newtons along an element's axes: the scale of the unit's data sheet, and which of the
+//! From a device's units to newtons along an element's axes: the scale of the unit's data sheet, and which of the
 //! device's axes is which of the element's.
 //!
 //! An element of a [`HandFrame`](shm_schemas::HandFrame) reads `[f_n, f_t1, f_t2]` with `f_n` positive when pressed.
@@ -26,7 +26,7 @@ pub enum MappingError {
     Axes(String),
 }
 
-/// Newtons per count along the device's x, y and z, from the unit's own sheet.
+/// Newtons per unit along the device's x, y and z, from its sheet or its format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale([f64; 3]);
 
@@ -114,12 +114,12 @@ pub struct Mapping {
 }
 
 impl Mapping {
-    /// `[f_n, f_t1, f_t2]`, N, from `[Fx, Fy, Fz]`, counts. Always finite.
+    /// `[f_n, f_t1, f_t2]`, N, from `[x, y, z]` in the device's units. As finite as these are.
     #[must_use]
-    pub fn force_n(&self, counts: [i16; 3]) -> [f32; 3] {
-        self.axes.0.map(|axis| {
-            (axis.sign * self.scale.0[axis.index] * f64::from(counts[axis.index])) as f32
-        })
+    pub fn force_n(&self, value: [f64; 3]) -> [f32; 3] {
+        self.axes
+            .0
+            .map(|axis| (axis.sign * self.scale.0[axis.index] * value[axis.index]) as f32)
     }
 }
 
@@ -133,7 +133,7 @@ mod tests {
             scale: "300/7925, 300/8641,2000/6049".parse().unwrap(),
             axes: "-z,x,y".parse().unwrap(),
         };
-        let [normal_n, t1_n, t2_n] = mapping.force_n([7925, -8641, -60]);
+        let [normal_n, t1_n, t2_n] = mapping.force_n([7925.0, -8641.0, -60.0]);
         assert_eq!((t1_n, t2_n), (300.0, -300.0));
         assert!((normal_n - 19.837).abs() < 1e-3, "{normal_n}");
     }
@@ -145,7 +145,7 @@ mod tests {
                 scale: "1,10,100".parse().unwrap(),
                 axes: axes.parse().unwrap(),
             };
-            assert_eq!(mapping.force_n([1, 2, 3]), expected, "{axes}");
+            assert_eq!(mapping.force_n([1.0, 2.0, 3.0]), expected, "{axes}");
         };
         check("-z,x,y", [-300.0, 1.0, 20.0]);
         check("+Z, -y ,x", [300.0, -20.0, 1.0]);

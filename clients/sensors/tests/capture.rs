@@ -1,11 +1,16 @@
-//! The decoder against a real recording, where it is at hand. It is not part of this repository.
+//! The decoder against a long generated stream, always, and against a real recording, where it is at hand. The recording
+//! is not part of this repository.
 #![expect(clippy::print_stderr, reason = "says when the recording is absent")]
+
+mod common;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use atas_sensors::wire::continuity::{Continuity, Totals};
-use atas_sensors::wire::optoforce::{ByteCounts, DataFrame, Decoder, Message};
+use atas_sensors::continuity::{Continuity, Totals};
+use atas_sensors::reading::ByteCounts;
+use atas_sensors::wire::optoforce::{DataFrame, Decoder, Message};
+use common::{acknowledgement, numbered_frame};
 
 /// The folder of recordings beside the workspace, if it is there.
 fn recording() -> Option<(Vec<u8>, PathBuf)> {
@@ -13,7 +18,7 @@ fn recording() -> Option<(Vec<u8>, PathBuf)> {
     let bytes = fs::read(folder.join("capture.bin")).ok();
     if bytes.is_none() {
         eprintln!(
-            "SKIPPED: no recording at {}; the generated streams are tested all the same",
+            "SKIPPED: no recording at {}; only the generated stream is tested",
             folder.display()
         );
     }
@@ -34,6 +39,38 @@ fn frames_of(stream: &[u8], chunk: usize) -> (Vec<DataFrame>, ByteCounts) {
     (frames, decoder.counts())
 }
 
+/// As long as the recording, and like it: an acknowledgement, gap-free frames across the wrap, a cut tail.
+#[test]
+fn a_generated_stream_of_the_recordings_length_decodes_exactly() {
+    const FRAMES: u16 = 34_374;
+    let count = |n: u16| n.wrapping_add(50_000);
+    let mut stream = acknowledgement(0);
+    stream.extend((0..FRAMES).flat_map(|n| numbered_frame(count(n))));
+    stream.extend(&numbered_frame(7)[..9]);
+    for chunk in [1, 7, 64, stream.len()] {
+        let (frames, counts) = frames_of(&stream, chunk);
+        let expected = ByteCounts {
+            received: 550_000,
+            data: 34_374 * 16,
+            acknowledgement: 7,
+            junk: 9,
+            pending: 0,
+            frames: 34_374,
+            acknowledgements: 1,
+            checksum_failures: 0,
+        };
+        assert_eq!(counts, expected, "chunks of {chunk}");
+        assert!(
+            frames
+                .iter()
+                .zip(0..FRAMES)
+                .all(|(frame, n)| frame.count == count(n)
+                    && frame.forces().next() == Some(common::forces_of(count(n))))
+        );
+    }
+    assert_neighbours_survive(&stream[7..]);
+}
+
 #[test]
 fn the_recording_decodes_exactly() {
     let Some((stream, folder)) = recording() else {
@@ -52,9 +89,9 @@ fn the_recording_decodes_exactly() {
             checksum_failures: 0,
         };
         assert_eq!(counts, expected, "chunks of {chunk}");
-        let mut continuity = Continuity::default();
+        let mut continuity = Continuity::new(16);
         for frame in &frames {
-            continuity.observe(frame.count);
+            continuity.observe(frame.count.into());
         }
         assert_eq!(continuity.totals(), Totals::default());
         assert_eq!((frames[0].count, frames[34_373].count), (11_626, 45_999));
@@ -77,14 +114,18 @@ fn the_recording_decodes_exactly() {
     assert_eq!(compared, 1_250);
 }
 
-/// One byte of every frame of the recording is deleted, or doubled, or the frame is cut off there: the frames before and
-/// after come through.
 #[test]
 fn damage_to_one_frame_of_the_recording_spares_its_neighbours() {
     let Some((stream, _)) = recording() else {
         return;
     };
-    let frames: Vec<&[u8]> = stream[7..].chunks_exact(16).collect();
+    assert_neighbours_survive(&stream[7..]);
+}
+
+/// One byte of every frame is deleted, or doubled, or the frame is cut off there: the frames before and after come
+/// through.
+fn assert_neighbours_survive(stream: &[u8]) {
+    let frames: Vec<&[u8]> = stream.chunks_exact(16).collect();
     for (n, at) in (1..frames.len() - 1).map(|n| (n, n * 7 % 16)) {
         let (before, hit, after) = (frames[n - 1], frames[n], frames[n + 1]);
         let damaged = [

@@ -3,7 +3,8 @@
 
 mod common;
 
-use atas_sensors::wire::optoforce::{ByteCounts, Decoder, Kind, Message};
+use atas_sensors::reading::ByteCounts;
+use atas_sensors::wire::optoforce::{Decoder, Kind, Message};
 use common::{acknowledgement, data_frame, numbered_frame};
 use proptest::prelude::*;
 

@@ -3,58 +3,17 @@
 mod common;
 #[path = "common/process.rs"]
 mod process;
+#[path = "common/reader.rs"]
+mod reader;
 
 use std::fs;
 
 use common::{acknowledgement, data_frame, forces_of, numbered_frame};
-use process::{Pty, Sensor, wait_until};
+use process::{Pty, Sensor};
+use reader::Reader;
 use rustix::process::Signal;
-use shm_bus::{Bus, FreshBus, Realtime, Subscriber, now_ns};
-use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
-use shm_schemas::{Hand, HandFrame, Layout, SensorStatus};
-
-/// A reader of one hand's frames and of sensor statuses.
-struct Reader {
-    frames: Subscriber<HandFrame>,
-    statuses: Subscriber<SensorStatus>,
-    received: Vec<HandFrame>,
-    status: SensorStatus,
-}
-
-impl Reader {
-    fn new(bus: &FreshBus, hand: Hand) -> Self {
-        let node = Bus::open(bus, "test", Realtime::No).unwrap();
-        Self {
-            frames: node.subscriber(HAND_FRAME[hand.index().unwrap()]).unwrap(),
-            statuses: node.subscriber(SENSOR_STATUS).unwrap(),
-            received: Vec::new(),
-            status: SensorStatus::default(),
-        }
-    }
-
-    fn poll(&mut self) {
-        let received = &mut self.received;
-        self.frames
-            .drain(64, |frame| received.push(*frame))
-            .unwrap();
-        self.statuses.newest(&mut self.status).unwrap();
-    }
-
-    fn wait_for_frames(&mut self, count: u64) {
-        wait_until(&format!("frame {count}"), || {
-            self.poll();
-            self.status.frames >= count
-        });
-        self.poll();
-    }
-
-    fn wait_for_start(&mut self) {
-        wait_until("the first status", || {
-            self.poll();
-            self.status.stamp.captured_ns > 0
-        });
-    }
-}
+use shm_bus::{FreshBus, now_ns};
+use shm_schemas::{Hand, Layout};
 
 const SCALE: &str = "--newtons-per-count 0.5,0.25,2";
 

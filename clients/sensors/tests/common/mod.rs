@@ -1,6 +1,8 @@
 //! Streams for tests, written independently of the decoder.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub(crate) mod vectors;
+
 /// Header, then the payload, then the sum of both: the format's only rule.
 fn message(header: [u8; 4], payload: impl IntoIterator<Item = u8>) -> Vec<u8> {
     let mut bytes = header.to_vec();

@@ -1,4 +1,5 @@
 //! The real program on a real pseudo-terminal and a fresh bus.
+#![allow(dead_code, reason = "each test program uses its own part")]
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::OFlags;
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -49,9 +51,26 @@ impl Pty {
 
     /// The next nine bytes from the program.
     pub(crate) fn receive_command(&self) -> [u8; 9] {
-        let mut command = [0; 9];
-        (&self.master).read_exact(&mut command).unwrap();
-        command
+        self.receive()
+    }
+
+    /// The next bytes from the program.
+    pub(crate) fn receive<const N: usize>(&self) -> [u8; N] {
+        let mut bytes = [0; N];
+        let mut filled = 0;
+        while filled < N {
+            let patience = Timespec {
+                tv_sec: PATIENCE.as_secs().cast_signed(),
+                tv_nsec: 0,
+            };
+            let ready = poll(
+                &mut [PollFd::new(&self.master, PollFlags::IN)],
+                Some(&patience),
+            );
+            assert_eq!(ready, Ok(1), "the program said only {filled} of {N} bytes");
+            filled += (&self.master).read(&mut bytes[filled..]).unwrap();
+        }
+        bytes
     }
 }
 
@@ -61,12 +80,14 @@ pub(crate) struct Sensor(Option<Child>);
 impl Sensor {
     /// Starts `atas-sensor optoforce --device DEVICE` with further arguments, split at spaces.
     pub(crate) fn start(device: &Path, arguments: &str) -> Self {
+        let device = device.display();
+        Self::start_line(&format!("optoforce --device {device} {arguments}"))
+    }
+
+    /// Starts `atas-sensor` with these arguments, split at spaces.
+    pub(crate) fn start_line(arguments: &str) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_atas-sensor"));
-        command
-            .arg("optoforce")
-            .arg("--device")
-            .arg(device)
-            .args(arguments.split_whitespace());
+        command.args(arguments.split_whitespace());
         command.env("RUST_LOG", "info").env_remove("ATAS_BUS");
         Self(Some(
             command

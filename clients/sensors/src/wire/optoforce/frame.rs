@@ -1,12 +1,10 @@
 //! One message from the device, and how its bytes are recognised.
 
 use super::{DeviceStatus, checksum};
+use crate::resync::{Candidate, Wire};
 
 /// Most values that one data frame carries: four channels of three axes.
 pub const MAX_VALUES: usize = 12;
-
-/// Bytes of the longest message, the four-channel data frame.
-pub(super) const MAX_LENGTH: usize = Kind::FourChannel.length();
 
 /// Bytes of every header.
 const HEADER_LENGTH: usize = 4;
@@ -156,20 +154,26 @@ impl Announced {
     }
 }
 
-/// What stands at the beginning of some bytes.
-pub(super) enum Candidate {
-    /// No message can begin here.
-    None,
-    /// A message may begin here; more bytes decide.
-    Undecided,
-    /// A header, but the checksum does not match.
-    Corrupt,
-    /// A message and its length in bytes.
-    Valid(Message, usize),
+/// The format, for the decoder.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Protocol;
+
+impl Wire for Protocol {
+    type Message = Message;
+    const LONGEST: usize = Kind::FourChannel.length();
+    const NESTED: bool = true;
+
+    fn examine(&self, bytes: &[u8], byte_offset: u64) -> Candidate<Message> {
+        examine(bytes, byte_offset)
+    }
+
+    fn is_data(message: &Message) -> bool {
+        matches!(message, Message::Data(_))
+    }
 }
 
 /// Examines the message that may begin at the first of `bytes`, which has the offset `byte_offset`.
-pub(super) fn examine(bytes: &[u8], byte_offset: u64) -> Candidate {
+fn examine(bytes: &[u8], byte_offset: u64) -> Candidate<Message> {
     let known = bytes.len().min(HEADER_LENGTH);
     let Some(&(_, announced)) = HEADERS
         .iter()

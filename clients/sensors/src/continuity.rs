@@ -1,9 +1,9 @@
 //! What a device's own frame counter says about frames that were lost, doubled or late.
 //!
-//! In: the 16-bit count of every valid frame, in order of arrival. Out: an [`Arrival`] per frame, and running totals.
+//! In: the count of every valid frame, in order of arrival. Out: an [`Arrival`] per frame, and running totals.
 //! A judgement here is information only: no frame is ever refused because of its count.
 //!
-//! With `step` the signed distance from the newest count, modulo 2^16:
+//! With `step` the signed distance from the newest count, modulo 2^bits (here for 16 bits):
 //!
 //! | step | meaning | effect |
 //! |---|---|---|
@@ -19,7 +19,7 @@
 
 /// How far back a count is a duplicate or late frame rather than a restart, counts: one second at 1 kHz. A power of
 /// two. Ours; larger hides restarts, smaller takes a repeated chunk of the stream for a restart.
-pub const WINDOW: u16 = 1024;
+pub const WINDOW: u32 = 1024;
 
 /// How one frame relates to those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub enum Arrival {
     /// A newer frame after `gap` missing ones.
     Newer {
         /// Frames missing directly before this one.
-        gap: u16,
+        gap: u32,
     },
     /// A frame that was here before.
     Duplicate,
@@ -80,20 +80,44 @@ pub struct Totals {
 }
 
 /// Follows one device's counter.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Continuity {
+    /// Bits of a count that are not there: all arithmetic is done on counts shifted up by so many.
+    unused_bits: u32,
     track: Option<Track>,
+    /// The device was told to begin anew: a count that goes back is a restart, however near it is.
+    restart_expected: bool,
     /// The track before a jump, until the frame after it confirms or refutes the jump.
     before_jump: Option<Track>,
 }
 
 impl Continuity {
+    /// For a counter of so many bits, 11 to 32.
+    #[must_use]
+    pub fn new(bits: u32) -> Self {
+        Self {
+            unused_bits: 32 - bits.clamp(11, 32),
+            track: None,
+            restart_expected: false,
+            before_jump: None,
+        }
+    }
+
+    /// The device was told to begin anew, so its counts may too.
+    pub fn expect_restart(&mut self) {
+        self.restart_expected = true;
+    }
+
     /// Judges the next valid frame by its count.
-    pub fn observe(&mut self, count: u16) -> Arrival {
+    pub fn observe(&mut self, count: u32) -> Arrival {
         let Some(track) = self.track.as_mut() else {
-            self.track = Some(Track::new(count));
+            self.track = Some(Track::new(count, self.unused_bits));
             return Arrival::First;
         };
+        if std::mem::take(&mut self.restart_expected) && track.step_to(count) <= 0 {
+            self.before_jump = None;
+            return track.restart(count);
+        }
         if let Some(before) = self.before_jump.take()
             && before.continues_with(count)
             && !track.continues_with(count)
@@ -118,46 +142,57 @@ impl Continuity {
 
 #[derive(Clone, Copy, Debug)]
 struct Track {
-    newest: u16,
+    newest: u32,
+    unused_bits: u32,
     /// Bit `count % WINDOW` set: that count, within the window up to `newest`, is booked as lost.
     missing: [u64; WINDOW as usize / 64],
     totals: Totals,
 }
 
 impl Track {
-    fn new(count: u16) -> Self {
+    fn new(count: u32, unused_bits: u32) -> Self {
         Self {
             newest: count,
+            unused_bits,
             missing: [0; WINDOW as usize / 64],
             totals: Totals::default(),
         }
     }
 
-    /// Whether the count is a plausible successor.
-    fn continues_with(&self, count: u16) -> bool {
-        (1..=WINDOW).contains(&count.wrapping_sub(self.newest))
+    /// Signed distance from the newest count.
+    fn step_to(&self, count: u32) -> i32 {
+        (count.wrapping_sub(self.newest) << self.unused_bits).cast_signed() >> self.unused_bits
     }
 
-    fn observe(&mut self, count: u16) -> Arrival {
-        let step = count.wrapping_sub(self.newest).cast_signed();
+    /// Whether the count is a plausible successor.
+    fn continues_with(&self, count: u32) -> bool {
+        (1..=WINDOW.cast_signed()).contains(&self.step_to(count))
+    }
+
+    fn observe(&mut self, count: u32) -> Arrival {
+        let step = self.step_to(count);
         if step > 0 {
             self.advance_to(count, step.unsigned_abs() - 1)
         } else if step.unsigned_abs() >= WINDOW {
-            let totals = Totals {
-                restarts: self.totals.restarts + 1,
-                ..self.totals
-            };
-            *self = Self {
-                totals,
-                ..Self::new(count)
-            };
-            Arrival::Restart
+            self.restart(count)
         } else {
             self.look_back_at(count)
         }
     }
 
-    fn advance_to(&mut self, count: u16, gap: u16) -> Arrival {
+    fn restart(&mut self, count: u32) -> Arrival {
+        let totals = Totals {
+            restarts: self.totals.restarts + 1,
+            ..self.totals
+        };
+        *self = Self {
+            totals,
+            ..Self::new(count, self.unused_bits)
+        };
+        Arrival::Restart
+    }
+
+    fn advance_to(&mut self, count: u32, gap: u32) -> Arrival {
         for back in 1..=gap.min(WINDOW - 1) {
             self.mark(count.wrapping_sub(back), true);
         }
@@ -167,7 +202,7 @@ impl Track {
         Arrival::Newer { gap }
     }
 
-    fn look_back_at(&mut self, count: u16) -> Arrival {
+    fn look_back_at(&mut self, count: u32) -> Arrival {
         if self.mark(count, false) {
             self.totals.late += 1;
             self.totals.lost -= 1;
@@ -179,8 +214,8 @@ impl Track {
     }
 
     /// Books a count as missing or not; returns how it was booked before.
-    fn mark(&mut self, count: u16, missing: bool) -> bool {
-        let slot = usize::from(count % WINDOW);
+    fn mark(&mut self, count: u32, missing: bool) -> bool {
+        let slot = (count % WINDOW) as usize;
         let (word, bit) = (&mut self.missing[slot / 64], 1 << (slot % 64));
         let was_missing = *word & bit != 0;
         *word = if missing { *word | bit } else { *word & !bit };
@@ -194,9 +229,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn totals_of(counts: impl IntoIterator<Item = u16>) -> Totals {
-        let mut continuity = Continuity::default();
+        let mut continuity = Continuity::new(16);
         for count in counts {
-            continuity.observe(count);
+            continuity.observe(u32::from(count));
         }
         continuity.totals()
     }
@@ -296,12 +331,42 @@ mod tests {
 
     #[test]
     fn arrivals_number_the_frames_without_going_back() {
-        let mut continuity = Continuity::default();
+        let mut continuity = Continuity::new(16);
         let advances: Vec<_> = [5, 6, 9, 9, 8, 10]
             .map(|count| continuity.observe(count).advance())
             .to_vec();
         assert_eq!(advances, [Some(1), Some(1), Some(3), None, None, Some(1)]);
-        assert_eq!(Continuity::default().observe(3), Arrival::First);
+        assert_eq!(Continuity::new(16).observe(3), Arrival::First);
+    }
+
+    #[test]
+    fn a_restart_that_was_asked_for_is_no_run_of_duplicates() {
+        let mut continuity = Continuity::new(32);
+        let arrivals = [5, 6].map(|count| continuity.observe(count));
+        assert_eq!(arrivals[1], Arrival::Newer { gap: 0 });
+        continuity.expect_restart();
+        assert_eq!(
+            [1, 2].map(|count| continuity.observe(count))[0],
+            Arrival::Restart
+        );
+        assert_eq!(
+            (continuity.totals().restarts, continuity.totals().duplicates),
+            (1, 0)
+        );
+    }
+
+    #[test]
+    fn wider_counters_wrap_at_their_own_width() {
+        let mut continuity = Continuity::new(32);
+        for count in [u32::MAX - 1, u32::MAX, 0, 70_000, 69_999, 70_001] {
+            continuity.observe(count);
+        }
+        let expected = Totals {
+            lost: 69_998,
+            late: 1,
+            ..Totals::default()
+        };
+        assert_eq!(continuity.totals(), expected);
     }
 
     proptest! {

@@ -1,4 +1,4 @@
-//! A byte stream from a device: opened, locked, read with a time-out, written where the device can be told something.
+//! A byte stream from a serial device: opened, locked, read with a time-out, written where the device can be told something.
 //!
 //! A terminal (serial port, USB adapter, pseudo-terminal) is set to raw mode and locked, so that no second process
 //! steals bytes. A FIFO is accepted as a stream that cannot be configured, a regular file as a recording to decode.
@@ -12,10 +12,11 @@ use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
 use std::path::Path;
 use std::time::Duration;
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::FlockOperation;
 use rustix::io::Errno;
 use serial2::{CharSize, FlowControl, Parity, SerialPort, Settings, StopBits};
+
+use super::{Input, Transport, wait_readable};
 
 /// How long a write may take, ms: nine bytes take 0.1 ms at 1 MBd, so this is "the device does not listen". Ours.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(200);
@@ -29,19 +30,6 @@ enum Source {
     Terminal(SerialPort),
     Fifo(File),
     Recording(File),
-}
-
-/// What a read brought.
-#[derive(Debug)]
-pub enum Input {
-    /// So many bytes.
-    Bytes(usize),
-    /// Nothing within the time-out, or a signal came.
-    Quiet,
-    /// The end of a recording.
-    End,
-    /// The device is gone.
-    Gone(io::Error),
 }
 
 impl Device {
@@ -70,30 +58,32 @@ impl Device {
         Ok(device)
     }
 
-    /// Whether the device can be told anything.
-    #[must_use]
-    pub fn is_terminal(&self) -> bool {
+    /// Two readers of a live device would each get half the bytes.
+    fn lock(&self) -> Result<(), String> {
+        if self.is_recording() {
+            return Ok(());
+        }
+        rustix::fs::flock(self, FlockOperation::NonBlockingLockExclusive)
+            .map_err(|_| "another process holds it; stop that process (fuser names it)".to_owned())
+    }
+}
+
+impl Transport for Device {
+    fn takes_messages(&self) -> bool {
         matches!(self.0, Source::Terminal(_))
     }
 
-    /// Whether this is a regular file, which has an end and no pace of its own.
-    #[must_use]
-    pub fn is_recording(&self) -> bool {
+    fn is_recording(&self) -> bool {
         matches!(self.0, Source::Recording(_))
     }
 
-    /// Waits for bytes and reads them.
-    pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input {
-        let timeout = Timespec {
-            tv_sec: timeout.as_secs().cast_signed(),
-            tv_nsec: timeout.subsec_nanos().into(),
-        };
-        let outcome = match poll(
-            &mut [PollFd::new(&self.as_fd(), PollFlags::IN)],
-            Some(&timeout),
-        ) {
-            Ok(0) => return Input::Quiet,
-            Ok(_) => rustix::io::read(self.as_fd(), buffer),
+    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input {
+        // The size of the kernel's terminal buffer.
+        let room = buffer.len().min(4096);
+        let buffer = &mut buffer[..room];
+        let outcome = match wait_readable(self, timeout) {
+            Ok(false) => return Input::Quiet,
+            Ok(true) => rustix::io::read(self.as_fd(), buffer),
             Err(error) => Err(error),
         };
         match outcome {
@@ -108,11 +98,7 @@ impl Device {
         }
     }
 
-    /// Sends bytes.
-    ///
-    /// # Errors
-    /// When the device is no terminal, is gone, or does not take them in time.
-    pub fn write(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+    fn write(&mut self, mut bytes: &[u8]) -> io::Result<()> {
         let Source::Terminal(port) = &self.0 else {
             return Err(io::Error::new(
                 io::ErrorKind::Unsupported,
@@ -127,15 +113,6 @@ impl Device {
             }
         }
         Ok(())
-    }
-
-    /// Two readers of a live device would each get half the bytes.
-    fn lock(&self) -> Result<(), String> {
-        if self.is_recording() {
-            return Ok(());
-        }
-        rustix::fs::flock(self, FlockOperation::NonBlockingLockExclusive)
-            .map_err(|_| "another process holds it; stop that process (fuser names it)".to_owned())
     }
 }
 

@@ -1,19 +1,18 @@
-//! The OptoForce process: device → decoder → continuity → stamps → output.
+//! One device on its port: transport → driver → continuity → stamps → output.
 //!
-//! In: bytes from a [`Device`]. Out: readings to an [`Output`], as they come, and a [`Health`]
-//! report ten times a second. One thread,
-//! no allocation per frame. A stop request ends it within [`POLL`]; the device is then told to stop sending.
+//! In: bytes from a [`Transport`]. Out: readings to an [`Output`], as they come, and a [`Health`] report ten times a
+//! second. One thread, no allocation per frame. A stop request ends it within [`POLL`]; the device is then told to stop
+//! sending.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crate::device::{Device, Input};
 use crate::failure::Failure;
 use crate::intake::Intake;
-use crate::output::{Health, Output};
+use crate::reading::{Health, Output};
 use crate::stamping::Stamper;
-use crate::wire::optoforce::{BAUD, Configuration, Kind, STOP};
+use crate::transport::{self, Input, READ_BYTES, Transport};
+use crate::wire::{Dialogue, Driver, Way};
 
 /// How long one read waits, and so how soon a stop request is seen. Ours; signals also interrupt the wait.
 pub const POLL: Duration = Duration::from_millis(50);
@@ -27,20 +26,24 @@ pub const REPORT_EVERY: Duration = Duration::from_millis(100);
 const REPORTS_PER_LOG: u32 = 10;
 /// Time between two attempts to reconnect. Ours.
 const RETRY_EVERY: Duration = Duration::from_millis(500);
-/// Bytes per read: 41 ms of the fastest stream, and the size of the kernel's terminal buffer.
-const READ_BYTES: usize = 4096;
+/// How long a polled device may take to answer. Ours: ten times what 171 bytes take at 921,600 baud.
+const ANSWER_WITHIN: Duration = Duration::from_millis(20);
+/// Silence after which a device that may have missed its start is told again. Ours.
+const INSIST_AFTER: Duration = Duration::from_millis(500);
 
 /// What to run.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Path of the device.
-    pub device: PathBuf,
-    /// What to tell the device; `None` for a stream that is only read.
-    pub configuration: Option<Configuration>,
-    /// What the device sends.
-    pub kind: Kind,
+    /// Path or address of the device.
+    pub device: String,
+    /// How it is reached.
+    pub way: Way,
     /// Nominal time between two frames, ns.
     pub period_ns: u64,
+    /// Whether the device may be told anything.
+    pub configure: bool,
+    /// Whether the mean of the first frames is subtracted.
+    pub tare: bool,
     /// Whether a regular file may be decoded.
     pub recording_allowed: bool,
     /// Whether to wait for a device that is missing or goes away.
@@ -53,21 +56,23 @@ pub struct Settings {
 /// Everything that [`Failure`] names except contradictory arguments.
 pub fn run(
     settings: &Settings,
+    driver: Box<dyn Driver>,
     output: &mut dyn Output,
     clock: fn() -> u64,
     stop: &AtomicBool,
 ) -> (Health, Result<(), Failure>) {
-    let mut driver = Driver::new(settings, output, clock, stop);
-    let outcome = driver.run();
-    let goodbye = driver.report(false);
-    (driver.health, outcome.and(goodbye))
+    let mut port = Port::new(settings, driver, output, clock, stop);
+    let outcome = port.run();
+    let goodbye = port.report(false);
+    (port.health, outcome.and(goodbye))
 }
 
-struct Driver<'a> {
+struct Port<'a> {
     settings: &'a Settings,
     output: &'a mut dyn Output,
     clock: fn() -> u64,
     stop: &'a AtomicBool,
+    dialogue: Dialogue,
     intake: Intake,
     stamper: Stamper,
     health: Health,
@@ -75,27 +80,41 @@ struct Driver<'a> {
     reports: u32,
     next_report_ns: u64,
     last_data_ns: u64,
+    /// When the device was asked for the frame that has not come yet.
+    asked_ns: Option<u64>,
+    next_ask_ns: u64,
+    next_insist_ns: u64,
 }
 
-impl<'a> Driver<'a> {
+impl<'a> Port<'a> {
     fn new(
         settings: &'a Settings,
+        driver: Box<dyn Driver>,
         output: &'a mut dyn Output,
         clock: fn() -> u64,
         stop: &'a AtomicBool,
     ) -> Self {
+        let dialogue = if settings.configure {
+            driver.dialogue()
+        } else {
+            Dialogue::default()
+        };
         Self {
             settings,
             output,
             clock,
             stop,
-            intake: Intake::new(settings.kind),
+            dialogue,
+            intake: Intake::new(driver, settings.tare),
             stamper: Stamper::new(settings.period_ns),
             health: Health::default(),
             reported: Health::default(),
             reports: 0,
             next_report_ns: 0,
             last_data_ns: 0,
+            asked_ns: None,
+            next_ask_ns: 0,
+            next_insist_ns: 0,
         }
     }
 
@@ -116,33 +135,31 @@ impl<'a> Driver<'a> {
 
     fn connect_and_serve(&mut self) -> Result<(), Failure> {
         let mut device = self.open()?;
-        self.intake
-            .begin_stream(self.settings.configuration.is_some());
-        if let Some(configuration) = self.settings.configuration {
-            device
-                .write(&configuration.to_bytes())
-                .map_err(|error| self.unconfigured(error.to_string()))?;
-        }
-        let outcome = self.serve(&mut device);
-        if self.settings.configuration.is_some() && self.is_stopped() {
+        self.intake.begin_stream(self.dialogue.acknowledged);
+        self.say_start(device.as_mut())?;
+        let once = std::mem::take(&mut self.dialogue.once);
+        self.say(device.as_mut(), &once)?;
+        let outcome = self.serve(device.as_mut());
+        if !self.dialogue.stop.is_empty() && self.is_stopped() {
             // The device may be gone already; that is no reason not to stop.
-            let _ = device.write(&STOP);
+            let _ = device.write(&self.dialogue.stop);
         }
         outcome
     }
 
-    fn open(&self) -> Result<Device, Failure> {
+    fn open(&self) -> Result<Box<dyn Transport>, Failure> {
         let refuse = |reason: &str| Failure::Open {
             device: self.name(),
             reason: reason.to_owned(),
         };
-        let device = Device::open(&self.settings.device, BAUD).map_err(|reason| refuse(&reason))?;
+        let device = transport::open(self.settings.way, &self.settings.device)
+            .map_err(|reason| refuse(&reason))?;
         if device.is_recording() && !self.settings.recording_allowed {
             return Err(refuse(
                 "it is a regular file, needs a terminal or a FIFO; add --dry-run to decode a recording",
             ));
         }
-        if !device.is_terminal() && self.settings.configuration.is_some() {
+        if !device.takes_messages() && self.dialogue != Dialogue::default() {
             return Err(refuse(
                 "only a terminal can be configured; add --no-configure to read the stream as it is",
             ));
@@ -152,15 +169,17 @@ impl<'a> Driver<'a> {
     }
 
     /// Reads until a stop request, the end or a failure.
-    fn serve(&mut self, device: &mut Device) -> Result<(), Failure> {
-        let mut buffer = [0; READ_BYTES];
-        let deadline_ns = (self.clock)() + nanos(ACKNOWLEDGE_WITHIN);
+    fn serve(&mut self, device: &mut dyn Transport) -> Result<(), Failure> {
+        let mut buffer = vec![0; READ_BYTES];
+        let begun_ns = (self.clock)();
+        self.asked_ns = None;
         while !self.is_stopped() {
-            let input = device.read(&mut buffer, POLL);
+            let patience = self.ask_when_due(device)?;
+            let input = device.read(&mut buffer, patience);
             let now_ns = (self.clock)();
             match input {
                 Input::Bytes(length) => self.take(&buffer[..length], now_ns)?,
-                Input::Quiet => {}
+                Input::Quiet => self.insist_when_due(device, now_ns)?,
                 Input::End => return self.end_stream(now_ns),
                 Input::Gone(error) => {
                     self.end_stream(now_ns)?;
@@ -170,7 +189,7 @@ impl<'a> Driver<'a> {
                     });
                 }
             }
-            if self.intake.awaits_acknowledgement() && now_ns > deadline_ns {
+            if self.is_unanswered(now_ns.saturating_sub(begun_ns)) {
                 return Err(self.unanswered());
             }
             self.report_when_due(now_ns)?;
@@ -178,9 +197,61 @@ impl<'a> Driver<'a> {
         self.end_stream((self.clock)())
     }
 
+    fn say(&self, device: &mut dyn Transport, message: &[u8]) -> Result<(), Failure> {
+        if message.is_empty() {
+            return Ok(());
+        }
+        device
+            .write(message)
+            .map_err(|error| self.unconfigured(error.to_string()))
+    }
+
+    fn say_start(&mut self, device: &mut dyn Transport) -> Result<(), Failure> {
+        self.next_insist_ns = (self.clock)() + nanos(INSIST_AFTER);
+        self.say(device, &self.dialogue.start)
+    }
+
+    /// Asks a polled device for its next frame, and says how long to wait for something to come.
+    fn ask_when_due(&mut self, device: &mut dyn Transport) -> Result<Duration, Failure> {
+        if self.dialogue.poll.is_empty() || self.intake.awaits_acknowledgement() {
+            return Ok(POLL);
+        }
+        let now_ns = (self.clock)();
+        if self
+            .asked_ns
+            .is_some_and(|at| now_ns >= at + nanos(ANSWER_WITHIN))
+        {
+            self.intake.miss();
+            self.asked_ns = None;
+        }
+        if self.asked_ns.is_none() && now_ns >= self.next_ask_ns {
+            self.say(device, &self.dialogue.poll)?;
+            self.asked_ns = Some(now_ns);
+            self.next_ask_ns = now_ns + self.settings.period_ns;
+        }
+        let due_ns = self
+            .asked_ns
+            .map_or(self.next_ask_ns, |at| at + nanos(ANSWER_WITHIN));
+        Ok(Duration::from_nanos(due_ns.saturating_sub(now_ns)).min(POLL))
+    }
+
+    /// Tells a silent device again to begin, if it may have missed it.
+    fn insist_when_due(&mut self, device: &mut dyn Transport, now_ns: u64) -> Result<(), Failure> {
+        let silent_since_ns = self.last_data_ns + nanos(INSIST_AFTER);
+        if !self.dialogue.insist || now_ns < self.next_insist_ns.max(silent_since_ns) {
+            return Ok(());
+        }
+        self.intake.begin_anew();
+        self.say_start(device)
+    }
+
     fn take(&mut self, bytes: &[u8], now_ns: u64) -> Result<(), Failure> {
         self.last_data_ns = now_ns;
+        let frames = self.intake.health().bytes.frames;
         self.intake.push(bytes);
+        if self.intake.health().bytes.frames > frames {
+            self.asked_ns = None;
+        }
         self.deliver(now_ns)
     }
 
@@ -196,15 +267,14 @@ impl<'a> Driver<'a> {
                 "it refused with status {status}; check rate and filter"
             )));
         }
-        if let Some(found) = self.intake.wrong_kind() {
+        if let Some(found) = self.intake.foreign() {
             return Err(Failure::WrongKind {
                 device: self.name(),
                 found,
-                expected: self.settings.kind,
             });
         }
         let stamps = self.stamper.spread(now_ns, self.intake.batch.len());
-        for (reading, captured_ns) in self.intake.batch.iter_mut().zip(stamps) {
+        for (reading, captured_ns) in self.intake.batch.readings.iter_mut().zip(stamps) {
             reading.captured_ns = captured_ns;
         }
         self.output.readings(&self.intake.batch)?;
@@ -231,7 +301,8 @@ impl<'a> Driver<'a> {
             ..self.intake.health()
         };
         self.reports += 1;
-        if self.reports.is_multiple_of(REPORTS_PER_LOG) && is_worse(&self.reported, &self.health) {
+        if self.reports.is_multiple_of(REPORTS_PER_LOG) && self.health.is_worse_than(&self.reported)
+        {
             tracing::warn!("{}: {}", self.name(), self.health);
             self.reported = self.health;
         }
@@ -247,12 +318,20 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// Whether a device that should have answered by now did not: no acknowledgement, or no frame at all.
+    fn is_unanswered(&self, waited_ns: u64) -> bool {
+        let asked = self.dialogue.insist || !self.dialogue.poll.is_empty();
+        let silent = asked && self.intake.health().bytes.frames == 0;
+        self.intake.awaits_acknowledgement() && waited_ns > nanos(ACKNOWLEDGE_WITHIN)
+            || silent && waited_ns > 2 * nanos(ACKNOWLEDGE_WITHIN)
+    }
+
     fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
     fn name(&self) -> String {
-        self.settings.device.display().to_string()
+        self.settings.device.clone()
     }
 
     fn unconfigured(&self, reason: String) -> Failure {
@@ -264,20 +343,17 @@ impl<'a> Driver<'a> {
 
     fn unanswered(&self) -> Failure {
         let bytes = self.intake.health().bytes;
+        let (what, seconds) = if self.intake.awaits_acknowledgement() {
+            ("acknowledgement", ACKNOWLEDGE_WITHIN.as_secs())
+        } else {
+            ("frame", 2 * ACKNOWLEDGE_WITHIN.as_secs())
+        };
         self.unconfigured(format!(
-            "no acknowledgement within {} s, {} bytes and {} valid frames came; check that it is an OMD sensor, or add \
-             --no-configure to read a stream that cannot be configured",
-            ACKNOWLEDGE_WITHIN.as_secs(),
-            bytes.received,
-            bytes.frames,
+            "no {what} within {seconds} s, {} bytes and {} valid frames came; check that it is such a sensor \
+             (atas-sensor probe), or add --no-configure to read a stream that cannot be configured",
+            bytes.received, bytes.frames,
         ))
     }
-}
-
-fn is_worse(before: &Health, now: &Health) -> bool {
-    before.bytes.junk < now.bytes.junk
-        || before.continuity != now.continuity
-        || before.device_errors < now.device_errors
 }
 
 fn nanos(duration: Duration) -> u64 {

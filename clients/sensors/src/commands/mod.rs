@@ -1,0 +1,91 @@
+//! What each subcommand does.
+
+mod listen;
+mod manual;
+mod probe;
+mod read;
+
+use std::io::{self, Write};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::{ArgMatches, FromArgMatches};
+use serde_json::{Value, json};
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::cli::{Format, Tool};
+use crate::failure::Failure;
+use crate::plan::Plan;
+use crate::wire::{SENSORS, named};
+
+/// Does what was said.
+///
+/// # Errors
+/// Everything that [`Failure`] names.
+pub fn run(matches: &ArgMatches) -> Result<(), Failure> {
+    if let Some((name, arguments)) = matches.subcommand()
+        && let Some(sensor) = named(name)
+    {
+        return read::run(Plan::from_sensor(sensor, arguments)?);
+    }
+    let tool = Tool::from_arg_matches(matches).map_err(|e| Failure::Usage(e.to_string()))?;
+    match tool {
+        Tool::Hand { file } => read::run(Plan::from_file(&file)?),
+        Tool::List { format } => list(format),
+        Tool::Probe { device, format } => probe::run(&device, format),
+        Tool::Hz { at, seconds } => listen::hz(&at, seconds),
+        Tool::Echo { at, frames } => listen::echo(&at, frames),
+        Tool::Completions { shell } => manual::completions(shell),
+        Tool::Man { folder } => manual::pages(&folder),
+    }
+}
+
+/// The list of sensors.
+fn list(format: Format) -> Result<(), Failure> {
+    if format == Format::Json {
+        let sensors: Vec<Value> = SENSORS
+            .iter()
+            .map(|sensor| {
+                json!({
+                    "name": sensor.name,
+                    "about": sensor.about,
+                    "wire": sensor.wire,
+                    "taxels": sensor.taxels,
+                    "rate_hz": sensor.rate_hz.parse::<u32>().ok(),
+                })
+            })
+            .collect();
+        return print(&json!({ "sensors": sensors }).to_string());
+    }
+    for sensor in SENSORS {
+        print(&format!("{:<12} {}", sensor.name, sensor.about))?;
+        print(&format!(
+            "{:<12}   {} taxel{}, {} Hz, {}",
+            "",
+            sensor.taxels,
+            if sensor.taxels == 1 { "" } else { "s" },
+            sensor.rate_hz,
+            sensor.wire
+        ))?;
+    }
+    Ok(())
+}
+
+/// One line on standard output. A reader that is gone ends the command in order.
+fn print(line: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{line}")
+        .and_then(|()| out.flush())
+        .map_err(Failure::Table)
+}
+
+/// Set when SIGINT or SIGTERM comes.
+fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(|error| {
+            Failure::Usage(format!("could not watch for signal {signal}: {error}"))
+        })?;
+    }
+    Ok(stop)
+}

@@ -1,0 +1,110 @@
+//! Readings as comma-separated values, one line per frame: what `--dry-run` prints.
+//!
+//! Columns: `byte_offset,count,status`, the values in the device's unit (`fx_counts,…`; with several taxels
+//! `fx0_counts,…`), `arrival`, `captured_ns`, and per taxel `normal_n,tangential1_n,tangential2_n` where a scale is known.
+//! Every valid frame has a line, duplicates and late ones too. A device without a counter leaves `count` empty.
+
+use std::io::{self, BufWriter, Write};
+
+use crate::failure::Failure;
+use crate::mapping::Mapping;
+use crate::reading::{Batch, Health, Output, Reading, Shape};
+
+/// Writes the table.
+#[derive(Debug)]
+pub struct Table<W: Write> {
+    sink: BufWriter<W>,
+    shape: Shape,
+    mapping: Option<Mapping>,
+}
+
+impl<W: Write> Table<W> {
+    /// Begins a table with its header line.
+    ///
+    /// # Errors
+    /// When the sink is gone.
+    pub fn new(sink: W, shape: Shape, mapping: Option<Mapping>) -> Result<Self, Failure> {
+        let mut table = Self {
+            sink: BufWriter::new(sink),
+            shape,
+            mapping,
+        };
+        table
+            .header()
+            .and_then(|()| table.sink.flush())
+            .map_err(Failure::Table)?;
+        Ok(table)
+    }
+
+    fn header(&mut self) -> io::Result<()> {
+        let Shape {
+            quantity,
+            unit,
+            fingers,
+            taxels,
+        } = self.shape;
+        let groups: Vec<String> = match fingers * taxels {
+            1 => vec![String::new()],
+            several => (0..several).map(|group| group.to_string()).collect(),
+        };
+        write!(self.sink, "byte_offset,count,status")?;
+        for group in &groups {
+            for axis in quantity.axes() {
+                write!(self.sink, ",{axis}{group}_{unit}")?;
+            }
+        }
+        write!(self.sink, ",arrival,captured_ns")?;
+        for group in groups.iter().filter(|_| self.mapping.is_some()) {
+            write!(
+                self.sink,
+                ",normal{group}_n,tangential1{group}_n,tangential2{group}_n"
+            )?;
+        }
+        writeln!(self.sink)
+    }
+
+    fn line(&mut self, reading: &Reading, values: &[f64]) -> io::Result<()> {
+        write!(self.sink, "{},", reading.byte_offset)?;
+        if let Some(count) = reading.count {
+            write!(self.sink, "{count}")?;
+        }
+        write!(self.sink, ",{}", reading.status)?;
+        for &value in values {
+            // What came as f32 is printed as f32, without digits that were never measured.
+            if f64::from(value as f32) == value {
+                write!(self.sink, ",{}", value as f32)?;
+            } else {
+                write!(self.sink, ",{value}")?;
+            }
+        }
+        write!(
+            self.sink,
+            ",{},{}",
+            reading.arrival.name(),
+            reading.captured_ns
+        )?;
+        if let Some(mapping) = self.mapping {
+            let quantity = self.shape.quantity;
+            for taxel in values.chunks_exact(quantity.axes().len()) {
+                let [normal_n, tangential1_n, tangential2_n] =
+                    mapping.force_n(quantity.vector(taxel));
+                write!(self.sink, ",{normal_n},{tangential1_n},{tangential2_n}")?;
+            }
+        }
+        writeln!(self.sink)
+    }
+}
+
+impl<W: Write> Output for Table<W> {
+    fn readings(&mut self, batch: &Batch) -> Result<(), Failure> {
+        batch
+            .iter()
+            .try_for_each(|(reading, values)| self.line(reading, values))
+            .and_then(|()| self.sink.flush())
+            .map_err(Failure::Table)
+    }
+
+    fn health(&mut self, _health: &Health) -> Result<(), Failure> {
+        Ok(())
+    }
+}

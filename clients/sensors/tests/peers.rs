@@ -1,0 +1,269 @@
+//! Every sensor's real peer, emulated over a pseudo-terminal or a loopback socket, with everything that goes wrong on a
+//! wire: partial reads, junk, loss, reorder, restart, a wrong rate. Real processes, real bus.
+
+mod common;
+#[path = "common/peers.rs"]
+mod peers;
+#[path = "common/process.rs"]
+mod process;
+#[path = "common/reader.rs"]
+mod reader;
+
+use std::net::{TcpListener, UdpSocket};
+use std::thread;
+use std::time::Duration;
+
+use peers::{magnitude, value};
+use process::{Pty, Sensor};
+use reader::Reader;
+use rustix::process::Signal;
+use shm_bus::FreshBus;
+use shm_schemas::{Hand, HandFrame, Layout};
+use tungstenite::Message;
+
+/// In pieces that respect no frame's edge, with pauses between.
+fn send_in_pieces(pty: &Pty, bytes: &[u8]) {
+    let mut rest = bytes;
+    for size in (1..90).cycle() {
+        let (piece, tail) = rest.split_at(size.min(rest.len()));
+        pty.send(piece);
+        thread::sleep(Duration::from_micros(200));
+        rest = tail;
+        if rest.is_empty() {
+            break;
+        }
+    }
+}
+
+/// Ends the process, reads its last words on the bus, and returns those on standard error.
+fn end(sensor: Sensor, reader: &mut Reader) -> String {
+    sensor.signal(Signal::TERM);
+    let (code, _, stderr) = sensor.finish();
+    assert_eq!(code, Some(0), "{stderr}");
+    reader.poll();
+    stderr
+}
+
+fn sequences(frames: &[HandFrame]) -> Vec<u64> {
+    frames.iter().map(|frame| frame.stamp.sequence).collect()
+}
+
+#[test]
+fn a_polled_paxini_board_that_answers_in_pieces_with_junk_and_sometimes_not_at_all() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::LEFT);
+    let pty = Pty::new();
+    let sensor = Sensor::start_line(&format!(
+        "paxini --device {} --hand left --bus {} --rate-hz 500",
+        pty.path.display(),
+        *bus
+    ));
+    for n in 0..100_u32 {
+        let request: [u8; 14] = pty.receive();
+        assert_eq!(request[..7], [0x55, 0xAA, 9, 0, 1, 0, 0xFB]);
+        if n % 10 == 9 {
+            continue;
+        }
+        if n % 4 == 0 {
+            pty.send(&[0xAA, 0x55, 0xAA, 0x00]);
+        }
+        let reply = peers::paxini_reply(n, 31);
+        let (first, second) = reply.split_at(1 + n as usize % 90);
+        pty.send(first);
+        pty.send(second);
+        reader.poll();
+    }
+    reader.wait_for_frames(90);
+    let stderr = end(sensor, &mut reader);
+    // The last request was left unanswered, and perhaps those that followed it.
+    assert!(reader.status.lost >= 9, "{stderr}");
+    assert_eq!(reader.status.junk_bytes, 25 * 4, "{stderr}");
+    let answered: Vec<u32> = (0..100).filter(|n| n % 10 != 9).collect();
+    assert_eq!(reader.received.len(), answered.len());
+    for (frame, n) in reader.received.iter().zip(answered) {
+        let tenths = |index| magnitude(n, index) as f32 * 0.1;
+        for taxel in 0..31 {
+            let [normal, t1, t2] = frame.force_n[0][taxel];
+            let expected = [
+                tenths(3 * taxel + 2),
+                tenths(3 * taxel),
+                tenths(3 * taxel + 1),
+            ];
+            for (found, expected) in [normal, t1, t2].into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4, "frame {n}, taxel {taxel}");
+            }
+        }
+        assert_eq!(frame.valid_mask[0], (1 << 31) - 1);
+        assert_eq!(frame.layout_hash, Layout::named("pad-31").unwrap().hash());
+    }
+}
+
+#[test]
+fn an_anyskin_board_resynchronises_and_its_rest_field_becomes_zero() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::RIGHT);
+    let pty = Pty::new();
+    let sensor = Sensor::start_line(&format!(
+        "anyskin --device {} --hand right --bus {} --zero --newtons-per-count 0.5,0.5,0.5",
+        pty.path.display(),
+        *bus
+    ));
+    reader.wait_for_start();
+    let mut stream = b"Scanning I2C\r\nInit MLX90393\r\n".to_vec();
+    let boot = stream.len() as u64;
+    for n in 0..300_u32 {
+        // The same field during the zero, then others.
+        stream.extend(peers::anyskin_frame(if n < 50 { 7 } else { n }));
+        if n % 30 == 29 {
+            stream.extend(&peers::anyskin_frame(n)[..40]);
+        }
+    }
+    send_in_pieces(&pty, &stream);
+    reader.wait_for_frames(300);
+    let stderr = end(sensor, &mut reader);
+    assert_eq!(reader.status.junk_bytes, boot + 10 * 40, "{stderr}");
+    assert_eq!(reader.received.len(), 250);
+    for (frame, n) in reader.received.iter().zip(50..) {
+        let newtons = |index| (value(n, index) - value(7, index)) as f32 * 0.5;
+        assert_eq!(
+            frame.force_n[0][4],
+            [newtons(14), newtons(12), newtons(13)],
+            "frame {n}"
+        );
+    }
+}
+
+#[test]
+fn a_papillarray_controller_that_loses_packets_and_restarts() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::LEFT);
+    let pty = Pty::new();
+    let sensor = Sensor::start_line(&format!(
+        "papillarray --device {} --hand left --bus {} --sensors 2 --rate-hz 250 --zero",
+        pty.path.display(),
+        *bus
+    ));
+    assert_eq!(&pty.receive::<7>(), b"f250\nz\n");
+    // Two packets lost, one whose sum is wrong, and a controller that begins to count anew. It sends faster than asked.
+    let mut corrupt = peers::papillarray_packet(5120, 2);
+    corrupt[200] ^= 1;
+    let mut stream = Vec::new();
+    for n in (5000..5100).chain(5102..5120) {
+        stream.extend(peers::papillarray_packet(n, 2));
+    }
+    stream.extend(corrupt);
+    for n in (5121..5130).chain(0..20) {
+        stream.extend(peers::papillarray_packet(n, 2));
+    }
+    send_in_pieces(&pty, &stream);
+    reader.wait_for_frames(147);
+    let stderr = end(sensor, &mut reader);
+    assert!(
+        stderr.contains("147 frames, 3 lost, 0 duplicates, 0 late, 1 restarts"),
+        "{stderr}"
+    );
+    assert_eq!(
+        (reader.status.lost, reader.status.checksum_failures),
+        (3, 1)
+    );
+    let last = reader.received.last().unwrap();
+    let newtons = |index| value(19, index) as f32 / 8.0;
+    let pillar = |n: usize| [newtons(3 * n + 2), newtons(3 * n), newtons(3 * n + 1)];
+    assert_eq!((last.finger_count, last.force_n[1][8]), (2, pillar(17)));
+    assert_eq!(last.stamp.sequence, 5129 - 5000 + 20);
+}
+
+#[test]
+fn a_net_ft_box_with_loss_reorder_duplicates_short_packets_and_a_restart() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::LEFT);
+    let peer = UdpSocket::bind("127.0.0.1:0").unwrap();
+    peer.set_read_timeout(Some(Duration::from_secs(30)))
+        .unwrap();
+    let sensor = Sensor::start_line(&format!(
+        "netft --device {} --hand left --bus {} --newtons-per-count 1/1000,1/1000,1/1000 --axes x,y,z",
+        peer.local_addr().unwrap(),
+        *bus
+    ));
+    let mut request = [0; 16];
+    let begun = [0x12, 0x34, 0, 2, 0, 0, 0, 0];
+    // The first request is lost; the driver insists.
+    for _ in 0..2 {
+        let (length, from) = peer.recv_from(&mut request).unwrap();
+        assert_eq!(request[..length], begun);
+        peer.connect(from).unwrap();
+    }
+    let send = |sequence: u32| peer.send(&peers::netft_record(sequence)).unwrap();
+    // Across the wrap, one lost, two swapped, one twice, a short one, and two in one datagram.
+    let start = u32::MAX - 2;
+    for step in [0, 1, 2, 3, 5, 7, 6, 8, 8] {
+        send(start.wrapping_add(step));
+    }
+    peer.send(&peers::netft_record(9)[..35]).unwrap();
+    let pair = [9, 10].map(|step| peers::netft_record(start.wrapping_add(step)));
+    peer.send(&pair.concat()).unwrap();
+    reader.wait_for_frames(11);
+    // The box restarts: silence until it is asked again, then counts from 1.
+    let (length, _) = peer.recv_from(&mut request).unwrap();
+    assert_eq!(request[..length], begun);
+    for sequence in 1..=5 {
+        send(sequence);
+    }
+    reader.wait_for_frames(16);
+    let stderr = end(sensor, &mut reader);
+    assert!(
+        stderr.contains("16 frames, 1 lost, 1 duplicates, 1 late, 1 restarts"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("35 junk, 1 checksum failures"), "{stderr}");
+    let (length, _) = peer.recv_from(&mut request).unwrap();
+    assert_eq!(request[..length], [0x12, 0x34, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(
+        sequences(&reader.received),
+        [0, 1, 2, 3, 5, 7, 8, 9, 10, 11, 12, 13, 14, 15]
+    );
+    let newtons = |axis| value(5, axis) as f32;
+    assert_eq!(
+        reader.received.last().unwrap().force_n[0][0],
+        [newtons(0), newtons(1), newtons(2)]
+    );
+}
+
+#[test]
+fn a_uskin_server_that_says_nonsense_and_comes_back() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::LEFT);
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let sensor = Sensor::start_line(&format!(
+        "uskin --device ws://{} --hand left --bus {} --newtons-per-count 0.001,0.001,0.001 --reconnect",
+        listener.local_addr().unwrap(),
+        *bus
+    ));
+    let accept = || tungstenite::accept(listener.accept().unwrap().0).unwrap();
+    let text = |n: u32| Message::text(String::from_utf8(peers::uskin_update(n)).unwrap());
+    let mut server = accept();
+    server
+        .send(Message::text(r#"{"message":"Welcome"}"#))
+        .unwrap();
+    for n in [100, 101, 103, 102, 104] {
+        server.send(text(n)).unwrap();
+    }
+    let cut = String::from_utf8(peers::uskin_update(105)).unwrap();
+    server.send(Message::text(&cut[..100])).unwrap();
+    server.send(Message::text("[]")).unwrap();
+    reader.wait_for_frames(5);
+    drop(server);
+    let mut server = accept();
+    server.send(text(106)).unwrap();
+    reader.wait_for_frames(6);
+    let stderr = end(sensor, &mut reader);
+    assert!(
+        stderr.contains("6 frames, 1 lost, 0 duplicates, 1 late"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("102 junk, 2 checksum failures"), "{stderr}");
+    assert_eq!(sequences(&reader.received), [0, 1, 3, 4, 6]);
+    let counts = |index| (0x8000 + value(106, index)) as f32 * 0.001;
+    let [normal, ..] = reader.received.last().unwrap().force_n[0][15];
+    assert!((normal - counts(47)).abs() < 1e-3);
+}
