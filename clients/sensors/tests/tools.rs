@@ -101,10 +101,8 @@ fn a_probe_recognises_every_sensor() {
         assert_eq!(found["found"][0]["name"], sensor, "{found}");
         assert_eq!(found["found"].as_array().unwrap().len(), 1, "{found}");
     }
-    let nothing = json_of(&format!(
-        "probe {} --format json",
-        Pty::new().path.display()
-    ));
+    let silent = Pty::new();
+    let nothing = json_of(&format!("probe {} --format json", silent.path.display()));
     assert_eq!(nothing["found"], Value::Array(Vec::new()));
 }
 
