@@ -201,7 +201,7 @@ impl Failure {
         let command = &mut self.command;
         command.stamp.sequence += 1;
         command.stamp.captured_ns = inputs.tick.now_ns;
-        command.valid_until_ns = inputs.tick.now_ns + VALID_NS;
+        command.valid_until_ns = inputs.tick.now_ns.saturating_add(VALID_NS);
         command.tick = inputs.tick.index;
         command.answers_sequence = inputs
             .joints

@@ -8,22 +8,39 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
 payload! {
-    /// Measured joints, left 11 then right 11 for the built-in robot.
-    JointState as "atas.JointState.v1" {
+    /// Measured joints, left 11 then right 11 for the built-in robot, and what they are told to do.
+    ///
+    /// The robot outlives the daemon. What it tells of the command in force lets the next daemon go on from there: a grip is
+    /// what the servos are commanded beyond where the fingers are, so who began again from measured positions would let go.
+    JointState as "atas.JointState.v2" {
         /// `captured_ns` is when the encoders were read.
         pub stamp: Stamp,
         /// Joints that carry data, at most [`JOINTS`].
         pub joint_count: u32,
-        /// Written as zero.
-        pub pad: u32,
+        /// Joints whose `commanded_rad` means something: `joint_count`, or 0 for a robot that cannot tell.
+        pub commanded_count: u32,
         /// Measured positions, rad.
         pub position_rad: [f64; JOINTS],
         /// Measured velocities, rad/s.
         pub velocity_rad_s: [f64; JOINTS],
         /// Measured efforts, N·m; zero where the drive does not measure.
         pub effort_n_m: [f64; JOINTS],
+        /// Positions that the servos hold now, rad: of the last command obeyed, also when it has expired.
+        pub commanded_rad: [f64; JOINTS],
+        /// Epoch of the writer of that command, 0 before the first.
+        pub command_epoch: u64,
+        /// Sequence of that command.
+        pub command_sequence: u64,
+        /// Until when that command is valid, ns; it has expired if this has passed.
+        pub command_valid_until_ns: u64,
+        /// Written as zero.
+        pub pad: u32,
+        /// CRC-32 (IEEE) of every byte before this field.
+        pub crc32: u32,
     }
 }
+
+crate::crc::sealed!(JointState);
 
 payload! {
     /// What the joints shall do now. Published every tick, also in HOLD: the command is the heartbeat.

@@ -80,6 +80,12 @@ code! {
         COMMAND_STEP = 34, "command-step";
         /// A grip force rose above its ceiling.
         GRIP_CEILING = 35, "grip-ceiling";
+        /// The robot process restarted.
+        ROBOT_RESTARTED = 36, "robot-restarted";
+        /// A fingertip's force cannot be: more than a hand can press, or not what its servos press with.
+        FORCE_IMPLAUSIBLE = 37, "force-implausible";
+        /// An order that is not allowed now: the robot moves, or the hand is not empty.
+        NOT_NOW = 38, "not-now";
         /// A module panicked.
         MODULE_PANICKED = 40, "module-panicked";
         /// The loop stood still for a while.
@@ -90,6 +96,8 @@ code! {
         SHUTDOWN = 43, "shutdown";
         /// The object needs more force than its stiffness bears (`grasp.compression_m`).
         TOO_SOFT = 50, "too-soft";
+        /// The hand was found gripping something; it keeps it and watches it.
+        GRIP_FOUND = 51, "grip-found";
     }
 }
 

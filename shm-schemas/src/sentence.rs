@@ -165,6 +165,12 @@ impl Reason {
                 f,
                 "the object slides through the fingers, for {value:.2} s by now, allowed {limit:.2} s"
             ),
+            Cause::GRIP_FOUND => write!(
+                f,
+                "the {} hand was found gripping something with {value:.2} N; it keeps it and presses with up to {limit:.2} N; \
+                 `atas release --hand {0}` lets go",
+                Hand(self.index)
+            ),
             Cause::OBSTRUCTED => write!(
                 f,
                 "finger {} touched something at {value:.2} N on its way, the limit is {limit:.2} N; clear the way or grasp \
@@ -289,6 +295,18 @@ impl Reason {
                     "grip force {value:.2} N of finger {index} is above its ceiling {limit:.2} N"
                 )
             }
+            Cause::ROBOT_RESTARTED => {
+                f.write_str("the robot process restarted; the goal has ended, what a hand holds it keeps")
+            }
+            Cause::FORCE_IMPLAUSIBLE => write!(
+                f,
+                "the fingertips of the {} hand report {value:.2} N, its servos press with {limit:.2} N: one of them is wrong; \
+                 check the sensor, or take its zero anew with the hand empty",
+                Hand(index)
+            ),
+            Cause::NOT_NOW => f.write_str(
+                "not now: taking zero needs mode ready and an empty hand, a change of `[safety]` needs a stopped robot (`atas estop`)",
+            ),
             _ => self.write_unknown(f),
         }
     }

@@ -5,7 +5,7 @@
 /// Publish-subscribe, per hand: [`crate::HandFrame`], one publisher, at the sensor's rate.
 pub const HAND_FRAME: [&str; 2] = ["atas/v1/hand-frame/left", "atas/v1/hand-frame/right"];
 /// Publish-subscribe: [`crate::JointState`], one publisher, 1 kHz.
-pub const JOINT_STATE: &str = "atas/v1/joint-state";
+pub const JOINT_STATE: &str = "atas/v2/joint-state";
 /// Publish-subscribe: [`crate::JointCommand`], one publisher (the daemon), every tick. A closed set of peers.
 pub const JOINT_COMMAND: &str = "atas/v1/joint-command";
 /// Request-response: [`crate::GoalRequest`] answered by a stream of [`crate::GoalUpdate`].
@@ -21,7 +21,7 @@ pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
 pub const RUN_HEADER: &str = "atas/v1/run-header";
 /// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
-pub const TICK_INPUTS: &str = "atas/v3/tick-inputs";
+pub const TICK_INPUTS: &str = "atas/v4/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.

@@ -1,14 +1,25 @@
-//! The drives' side of the command line: what a command must be to be obeyed, when it takes effect, when it lapses.
+//! The drives' side of the command line: what a command must be to be obeyed, when it takes effect, when it expires.
 //!
 //! A command takes effect [`LATENCY_MS`] after it arrived. Its positions are approached linearly within one millisecond
 //! and then held; its velocities are fed forward for that millisecond only. So whatever stops the commands, whether loss or
 //! expiry, ends in the same safe state: zero velocity at the last commanded positions, which keeps the grip.
+//!
+//! The drives trust nobody. A command is obeyed if it is whole (sealed, for exactly these joints, every number finite), valid
+//! for a moment and not for ever, newer than the last of its writer, from the writer that is obeyed or, when its last command
+//! has expired, from another; and if no joint would have to move faster than it can. What is obeyed is told in every joint
+//! state, so that the next daemon goes on from there.
 
 use robot_model::ROBOT_JOINTS;
-use shm_schemas::JointCommand;
+use shm_schemas::{JointCommand, JointState, Stamp};
 
 /// Time from a command's arrival until the joints obey it, ms (tactile design: 2 ms command latency).
 pub const LATENCY_MS: usize = 2;
+/// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
+const VALIDITY_MAX_NS: u64 = 100_000_000;
+/// Share of a joint's top speed that a command may ask for (ours: the top speed and what rounding adds).
+const SPEED_SHARE: f64 = 1.05;
+/// Time over which a command may make up for lost ones, s, at top speed (ours: eight commands, as the daemon's gate allows).
+const STEP_S: f64 = 0.008;
 
 /// What the joints follow in one millisecond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,82 +31,132 @@ pub(crate) struct Orders {
 #[derive(Clone, Copy, Debug)]
 struct Accepted {
     orders: Orders,
+    stamp: Stamp,
     valid_until_ns: u64,
 }
 
 /// The command line of all joints.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
+    speed_max_rad_s: [f64; ROBOT_JOINTS],
     /// Commands under way; `slot` is the one that arrives next.
     under_way: [Option<Accepted>; LATENCY_MS],
     slot: usize,
     held: Orders,
-    /// When the command in force lapses; `None` when there is none.
-    valid_until_ns: Option<u64>,
+    /// The last command that was accepted, and when.
+    newest: Option<(Accepted, u64)>,
+    /// The last command that was obeyed.
+    obeyed: Option<Accepted>,
+    /// Whether it is still in force.
+    in_force: bool,
     expired: u32,
 }
 
 impl Drive {
-    /// A drive that holds these positions until told otherwise.
-    pub(crate) fn holding(position_rad: [f64; ROBOT_JOINTS]) -> Self {
+    /// A drive that holds these positions until told otherwise, with joints that move as fast as this.
+    pub(crate) fn holding(
+        position_rad: [f64; ROBOT_JOINTS],
+        speed_max_rad_s: [f64; ROBOT_JOINTS],
+    ) -> Self {
         let held = Orders {
             position_rad,
             velocity_rad_s: [0.0; ROBOT_JOINTS],
         };
         Self {
+            speed_max_rad_s,
             under_way: [None; LATENCY_MS],
             slot: 0,
             held,
-            valid_until_ns: None,
+            newest: None,
+            obeyed: None,
+            in_force: false,
             expired: 0,
         }
     }
 
     /// Takes the command that arrived in this millisecond, if any, and returns what the joints follow in it.
     pub(crate) fn orders(&mut self, arrived: Option<&JointCommand>, now_ns: u64) -> Orders {
-        let accepted = arrived.and_then(|command| self.accept(command));
+        let accepted = arrived.and_then(|command| self.accept(command, now_ns));
         let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
         self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
-        if let Some(Accepted {
-            orders,
-            valid_until_ns,
-        }) = due
-        {
-            self.valid_until_ns = Some(valid_until_ns);
-            if valid_until_ns >= now_ns {
-                self.held = orders;
+        match due {
+            Some(due) if due.valid_until_ns >= now_ns => {
+                self.held = due.orders;
+                self.obeyed = Some(due);
+                self.in_force = true;
             }
+            Some(_) => self.expired += 1,
+            None => {}
         }
-        if self
-            .valid_until_ns
-            .is_some_and(|until_ns| until_ns < now_ns)
-        {
-            self.valid_until_ns = None;
+        let lapsed = self.obeyed.is_some_and(|last| last.valid_until_ns < now_ns);
+        if self.in_force && lapsed {
+            self.in_force = false;
             self.expired += 1;
         }
         self.held
     }
 
-    /// The command, if it is whole: sealed, for exactly these joints, every number finite.
-    fn accept(&mut self, command: &JointCommand) -> Option<Accepted> {
-        let orders = Orders {
-            position_rad: core::array::from_fn(|joint| command.position_rad[joint]),
-            velocity_rad_s: core::array::from_fn(|joint| command.velocity_rad_s[joint]),
+    /// Tells what the joints are commanded to.
+    pub(crate) fn tell(&self, state: &mut JointState) {
+        state.commanded_count = ROBOT_JOINTS as u32;
+        state.commanded_rad[..ROBOT_JOINTS].copy_from_slice(&self.held.position_rad);
+        if let Some(last) = &self.obeyed {
+            state.command_epoch = last.stamp.writer_epoch;
+            state.command_sequence = last.stamp.sequence;
+            state.command_valid_until_ns = last.valid_until_ns;
+        }
+    }
+
+    /// The command, if it keeps the contract; counted if not.
+    fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
+        let accepted = Accepted {
+            orders: Orders {
+                position_rad: core::array::from_fn(|joint| command.position_rad[joint]),
+                velocity_rad_s: core::array::from_fn(|joint| command.velocity_rad_s[joint]),
+            },
+            stamp: command.stamp,
+            valid_until_ns: command.valid_until_ns,
         };
-        let finite = orders
-            .position_rad
-            .iter()
-            .chain(&orders.velocity_rad_s)
-            .all(|value| value.is_finite());
-        let whole = command.is_intact() && command.joint_count as usize == ROBOT_JOINTS && finite;
-        if !whole {
+        let keeps = is_whole(command, &accepted.orders)
+            && command.valid_until_ns >= now_ns
+            && command.valid_until_ns.saturating_sub(now_ns) <= VALIDITY_MAX_NS
+            && self.is_next(&accepted.stamp, now_ns)
+            && self.is_reachable(&accepted.orders, now_ns);
+        if !keeps {
             self.expired += 1;
             return None;
         }
-        Some(Accepted {
-            orders,
-            valid_until_ns: command.valid_until_ns,
+        self.newest = Some((accepted, now_ns));
+        Some(accepted)
+    }
+
+    /// Whether a command follows the last one. One that has expired is followed by any: the line is free again.
+    fn is_next(&self, stamp: &Stamp, now_ns: u64) -> bool {
+        let Some((newest, _)) = self
+            .newest
+            .filter(|(newest, _)| newest.valid_until_ns >= now_ns)
+        else {
+            return true;
+        };
+        let ahead = stamp.sequence.wrapping_sub(newest.stamp.sequence);
+        stamp.writer_epoch == newest.stamp.writer_epoch && (1..=u64::MAX / 2).contains(&ahead)
+    }
+
+    /// Whether the joints can be there in time, and need not move faster than they can.
+    fn is_reachable(&self, orders: &Orders, now_ns: u64) -> bool {
+        let (from_rad, since_ns) = self
+            .newest
+            .as_ref()
+            .map_or((&self.held.position_rad, now_ns), |(newest, then_ns)| {
+                (&newest.orders.position_rad, *then_ns)
+            });
+        let since_s = now_ns.saturating_sub(since_ns).min(VALIDITY_MAX_NS) as f64 * 1e-9;
+        (0..ROBOT_JOINTS).all(|joint| {
+            let top_rad_s = SPEED_SHARE * self.speed_max_rad_s[joint];
+            let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
+            step_rad <= top_rad_s * (STEP_S + since_s)
+                && orders.velocity_rad_s[joint].abs() <= top_rad_s
         })
     }
 
@@ -103,6 +164,14 @@ impl Drive {
     pub(crate) fn expired(&self) -> u32 {
         self.expired
     }
+}
+
+/// Sealed, for exactly these joints, every number finite.
+fn is_whole(command: &JointCommand, orders: &Orders) -> bool {
+    let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
+    command.is_intact()
+        && command.joint_count as usize == ROBOT_JOINTS
+        && numbers.all(|value| value.is_finite())
 }
 
 #[cfg(test)]
@@ -126,7 +195,7 @@ mod tests {
     }
 
     fn drive() -> Drive {
-        Drive::holding([0.0; ROBOT_JOINTS])
+        Drive::holding([0.0; ROBOT_JOINTS], [200.0; ROBOT_JOINTS])
     }
 
     #[test]
@@ -163,6 +232,71 @@ mod tests {
         assert_eq!(drive.expired(), 1);
     }
 
+    /// Regression: any sealed command was obeyed, at any speed and valid for ever.
+    #[test]
+    fn a_command_that_breaks_the_contract_changes_nothing() {
+        type Change = fn(&mut JointCommand);
+        let check = |obeyed: bool, change: Change, now_ms: u64| {
+            let mut drive = drive();
+            let at = |sequence, position_rad: f64, ms: u64| {
+                let mut next = command(position_rad, (ms + 5) * MS_NS);
+                (next.stamp.sequence, next.stamp.writer_epoch) = (sequence, 7);
+                next
+            };
+            let mut first = at(100, 1.0, 0);
+            first.seal();
+            drive.orders(Some(&first), 0);
+            let mut second = at(101, 1.1, now_ms);
+            change(&mut second);
+            second.seal();
+            drive.orders(Some(&second), now_ms * MS_NS);
+            let followed = (1..4)
+                .map(|ms| drive.orders(None, (now_ms + ms) * MS_NS))
+                .last();
+            let expected_rad = if obeyed { 1.1 } else { 1.0 };
+            assert_eq!(
+                followed.map(|orders| orders.position_rad[0]),
+                Some(expected_rad)
+            );
+        };
+        check(true, |_| {}, 1);
+        check(false, |c| c.stamp.sequence = 100, 1);
+        check(false, |c| c.stamp.sequence = 99, 1);
+        check(false, |c| c.stamp.writer_epoch = 8, 1);
+        check(false, |c| c.valid_until_ns = u64::MAX, 1);
+        check(false, |c| c.position_rad[0] = 3.0, 1);
+        check(false, |c| c.velocity_rad_s[0] = 250.0, 1);
+        check(false, |c| c.joint_count = 23, 1);
+        // Once the last command has expired, another writer may follow, and a counter that was far ahead is forgotten.
+        check(true, |c| c.stamp.writer_epoch = 8, 6);
+        check(true, |c| c.stamp.sequence = 3, 6);
+    }
+
+    #[test]
+    fn what_is_obeyed_is_told() {
+        let (mut drive, mut state) = (drive(), JointState::default());
+        drive.tell(&mut state);
+        assert_eq!((state.commanded_rad[3], state.command_epoch), (0.0, 0));
+        let mut command = command(1.0, 5 * MS_NS);
+        (command.stamp.sequence, command.stamp.writer_epoch) = (4, 7);
+        command.seal();
+        drive.orders(Some(&command), 0);
+        for ms in 1..50 {
+            drive.orders(None, ms * MS_NS);
+        }
+        drive.tell(&mut state);
+        assert_eq!(state.commanded_count as usize, ROBOT_JOINTS);
+        assert_eq!(
+            (state.commanded_rad[3], state.command_epoch),
+            (1.0, 7),
+            "also when it has expired"
+        );
+        assert_eq!(
+            (state.command_sequence, state.command_valid_until_ns),
+            (4, 5 * MS_NS)
+        );
+    }
+
     proptest! {
         /// Whatever is wrong with a command, the joints keep what they had.
         #[test]
@@ -172,7 +306,7 @@ mod tests {
             damage in 0..4_u8,
             bit in 0..8 * core::mem::offset_of!(JointCommand, pad),
         ) {
-            let mut damaged = command(1.0, u64::MAX);
+            let mut damaged = command(1.0, 10 * MS_NS);
             match damage {
                 0 => damaged.position_rad[joint] = bad,
                 1 => damaged.velocity_rad_s[joint] = bad,

@@ -1,6 +1,6 @@
 //! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
 
-use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS, RobotModel, Side};
 use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
 
 use crate::clock::Clock;
@@ -61,6 +61,12 @@ pub struct World {
     fault: Option<WorldFault>,
 }
 
+/// Top speed of every joint, rad/s.
+fn joint_speeds_rad_s(robot: &RobotModel) -> [f64; ROBOT_JOINTS] {
+    let hand = |joint: usize| robot.hand(Side::BOTH[joint / HAND_JOINTS]);
+    core::array::from_fn(|joint| hand(joint).joints()[joint % HAND_JOINTS].velocity_max_rad_s)
+}
+
 impl World {
     /// A world at rest: objects standing, hands where the scene starts them, virtual time [`crate::START_NS`].
     ///
@@ -94,7 +100,7 @@ impl World {
             objects,
             plates: scene.plates.clone(),
             closure,
-            drive: Drive::holding(start_rad),
+            drive: Drive::holding(start_rad, joint_speeds_rad_s(robot)),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
             fault: None,
@@ -118,6 +124,8 @@ impl World {
         for side in Side::BOTH {
             encoder::read(&self.hands[side.index()].plant, side, &mut out.joints);
         }
+        self.drive.tell(&mut out.joints);
+        out.joints.seal();
     }
 
     /// Simulates one millisecond. `command` is what arrived in it, if anything; it is obeyed from

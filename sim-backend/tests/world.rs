@@ -221,7 +221,7 @@ proptest! {
         let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
         let (mut world, mut sensed) = (World::new(&robot, &scene, 1).expect("a world"), Sensed::default());
         for _ in 0..20 {
-            world.advance(Some(&command(position_rad, velocity, u64::MAX)));
+            world.advance(Some(&command(position_rad, velocity, START_NS + 50_000_000)));
         }
         world.sense(&mut sensed);
         prop_assert_eq!(world.fault(), None);
@@ -237,7 +237,7 @@ proptest! {
         joint in 0..ROBOT_JOINTS,
         bad in prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
     ) {
-        let mut refused = command(0.1, 0.1, u64::MAX);
+        let mut refused = command(0.1, 0.1, START_NS + 50_000_000);
         match which {
             0 => refused.position_rad[joint] = bad,
             1 => refused.velocity_rad_s[joint] = bad,

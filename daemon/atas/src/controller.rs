@@ -9,6 +9,7 @@ use crate::goal::ActiveGoal;
 use crate::hand::HandControl;
 use crate::io::{Events, Inputs, Order, Outputs};
 use crate::joints::JointIntake;
+use crate::limits::PRELOAD_MAX_RAD;
 use crate::mode::ModeMachine;
 use crate::safety::{Gate, GateContext, SafeCommand};
 use crate::settings::{PARAMETERS, Settings};
@@ -16,7 +17,10 @@ use crate::tasks::Task;
 use crate::tick::{Stage, StallWatch, Tick};
 use crate::wiring::Wiring;
 
-use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
+use core::ops::Range;
+use robot_model::{
+    ARM_JOINTS, FINGER_JOINTS, FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side, finger_root,
+};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
     Cause, EventKind, Hand, HandStatus, JointCommand, JointStatus, Mode, ModuleEvent, Reason,
@@ -38,6 +42,12 @@ pub struct Controller {
     stall_watch: StallWatch,
     stall: Reason,
     step_s: f64,
+    /// The robot was just anchored: a hand that presses already has something in it.
+    looks_for_grip: bool,
+    /// What the gate refused in the tick before, if anything that the robot must be held for.
+    refused: Reason,
+    /// What was warned of in the tick before: what lasts is told once.
+    warned: Cause,
     outputs: Outputs,
 }
 
@@ -60,6 +70,9 @@ impl Controller {
             stall: Reason::default(),
             // Motion advances by one period per tick: a late tick does not jerk, and a missed one is not caught up.
             step_s: wiring.tick_s,
+            looks_for_grip: false,
+            refused: Reason::default(),
+            warned: Cause::NONE,
             outputs: Outputs {
                 command: JointCommand::default(),
                 report: TickReport::default(),
@@ -154,12 +167,13 @@ impl Controller {
         self.goal.as_ref().or(self.last_goal.as_ref())
     }
 
-    /// Name of the present step of the active or last goal's hand.
+    /// Name of the present step of the active or last goal's hand, or of a hand that keeps what it was found gripping.
     #[must_use]
     pub fn step_name(&self) -> &str {
-        let runner = self
+        let of_goal = self
             .goal()
             .and_then(|g| self.hands[g.side.index()].runner());
+        let runner = of_goal.or_else(|| self.hands.iter().find_map(HandControl::runner));
         runner.map_or("", |r| r.step().name.as_str())
     }
 
@@ -190,29 +204,54 @@ impl Controller {
             Some(Order::ClientGone { goal_id }) => self.end_if(*goal_id, true, Cause::CLIENT_GONE),
             Some(Order::Stop(reason)) => self.stop(*reason),
             Some(Order::Recover) => self.recover(),
-            Some(Order::SetParameter { index, value }) => {
-                if let Some(parameter) = PARAMETERS.get(*index) {
+            Some(Order::SetParameter { index, value }) => match PARAMETERS.get(*index) {
+                Some(parameter) if parameter.is_safety() && !self.stands() => {
+                    self.warn(Reason::of(Cause::NOT_NOW));
+                }
+                Some(parameter) => {
                     // The supervisor checked the value; one that is wrong all the same changes nothing.
                     let _unchanged = self.settings.set(parameter.name, *value);
                 }
-            }
+                None => {}
+            },
             Some(Order::Configure(settings)) => self.settings = *settings,
             Some(Order::Bias { hand }) => {
-                if let Some(hand) = self.hands.get_mut(*hand) {
-                    hand.bias();
+                let is_ready = self.mode.mode() == Mode::READY;
+                match self.hands.get_mut(*hand) {
+                    Some(hand) if is_ready && !hand.is_busy() => hand.bias(),
+                    _ => self.warn(Reason::of(Cause::NOT_NOW)),
                 }
             }
         }
     }
 
-    /// Begins to command from where the joints are.
+    /// Begins to command from where the joints are told to be: what they are commanded beyond where they are is the grip.
     fn anchor(&mut self, measured_rad: &[f64; ROBOT_JOINTS]) {
-        self.gate.anchor(measured_rad);
+        let anchor_rad = self.anchor_rad(measured_rad);
+        self.gate.anchor(&anchor_rad);
         for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
             hand.abandon();
-            let q_rad = HandVector::from_row_slice(&measured_rad[side.joint_range()]);
+            let q_rad = HandVector::from_row_slice(&self.gate.position_rad()[side.joint_range()]);
             hand.anchor(q_rad, &self.wiring);
         }
+        self.looks_for_grip = true;
+    }
+
+    /// The last command, as the robot tells it or else as the gate remembers it; for an arm or a finger that does not follow
+    /// it, where that is.
+    fn anchor_rad(&self, measured_rad: &[f64; ROBOT_JOINTS]) -> [f64; ROBOT_JOINTS] {
+        let remembered_rad = self.gate.is_anchored().then(|| self.gate.position_rad());
+        let Some(last_rad) = self.joints.commanded_rad().or(remembered_rad) else {
+            return *measured_rad;
+        };
+        let mut anchor_rad = *measured_rad;
+        for limb in limbs() {
+            let off_rad = |joint: usize| (last_rad[joint] - measured_rad[joint]).abs();
+            if limb.clone().all(|joint| off_rad(joint) <= PRELOAD_MAX_RAD) {
+                anchor_rad[limb.clone()].copy_from_slice(&last_rad[limb]);
+            }
+        }
+        anchor_rad
     }
 
     fn settle(&mut self, safe: &SafeCommand) {
@@ -221,11 +260,20 @@ impl Controller {
             hand.adopt(safe.hand_rad(side));
         }
         let finding = self.gate.finding();
+        self.refused = Reason::default();
         match finding.cause {
             Cause::NONE => {}
             Cause::FOLLOWING_ERROR => self.stop(finding),
+            Cause::COMMAND_NOT_FINITE | Cause::COMMAND_STEP => self.refused = finding,
+            cause if cause == self.warned => {}
             _ => self.warn(finding),
         }
+        self.warned = finding.cause;
+    }
+
+    /// Whether nothing moves the robot: what bounds its motion may be changed.
+    fn stands(&self) -> bool {
+        matches!(self.mode.mode(), Mode::INIT | Mode::SAFE_STOP)
     }
 
     /// Notes what is wrong and was tolerated.
@@ -249,4 +297,17 @@ impl Controller {
             ..TickReport::default()
         };
     }
+}
+
+/// The joints of each arm and of each finger.
+fn limbs() -> impl Iterator<Item = Range<usize>> {
+    let of_hand = |side: Side| {
+        let first = side.first_joint();
+        let finger = move |finger| {
+            let root = first + finger_root(finger);
+            root..root + FINGER_JOINTS
+        };
+        core::iter::once(first..first + ARM_JOINTS).chain((0..FINGERS).map(finger))
+    };
+    Side::BOTH.into_iter().flat_map(of_hand)
 }

@@ -5,9 +5,9 @@ use crate::goal::Goal;
 use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{HandCommand, HandServo, gap_m};
-use crate::modules::{self, Modules, Proposal, Selection};
+use crate::modules::{self, Modules, Proposal, Selection, force_range_n};
 use crate::perception::{Percept, Perception};
-use crate::planning::Waypoints;
+use crate::planning::{Waypoints, home};
 use crate::runner::{HandMotion, Outcome, Runner};
 use crate::safety::Grip;
 use crate::settings::Settings;
@@ -17,8 +17,8 @@ use crate::wiring::Wiring;
 use nalgebra::Matrix3;
 use robot_model::{FINGERS, HandModel, HandPose, HandVector};
 use shm_schemas::{
-    EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus, ModuleEvent,
-    Reason,
+    Cause, EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus,
+    ModuleEvent, Reason,
 };
 
 /// One hand of the controller.
@@ -108,6 +108,26 @@ impl HandControl {
     pub(crate) fn anchor(&mut self, q_rad: HandVector, wiring: &Wiring) {
         self.servo = Some(HandServo::at(&self.model, q_rad, wiring.stiffness_n_m_rad));
         self.arbiter.rest();
+    }
+
+    /// Goes on holding what the hand presses on, if it has no task and every finger presses; the reason to say so.
+    pub(crate) fn keep(&mut self, settings: &Settings) -> Option<Reason> {
+        let percept = *self.perception.percept();
+        let touches = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
+        let servo = self.servo.as_mut()?;
+        if !touches || self.runner.is_some() {
+            return None;
+        }
+        servo.take_grip(&self.model, &percept);
+        let now = *servo.frame();
+        let waypoints = Waypoints::resting(now, home(&self.model, &now), settings);
+        self.modules.reset();
+        self.arbiter.rest();
+        let runner = Runner::keep(waypoints, &now, &percept, settings);
+        let (_, strongest_n) = force_range_n(&percept);
+        let reason = Reason::limit(Cause::GRIP_FOUND, strongest_n, runner.thresholds().f2_n);
+        self.runner = Some(runner);
+        Some(reason)
     }
 
     /// One tick of the task: modules in parallel, arbitration, kinematics, and what became of it.

@@ -242,7 +242,13 @@ impl FrameIntake {
         // Wrapping: a counter that begins again at 0 after its last value is no gap.
         match frame.stamp.sequence.wrapping_sub(pinned.sequence) {
             0 => Err(Refusal::Duplicate),
-            ahead if ahead > u64::MAX / 2 => Err(Refusal::Reordered),
+            // Farther than any loss: as good as another writer. One such frame must not shut out those that follow it.
+            ahead if ahead > limits::FRAMES_AHEAD_MAX => {
+                match self.consider_writer(frame, pinned, tick, limits) {
+                    Err(Refusal::Foreign) if ahead > u64::MAX / 2 => Err(Refusal::Reordered),
+                    considered => considered,
+                }
+            }
             _ if frame.stamp.captured_ns <= pinned.captured_ns => Err(Refusal::Mistimed),
             ahead => Ok(ahead - 1),
         }
@@ -320,8 +326,9 @@ impl FrameIntake {
     /// Masks elements that are flagged invalid, not finite or beyond belief; too many of them are a doubt.
     fn mask(&mut self, frame: &HandFrame, limits: &Limits) -> [u64; FINGERS] {
         let mut mask = [0; FINGERS];
-        let mut invalid = 0;
+        let mut worst = 0;
         for (finger, mask) in mask.iter_mut().enumerate().take(self.fingers) {
+            let mut invalid = 0;
             for element in 0..self.elements as usize {
                 let flagged = frame.valid_mask[finger] >> element & 1 == 1;
                 let force = frame.force_n[finger][element];
@@ -335,9 +342,11 @@ impl FrameIntake {
                     invalid += 1;
                 }
             }
+            self.counts.masked_elements += invalid;
+            worst = worst.max(invalid);
         }
-        self.counts.masked_elements += invalid;
-        let share = invalid as f64 / (self.fingers as f64 * f64::from(self.elements));
+        // Per finger: a blind fingertip is no better for a good one beside it.
+        let share = worst as f64 / f64::from(self.elements);
         if share > limits.invalid_share {
             self.worsen(Reason::limit(
                 Cause::ELEMENTS_INVALID,

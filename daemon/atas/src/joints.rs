@@ -1,6 +1,6 @@
 //! Joint feedback: decides which joint states are believed.
 
-use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD};
+use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD, WRITER_SILENT_NS};
 use crate::settings::Intake as Limits;
 use crate::tick::Tick;
 use crate::tick::seconds_between;
@@ -15,6 +15,8 @@ pub struct JointIntake {
     newest: Option<Newest>,
     /// Sequence of the newest state, believed or not: what lock-step waits for.
     seen_sequence: u64,
+    /// Whether the state of this tick came from another process than the one before.
+    restarted: bool,
     fault: Reason,
     status: JointStatus,
 }
@@ -24,7 +26,9 @@ struct Newest {
     sequence: u64,
     epoch: u64,
     captured_ns: u64,
+    received_ns: u64,
     position_rad: [f64; ROBOT_JOINTS],
+    commanded_rad: Option<[f64; ROBOT_JOINTS]>,
 }
 
 impl JointIntake {
@@ -41,6 +45,7 @@ impl JointIntake {
             required,
             newest: None,
             seen_sequence: 0,
+            restarted: false,
             fault: Reason::default(),
             status: JointStatus::default(),
         }
@@ -49,6 +54,7 @@ impl JointIntake {
     /// Takes in the newest state, if one arrived.
     pub fn take(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
         self.fault = Reason::default();
+        self.restarted = false;
         let Some(state) = state else { return };
         self.seen_sequence = state.stamp.sequence;
         match self.admit(state, tick, limits) {
@@ -57,11 +63,15 @@ impl JointIntake {
                 self.status.lost = self.status.lost.saturating_add(lost);
                 let mut position_rad = [0.0; ROBOT_JOINTS];
                 position_rad.copy_from_slice(&state.position_rad[..ROBOT_JOINTS]);
+                let epoch = state.stamp.writer_epoch;
+                self.restarted = self.newest.is_some_and(|newest| newest.epoch != epoch);
                 self.newest = Some(Newest {
                     sequence: state.stamp.sequence,
                     epoch: state.stamp.writer_epoch,
                     captured_ns: state.stamp.captured_ns,
+                    received_ns: tick.now_ns,
                     position_rad,
+                    commanded_rad: self.commanded_of(state),
                 });
             }
             Err(fault) => {
@@ -75,6 +85,29 @@ impl JointIntake {
     #[must_use]
     pub fn position_rad(&self) -> Option<&[f64; ROBOT_JOINTS]> {
         self.newest.as_ref().map(|n| &n.position_rad)
+    }
+
+    /// What the robot says that its servos are commanded to, rad, if it tells and it can be.
+    #[must_use]
+    pub fn commanded_rad(&self) -> Option<&[f64; ROBOT_JOINTS]> {
+        self.newest.as_ref()?.commanded_rad.as_ref()
+    }
+
+    /// Whether the state of this tick came from another process than the one before: where the robot was is no longer known.
+    #[must_use]
+    pub fn restarted(&self) -> bool {
+        self.restarted
+    }
+
+    fn commanded_of(&self, state: &JointState) -> Option<[f64; ROBOT_JOINTS]> {
+        let told_rad = &state.commanded_rad[..ROBOT_JOINTS];
+        // The comparisons are false for NaN.
+        let within =
+            |(joint, q_rad): (&Joint, &f64)| *q_rad >= joint.lower_rad && *q_rad <= joint.upper_rad;
+        let believable = state.commanded_count as usize == ROBOT_JOINTS
+            && state.command_epoch != 0
+            && self.joints.iter().zip(told_rad).all(within);
+        believable.then(|| core::array::from_fn(|joint| told_rad[joint]))
     }
 
     /// Sequence of the newest state, believed or not.
@@ -120,7 +153,10 @@ impl JointIntake {
     /// The checks; `Ok` carries the number of states lost before this one. Old or repeated states are refused without
     /// a fault: their absence of news shows as age.
     fn admit(&self, state: &JointState, tick: Tick, limits: &Limits) -> Result<u64, Reason> {
-        if (state.joint_count as usize) < ROBOT_JOINTS {
+        if !state.is_intact() {
+            return Err(Reason::default());
+        }
+        if state.joint_count as usize != ROBOT_JOINTS {
             return Err(Reason::limit(
                 Cause::JOINTS_INVALID,
                 f64::from(state.joint_count),
@@ -147,15 +183,26 @@ impl JointIntake {
         if age_s > limits.reject_age_s || -age_s > limits.future_s {
             return Err(Reason::default());
         }
-        let Some(newest) = self.newest.filter(|n| n.epoch == state.stamp.writer_epoch) else {
+        let Some(newest) = self.newest else {
             return Ok(0);
         };
-        if state.stamp.sequence <= newest.sequence || state.stamp.captured_ns <= newest.captured_ns
-        {
+        // A writer that has fallen silent may be followed by another, or have miscounted; nobody else is believed.
+        let silent = tick.now_ns.saturating_sub(newest.received_ns) >= WRITER_SILENT_NS;
+        if newest.epoch != state.stamp.writer_epoch {
+            return if silent {
+                Ok(0)
+            } else {
+                Err(Reason::default())
+            };
+        }
+        // Wrapping: a counter that begins again at 0 after its last value is no gap.
+        let ahead = state.stamp.sequence.wrapping_sub(newest.sequence);
+        let rises = (1..=u64::MAX / 2).contains(&ahead);
+        if (!rises && !silent) || state.stamp.captured_ns <= newest.captured_ns {
             return Err(Reason::default());
         }
         self.check_jump(state, &newest)?;
-        Ok(state.stamp.sequence - newest.sequence - 1)
+        Ok(if rises { ahead - 1 } else { 0 })
     }
 
     fn check_jump(&self, state: &JointState, newest: &Newest) -> Result<(), Reason> {

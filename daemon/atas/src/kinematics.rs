@@ -74,6 +74,17 @@ impl HandServo {
         &self.q_rad
     }
 
+    /// The joints stand as they do because the hand grips: the correction of what the grip bends is in them already.
+    pub fn take_grip(&mut self, hand: &HandModel, percept: &Percept) {
+        let pose = hand.forward(&self.q_rad);
+        let jacobian = hand.jacobian(&pose);
+        self.squeeze_n = mean_normal_n(percept);
+        let bend_m = self.bend_m(hand, &pose, &jacobian, percept, 0.0);
+        for (up_m, bend_m) in self.frame.up_m.iter_mut().zip(bend_m) {
+            *up_m += bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
+        }
+    }
+
     /// Takes over what the safety gate made of the last command.
     pub fn adopt(&mut self, q_rad: HandVector) {
         self.q_rad = q_rad;
@@ -130,9 +141,7 @@ impl HandServo {
         step_s: f64,
     ) -> [f64; FINGERS] {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
-        let fingers = &percept.fingers[..FINGERS];
-        let mean_n = fingers.iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64;
-        self.squeeze_n += (mean_n - self.squeeze_n) * share;
+        self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
         // Finger 1 is pressed along +n, finger 2 along −n.
         let n = self.frame.closing_axis();
         let mut force_n = SVector::<f64, 6>::zeros();
@@ -197,6 +206,12 @@ impl HandServo {
         }
         core::array::from_fn(|f| (before_m[f] - self.frame.half_opening_m[f]) / step_s)
     }
+}
+
+/// Normal force of the squeeze, N: the mean over the fingers.
+fn mean_normal_n(percept: &Percept) -> f64 {
+    let fingers = &percept.fingers[..FINGERS];
+    fingers.iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64
 }
 
 /// Distance between the tips' centres, m: what the measured closing is made of.

@@ -36,6 +36,13 @@ pub const COMPLIANCE_MAX_M: f64 = 0.001;
 pub const REARM_S: f64 = 0.02;
 /// Tick periods without a tick that never count as a stall, so that slow ticks may miss one (ours).
 pub const STALL_PERIODS: f64 = 2.5;
+/// Farthest that a servo which grips is commanded beyond where it is, rad (ours: a finger at the grip ceiling of 15 N bends by
+/// 0.02). What is farther off does not follow its command.
+pub const PRELOAD_MAX_RAD: f64 = 0.03;
+/// Frames that may be lost between two before the second counts as another writer's (ours: ten seconds of a 1 kHz sensor).
+pub const FRAMES_AHEAD_MAX: u64 = 10_000;
+/// Time constant with which an element that reports nothing is forgotten, s (ours: a contact changes within it).
+pub const MASKED_FADE_S: f64 = 0.1;
 /// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 

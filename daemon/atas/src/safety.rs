@@ -96,6 +96,11 @@ impl Gate {
         self.off_course_ticks = 0;
     }
 
+    /// Lets nothing through before it is anchored again.
+    pub fn release(&mut self) {
+        self.anchored = false;
+    }
+
     /// Whether the gate has a position to command.
     #[must_use]
     pub fn is_anchored(&self) -> bool {
@@ -152,7 +157,8 @@ impl Gate {
         self.wanted_rad = self.position_rad;
     }
 
-    /// A finger that presses harder than its ceiling may only open.
+    /// A finger that presses harder than its ceiling may only open, and its arm may not press on: neither by its own motion
+    /// nor by a correction of the finger that is no closing.
     fn cap_grip(
         &mut self,
         raw: &RawCommand,
@@ -168,12 +174,21 @@ impl Gate {
                 let normal_n = grip.normal_n[finger];
                 // A force that is not a number counts as above the ceiling.
                 let below = normal_n <= ceiling_n;
-                if !below && raw[hand].closing_m_s[finger] > 0.0 {
-                    let first = hand * HAND_JOINTS + ARM_JOINTS + finger * FINGER_JOINTS;
-                    let range = first..first + FINGER_JOINTS;
-                    wanted_rad[range.clone()].copy_from_slice(&self.position_rad[range]);
-                    self.finding =
-                        Reason::limit(Cause::GRIP_CEILING, normal_n, ceiling_n).about(finger);
+                if below {
+                    continue;
+                }
+                let arm = hand * HAND_JOINTS..hand * HAND_JOINTS + ARM_JOINTS;
+                let first = arm.end + finger * FINGER_JOINTS;
+                let opens = raw[hand].closing_m_s[finger] < 0.0;
+                let held = [arm, first..first + if opens { 0 } else { FINGER_JOINTS }];
+                for range in held {
+                    let (wanted_rad, held_rad) =
+                        (&mut wanted_rad[range.clone()], &self.position_rad[range]);
+                    if wanted_rad != held_rad {
+                        wanted_rad.copy_from_slice(held_rad);
+                        self.finding =
+                            Reason::limit(Cause::GRIP_CEILING, normal_n, ceiling_n).about(finger);
+                    }
                 }
             }
         }
@@ -235,7 +250,10 @@ impl Gate {
         self.sequence += 1;
         let mut command = JointCommand {
             stamp,
-            valid_until_ns: ctx.tick.now_ns + nanoseconds(ctx.settings.valid_s),
+            valid_until_ns: ctx
+                .tick
+                .now_ns
+                .saturating_add(nanoseconds(ctx.settings.valid_s)),
             tick: ctx.tick.index,
             answers_sequence: ctx.joint_sequence,
             mode: ctx.mode,

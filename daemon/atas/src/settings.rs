@@ -353,6 +353,12 @@ pub fn find(name: &str) -> Option<&'static Parameter> {
 }
 
 impl Parameter {
+    /// Whether it bounds what the robot may do: nobody changes it while the robot may move.
+    #[must_use]
+    pub fn is_safety(&self) -> bool {
+        self.name.starts_with("safety.")
+    }
+
     /// Checks a value for this parameter.
     ///
     /// # Errors

@@ -148,11 +148,11 @@ fn bias(request: &ControlRequest, state: &SupervisorState, link: &Link) -> Resul
             request.value
         ));
     };
-    if state.mode == Mode::RUN {
-        return Err(
-            "could not take the bias because a goal is running; wait for it or cancel it"
-                .to_owned(),
-        );
+    if state.mode != Mode::READY {
+        return Err(format!(
+            "could not take the bias because the mode was {}, needs ready with an empty hand; release what it holds",
+            state.mode
+        ));
     }
     order(Order::Bias { hand }, link)
 }
@@ -183,6 +183,17 @@ fn set(request: &ControlRequest, state: &mut SupervisorState, link: &Link) -> An
         Ok(found) => found,
         Err(why) => return Answer::Now(unknown(&why)),
     };
+    if parameter.is_safety() && !matches!(state.mode, Mode::INIT | Mode::SAFE_STOP) {
+        let why = format!(
+            "could not set {} because the mode was {}, needs a stopped robot; `atas estop` first, `atas recover` after",
+            parameter.name, state.mode
+        );
+        return Answer::Now(ControlReply {
+            outcome: ControlOutcome::REFUSED,
+            text: Text::new(&why),
+            ..describe(parameter, state)
+        });
+    }
     match state.set_parameter(index, request.value, link) {
         Ok(ticket) => Answer::After(ticket, describe(parameter, state)),
         Err(why) => {

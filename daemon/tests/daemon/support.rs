@@ -185,6 +185,7 @@ impl World {
         if let Some(odd_rad) = self.odd_position_rad {
             state.position_rad[0] = odd_rad;
         }
+        state.seal();
         self.joints.send(&state).expect("sent");
     }
 

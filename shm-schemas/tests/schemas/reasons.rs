@@ -77,6 +77,25 @@ fn table() -> Vec<(Reason, &'static str)> {
              it",
         ),
         (
+            limit(Cause::GRIP_FOUND, 3.61, 4.33, 1),
+            "the right hand was found gripping something with 3.61 N; it keeps it and presses with up to 4.33 N; `atas release \
+             --hand right` lets go",
+        ),
+        (
+            limit(Cause::ROBOT_RESTARTED, 0.0, 0.0, 0),
+            "the robot process restarted; the goal has ended, what a hand holds it keeps",
+        ),
+        (
+            limit(Cause::FORCE_IMPLAUSIBLE, 25.04, 3.6, 0),
+            "the fingertips of the left hand report 25.04 N, its servos press with 3.60 N: one of them is wrong; check the \
+             sensor, or take its zero anew with the hand empty",
+        ),
+        (
+            limit(Cause::NOT_NOW, 0.0, 0.0, 0),
+            "not now: taking zero needs mode ready and an empty hand, a change of `[safety]` needs a stopped robot (`atas \
+             estop`)",
+        ),
+        (
             limit(Cause::LOST_OBJECT, 0.01, 0.03, 0),
             "the object slipped out: normal force 0.01 N, needs 0.03 N",
         ),

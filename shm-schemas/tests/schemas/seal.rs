@@ -1,6 +1,6 @@
 //! Seals: no flipped bit passes.
 
-use shm_schemas::{Hand, HandFrame, JointCommand, Layout, Stamp};
+use shm_schemas::{Hand, HandFrame, JointCommand, JointState, Layout, Stamp};
 use zerocopy::{FromBytes, IntoBytes};
 
 fn command() -> JointCommand {
@@ -44,6 +44,26 @@ fn every_flipped_bit_of_a_command_is_noticed() {
         bytes[bit / 8] ^= 1 << (bit % 8);
     }
     assert!(JointCommand::read_from_bytes(&bytes).unwrap().is_intact());
+}
+
+#[test]
+fn flipped_bits_of_a_joint_state_are_noticed() {
+    let mut state = JointState {
+        joint_count: 22,
+        commanded_count: 22,
+        commanded_rad: std::array::from_fn(|i| 0.1 * i as f64 - 1.0),
+        command_epoch: 42,
+        ..JointState::default()
+    };
+    assert!(!state.is_intact(), "an unsealed state is nobody's");
+    state.seal();
+    let mut bytes = state.as_bytes().to_vec();
+    for bit in 0..8 * bytes.len() {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let read = JointState::read_from_bytes(&bytes).unwrap();
+        assert!(!read.is_intact(), "bit {bit}");
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
 }
 
 #[test]

@@ -124,7 +124,9 @@ impl Carried for JointState {
         IntoBytes::as_mut_bytes(self)
     }
 
-    fn seal(&mut self) {}
+    fn seal(&mut self) {
+        Self::seal(self);
+    }
 
     fn freeze(&mut self, frozen: &Self) {
         *self = Self {

@@ -5,5 +5,6 @@
 mod assembly;
 mod hold;
 mod placing;
+mod restart;
 mod rig;
 mod screwing;

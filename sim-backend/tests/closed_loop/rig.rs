@@ -14,7 +14,18 @@ pub(crate) struct Rig {
     controller: Controller,
     sensed: Sensed,
     tick: u64,
+    epoch: u64,
     pub(crate) warnings: Vec<Cause>,
+}
+
+fn controller(writer_epoch: u64) -> Controller {
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let wiring = Wiring {
+        stiffness_n_m_rad: servo_stiffness_n_m_rad(),
+        writer_epoch,
+        ..Wiring::default()
+    };
+    Controller::new(&robot, wiring, Settings::default())
 }
 
 pub(crate) fn object(name: &str) -> Object {
@@ -24,16 +35,18 @@ pub(crate) fn object(name: &str) -> Object {
 impl Rig {
     /// Both at rest, the controller READY.
     pub(crate) fn new(scene: &Scene) -> Self {
+        Self::seeded(scene, 1)
+    }
+
+    /// The same with other errors and noise.
+    pub(crate) fn seeded(scene: &Scene, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-        let wiring = Wiring {
-            stiffness_n_m_rad: servo_stiffness_n_m_rad(),
-            ..Wiring::default()
-        };
         let mut rig = Self {
-            world: World::new(&robot, scene, 1).expect("a world"),
-            controller: Controller::new(&robot, wiring, Settings::default()),
+            world: World::new(&robot, scene, seed).expect("a world"),
+            controller: controller(1),
             sensed: Sensed::default(),
             tick: 0,
+            epoch: 1,
             warnings: Vec::new(),
         };
         rig.ticks(100);
@@ -66,6 +79,43 @@ impl Rig {
         for _ in 0..count {
             self.step(None);
         }
+    }
+
+    /// The robot goes on without a daemon for so many milliseconds; then another daemon begins.
+    pub(crate) fn restart(&mut self, alone_ms: u64) {
+        for _ in 0..alone_ms {
+            self.world.sense(&mut self.sensed);
+            self.world.advance(None);
+        }
+        self.epoch += 1;
+        self.controller = controller(self.epoch);
+        self.tick = 0;
+    }
+
+    /// Gives an order.
+    pub(crate) fn order(&mut self, order: &Order) {
+        self.step(Some(order));
+    }
+
+    /// Begins a goal and pursues it until its hand is in this step and the first object this high.
+    pub(crate) fn pursue_until(&mut self, request: &GoalRequest, step: &str, lifted_m: f64) {
+        let goal = Goal::resolve(request, &[]).expect("a goal");
+        self.order(&Order::Start(goal));
+        for _ in 0..100_000 {
+            if self.step_name() == step && self.object().lifted_m >= lifted_m {
+                return;
+            }
+            self.ticks(1);
+        }
+        panic!("never in {step}, but in {}", self.step_name());
+    }
+
+    pub(crate) fn step_name(&self) -> &str {
+        self.controller.step_name()
+    }
+
+    pub(crate) fn mode(&self) -> Mode {
+        self.controller.mode().0
     }
 
     /// Pursues a goal to its end.

@@ -80,10 +80,17 @@ impl Controller {
         let Some(goal) = self.goal.as_mut() else {
             return;
         };
-        goal.paused_s = if paused {
-            goal.paused_s + self.step_s
+        // A loop that stood still was a pause as well. A goal that is held again and again runs out of patience, too: what
+        // ran in between is only taken off.
+        let stood_s = if self.stall.is_some() {
+            self.stall.value * 1e-9
         } else {
             0.0
+        };
+        goal.paused_s = if paused {
+            goal.paused_s + self.step_s + stood_s
+        } else {
+            (goal.paused_s - self.step_s).max(0.0)
         };
         if goal.paused_s > self.settings.safety.pause_s {
             let goal = *goal;

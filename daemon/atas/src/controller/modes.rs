@@ -4,6 +4,7 @@ use super::Controller;
 use crate::hand::HandControl;
 use crate::mode::ModeMachine;
 use robot_model::{HandVector, Side};
+use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, Reason, Text};
 
 impl Controller {
@@ -31,6 +32,9 @@ impl Controller {
         if fault.is_some() && self.gate.is_anchored() {
             self.stop(fault);
         }
+        if self.joints.restarted() && self.gate.is_anchored() {
+            self.rearm();
+        }
         let (hold_reason, step_s) = (self.hold_reason(), self.step_s);
         let has_task = self.hands.iter().any(HandControl::is_busy);
         self.mode_change(|mode| mode.update(hold_reason, has_task, step_s));
@@ -42,6 +46,12 @@ impl Controller {
     fn hold_reason(&self) -> Reason {
         let reasons = [
             self.stall,
+            self.refused,
+            if self.joints.restarted() {
+                Reason::of(Cause::ROBOT_RESTARTED)
+            } else {
+                Reason::default()
+            },
             self.hands[0].hold_reason(self.tick, &self.settings),
             self.hands[1].hold_reason(self.tick, &self.settings),
             self.joints.hold_reason(self.tick, &self.settings.intake),
@@ -56,6 +66,24 @@ impl Controller {
         }
     }
 
+    /// Another robot process may stand anywhere: nothing is commanded before it is known where.
+    fn rearm(&mut self) {
+        let reason = Reason::of(Cause::ROBOT_RESTARTED);
+        self.drop_goal(reason);
+        self.gate.release();
+    }
+
+    /// A hand that presses something when the robot begins holds what another daemon, or this one before its stop, has
+    /// gripped: it goes on holding, and watches.
+    fn keep_grips(&mut self) {
+        self.looks_for_grip = false;
+        for hand in 0..HANDS {
+            if let Some(reason) = self.hands[hand].keep(&self.settings) {
+                self.warn(reason.about(hand));
+            }
+        }
+    }
+
     /// Tells the hands where they are; the first time that the robot is ready, the gate as well.
     fn locate(&mut self) {
         let Some(measured_rad) = self.joints.position_rad().copied() else {
@@ -63,6 +91,9 @@ impl Controller {
         };
         if self.mode.mode() == Mode::READY && !self.gate.is_anchored() {
             self.anchor(&measured_rad);
+        }
+        if self.mode.mode() == Mode::READY && self.looks_for_grip {
+            self.keep_grips();
         }
         for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
             let q_rad = HandVector::from_row_slice(&measured_rad[side.joint_range()]);

@@ -5,6 +5,7 @@ use super::increment::Increment;
 use super::noise::Noise;
 use super::patch::{ElementAxes, Patch};
 use crate::intake::CheckedFrame;
+use crate::limits::MASKED_FADE_S;
 use crate::settings::Perception as Settings;
 use nalgebra::Vector3;
 use shm_schemas::Layout;
@@ -142,7 +143,7 @@ impl Finger {
         self.noise.pause();
     }
 
-    /// First-order low-pass on every element; a masked element keeps its last value for the patch to lose it slowly. Returns
+    /// First-order low-pass on every element; a masked element loses its last value over time. Returns
     /// the share of a reading that it takes over.
     fn filter(&mut self, finger: usize, frame: &CheckedFrame<'_>, settings: &Settings) -> f64 {
         let step_s = frame.step_s();
@@ -153,6 +154,8 @@ impl Finger {
         };
         for element in 0..self.axes.count {
             let Some(force_n) = frame.element_n(finger, element) else {
+                let kept = MASKED_FADE_S / (MASKED_FADE_S + step_s);
+                self.filtered_n[element] = self.filtered_n[element].map(|n| n * kept);
                 continue;
             };
             let axes = self.filtered_n[element]

@@ -5,12 +5,14 @@ use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
-use crate::tasks::{BACK_OUT, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW};
+use crate::tasks::{BACK_OUT, KEEP, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW};
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
 use robot_model::{FINGERS, GraspFrame};
 use shm_schemas::{Cause, ModuleId, Reason};
 
+/// Multiple of the force found on an object up to which it may be pressed (ours, as one step of the load test).
+const KEEP_FACTOR: f64 = 1.2;
 /// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
 const LOST_AFTER_S: f64 = 0.05;
 /// How long a held object may slip on a finger before a warning, s (ours: twice what Module 2 takes to answer).
@@ -68,6 +70,8 @@ pub struct Runner {
     out_of_touch_s: f64,
     slides: Option<Reason>,
     holds: bool,
+    /// The object was found in the hand: where it came from is not known, so it is never set down without a goal.
+    found: bool,
     reached: u8,
     peer_reached: u8,
     retreat: Option<(Retreat, Reason)>,
@@ -112,6 +116,7 @@ impl Runner {
             out_of_touch_s: 0.0,
             slides: None,
             holds: false,
+            found: false,
             reached: 0,
             peer_reached: 0,
             retreat: None,
@@ -119,6 +124,28 @@ impl Runner {
         runner.path = runner.plan(now, settings);
         runner.arrive();
         runner
+    }
+
+    /// Goes on with what the hand was found gripping. How much it bears is not known: a little more than it bears now.
+    #[must_use]
+    pub fn keep(
+        waypoints: Waypoints,
+        now: &GraspFrame,
+        percept: &Percept,
+        settings: &Settings,
+    ) -> Self {
+        let (weakest_n, strongest_n) = force_range_n(percept);
+        Self {
+            thresholds: Thresholds {
+                f1_n: weakest_n,
+                f2_n: KEEP_FACTOR * strongest_n,
+            },
+            all_touched: true,
+            lifted_from_m: Some(now.centre_m),
+            holds: true,
+            found: true,
+            ..Self::start(KEEP, waypoints, now, (0.0, f64::INFINITY), settings)
+        }
     }
 
     /// The present step.
@@ -265,7 +292,7 @@ impl Runner {
             .all(|finger| finger.gross_slip_s > SLIDES_AFTER_S);
         let spent = self.slides.is_some() && everywhere && strongest_n > RELEASE_SHARE * f2_n;
         let reason = Reason::limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
-        (spent && self.retreat.is_none()).then(|| reason.by(ModuleId::FORCE_LIMIT))
+        (spent && self.retreat.is_none() && !self.found).then(|| reason.by(ModuleId::FORCE_LIMIT))
     }
 
     /// Draws the conclusions of this tick: verdicts, the end of the step, the end of the task.
@@ -279,7 +306,7 @@ impl Runner {
         modules: &mut Modules,
     ) -> Outcome {
         match verdict {
-            Verdict::Refuse(reason) if self.retreat.is_none() => {
+            Verdict::Refuse(reason) if self.retreat.is_none() && !self.found => {
                 let retreat = if reason.cause == Cause::OBSTRUCTED {
                     Retreat::Withdraw
                 } else {

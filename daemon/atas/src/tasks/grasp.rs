@@ -89,6 +89,15 @@ pub static GRASP: Task = Task::of(
 /// Keeps holding what the hand has when its goal ends.
 pub const STAND: Track = Track::of(&[HOLD_IT]);
 
+/// Keeps what the hand was found gripping: modules 2 and 3 watch, nothing gives force back that nobody has measured.
+pub const KEEP: Track = Track::of(&[Step::new(
+    "keep grip",
+    Motion::Stay,
+    Selection::of(&[ModuleId::SLIP, ModuleId::FORCE_LIMIT]),
+    Transition::Held,
+    f64::INFINITY,
+)]);
+
 /// Backs out of a refused object: down again, open, away.
 pub const BACK_OUT: Track = Track::of(&[
     Step::new(

@@ -15,7 +15,8 @@
 //! is its [`GoalKind`](shm_schemas::GoalKind) and a line of the command line; `CONTRIBUTING.md` shows one.
 //!
 //! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`WITHDRAW`] turns
-//! back from what is in the way, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends.
+//! back from what is in the way, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends, [`KEEP`] what
+//! a hand was found gripping.
 
 mod assemble;
 mod built_in;
@@ -32,7 +33,7 @@ mod words;
 pub use assemble::ASSEMBLE;
 pub use built_in::{BUILT_IN, named, of};
 pub use demands::Demands;
-pub use grasp::{BACK_OUT, GRASP, RELEASE, STAND, WITHDRAW};
+pub use grasp::{BACK_OUT, GRASP, KEEP, RELEASE, STAND, WITHDRAW};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE};
 pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};

@@ -335,14 +335,13 @@ fn parameters_take_effect_and_wrong_ones_do_not() {
 
 #[test]
 fn bias_takes_the_present_reading_as_zero() {
-    let mut world = World::holding();
+    let mut world = World::ready();
+    world.obstructed = true;
+    let before = world.run(100).report.hands[1].fingers[1];
+    assert!(before.normal_n > 0.4, "{before:?}");
     world.order(Order::Bias { hand: 1 });
-    let report = world.tick().report;
-    assert!(
-        report.hands[1].fingers[0].normal_n.abs() < 0.05,
-        "{:?}",
-        report.hands[1].fingers[0]
-    );
+    let after = world.tick().report.hands[1].fingers[1];
+    assert!(after.normal_n.abs() < 0.05, "{after:?}");
 }
 
 #[test]

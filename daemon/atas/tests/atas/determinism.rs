@@ -124,6 +124,9 @@ fn twisted_joints(twist: Twist, mut state: JointState) -> JointState {
         }
         Twist::Unsealed => state.joint_count = 3,
     }
+    if !matches!(twist, Twist::Unsealed) {
+        state.seal();
+    }
     state
 }
 

@@ -232,16 +232,16 @@ fn element_rows() -> Vec<Row> {
         Row {
             counts: |c| c.masked_elements += 8,
             ..row(
-                "8 of 82 invalid",
-                altered(at(10), |f| f.valid_mask[0] = !0xff),
+                "4 of 41 invalid on each finger",
+                altered(at(10), |f| f.valid_mask = [!0xf; 4]),
             )
         },
         Row {
-            counts: |c| c.masked_elements += 9,
+            counts: |c| c.masked_elements += 5,
             hold_reason: Cause::ELEMENTS_INVALID,
             ..row(
-                "F12 9 of 82 invalid",
-                altered(at(10), |f| f.valid_mask[1] = !0x1ff),
+                "F12 5 of 41 invalid on one finger",
+                altered(at(10), |f| f.valid_mask[1] = !0x1f),
             )
         },
     ]

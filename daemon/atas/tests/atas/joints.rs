@@ -77,7 +77,6 @@ fn rows() -> Vec<Row> {
         believed("in order", 0, |_| {}),
         believed("lost states", 4, |s| s.stamp.sequence += 4),
         believed("fast", 0, |s| s.position_rad[3] += 0.01),
-        believed("more joints", 0, |s| s.joint_count = 32),
         believed("NaN beyond the robot", 0, |s| {
             s.position_rad[ROBOT_JOINTS] = f64::NAN
         }),
@@ -88,11 +87,16 @@ fn rows() -> Vec<Row> {
         ignored("reordered", |s| s.stamp.sequence = 3),
         ignored("older than the last", |s| s.stamp.captured_ns -= MS_NS),
         ignored("stale", |s| s.stamp.captured_ns -= 200 * MS_NS),
+        ignored("another robot beside the living one", |s| {
+            s.stamp.writer_epoch += 1
+        }),
         ignored("future", |s| s.stamp.captured_ns += 5 * MS_NS),
         faulty("NaN", 7, |s| s.position_rad[7] = f64::NAN),
         faulty("infinite", 21, |s| s.position_rad[21] = f64::NEG_INFINITY),
         faulty("jump", 3, |s| s.position_rad[3] += 0.1),
         faulty("too few joints", 0, |s| s.joint_count = 21),
+        faulty("more joints", 0, |s| s.joint_count = 32),
+        faulty("more joints than fit", 0, |s| s.joint_count = u32::MAX),
     ]
 }
 
@@ -108,6 +112,7 @@ fn every_fault_is_answered_as_catalogued() {
         let mut intake = warm();
         let mut state = at(10);
         change(&mut state);
+        state.seal();
         intake.take(Some(&state), tick(10), &limits());
         let status = intake.status(tick(10));
         let taken = u64::from(lost.is_some());
@@ -148,6 +153,7 @@ fn a_first_state_out_of_range_is_refused() {
         let mut intake = JointIntake::new(robot(), true);
         let mut state = at(0);
         state.position_rad[joint] = value_rad;
+        state.seal();
         intake.take(Some(&state), tick(0), &limits());
         assert_eq!(
             (intake.fault().cause, intake.fault().index),
@@ -191,11 +197,56 @@ fn nothing_is_missed_where_nothing_is_required() {
 #[test]
 fn a_restarted_writer_may_begin_anew() {
     let mut intake = warm();
-    let mut state = at(10);
-    (state.stamp.writer_epoch, state.stamp.sequence) = (EPOCH + 1, 0);
-    intake.take(Some(&state), tick(10), &limits());
+    let other = |ms| {
+        let mut state = at(ms);
+        (state.stamp.writer_epoch, state.stamp.sequence) = (EPOCH + 1, ms - 15);
+        state.seal();
+        state
+    };
+    intake.take(Some(&other(15)), tick(15), &limits());
+    assert_eq!(intake.status(tick(15)).states, 10, "the first one lives");
+    assert!(!intake.restarted());
+    intake.take(Some(&other(40)), tick(40), &limits());
     assert_eq!(
-        (intake.fault(), intake.status(tick(10)).states),
+        (intake.fault(), intake.status(tick(40)).states),
         (Reason::default(), 11)
     );
+    assert!(intake.restarted(), "and says so once");
+    intake.take(Some(&other(41)), tick(41), &limits());
+    assert!(!intake.restarted());
+}
+
+/// Regression: after one state with a counter far ahead no other was believed for as long as the process lived.
+#[test]
+fn a_counter_far_ahead_shuts_nobody_out() {
+    let mut intake = warm();
+    let mut far = at(10);
+    far.stamp.sequence = u64::MAX / 2;
+    far.seal();
+    intake.take(Some(&far), tick(10), &limits());
+    for ms in 11..40 {
+        intake.take(Some(&at(ms)), tick(ms), &limits());
+    }
+    assert_eq!(intake.hold_reason(tick(40), &limits()), Reason::default());
+}
+
+#[test]
+fn what_the_robot_is_told_is_believed_where_it_can_be() {
+    let check = |told: bool, change: Change| {
+        let mut intake = warm();
+        let mut state = at(10);
+        state.commanded_count = ROBOT_JOINTS as u32;
+        state.commanded_rad = state.position_rad;
+        state.command_epoch = 5;
+        change(&mut state);
+        state.seal();
+        intake.take(Some(&state), tick(10), &limits());
+        assert_eq!(intake.commanded_rad().is_some(), told);
+    };
+    check(true, |_| {});
+    check(false, |s| s.commanded_count = 0);
+    check(false, |s| s.commanded_count = 21);
+    check(false, |s| s.command_epoch = 0);
+    check(false, |s| s.commanded_rad[4] = f64::NAN);
+    check(false, |s| s.commanded_rad[4] = 100.0);
 }

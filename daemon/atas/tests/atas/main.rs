@@ -8,6 +8,7 @@ mod determinism;
 mod faults;
 mod gate;
 mod goal;
+mod grip;
 mod intake;
 mod intake_series;
 mod joints;

@@ -107,5 +107,6 @@ pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &[f64; ROBOT_JOINTS
         ..JointState::default()
     };
     state.position_rad[..ROBOT_JOINTS].copy_from_slice(q_rad);
+    state.seal();
     state
 }

@@ -145,6 +145,7 @@ impl World {
         let mut state = joints(self.ms, now_ns, &self.q_rad);
         if let Some(fault) = self.joint_fault {
             fault(&mut state);
+            state.seal();
         }
         let heard = |i: usize| {
             if self.mute[i] {

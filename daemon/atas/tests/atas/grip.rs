@@ -1,0 +1,118 @@
+//! What outlives a stop, and what nobody may do while the robot works.
+
+use crate::world::{World, grasp, start};
+use atas_core::settings::PARAMETERS;
+use atas_core::{Inputs, Order, Tick};
+use robot_model::ROBOT_JOINTS;
+use shm_schemas::{Cause, EventKind, GoalState, Mode, Reason};
+
+fn warned(outputs: &atas_core::Outputs) -> Vec<Cause> {
+    let events = outputs.events.as_slice().iter();
+    let warnings = events.filter(|event| event.kind == EventKind::WARNING);
+    warnings.map(|event| event.reason.cause).collect()
+}
+
+/// Regression: a stop and a recover began again from measured angles and gave up the grip.
+#[test]
+fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
+    let mut world = World::holding();
+    let held_rad = world.run(1).command.position_rad;
+    world.order(Order::Stop(Reason::of(Cause::ESTOP)));
+    world.run(100);
+    // Servos under load are not quite where they are told to be.
+    for q_rad in &mut world.q_rad {
+        *q_rad += 0.004;
+    }
+    world.order(Order::Recover);
+    let (outputs, _) = world.run_until(100, |w| w.controller.step_name() == "keep grip");
+    assert_eq!(warned(&outputs), [Cause::GRIP_FOUND]);
+    assert_eq!(world.run(1).command.mode, Mode::RUN);
+    let off_rad = |at: &[f64]| {
+        let pairs = held_rad[..ROBOT_JOINTS].iter().zip(at);
+        pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+    };
+    assert!(off_rad(&outputs.command.position_rad) < 1e-4);
+    let refused = world.order(start(grasp())).goal_update.unwrap();
+    assert_eq!(refused.reason.cause, Cause::HAND_FULL);
+}
+
+/// Regression: a daemon that had stood still for seconds went on with its goal after 22 ms.
+#[test]
+fn a_goal_does_not_outlive_a_loop_that_stood_still() {
+    let mut world = World::reaching();
+    world.ms += 5_000;
+    let outputs = world.run(1);
+    let update = outputs.goal_update.expect("news");
+    assert_eq!(
+        (update.state, update.reason.cause),
+        (GoalState::FAILED, Cause::LOOP_STALLED)
+    );
+}
+
+#[test]
+fn zero_is_taken_only_with_an_empty_hand_at_rest() {
+    let check = |world: &mut World, allowed: bool| {
+        let outputs = world.order(Order::Bias { hand: 1 });
+        let refused = warned(&outputs).contains(&Cause::NOT_NOW);
+        assert_eq!(!refused, allowed, "in {}", world.mode());
+    };
+    check(&mut World::ready(), true);
+    check(&mut World::reaching(), false);
+    check(&mut World::holding(), false);
+    check(&mut World::new(), false);
+}
+
+#[test]
+fn bounds_of_the_motion_change_only_while_it_stands() {
+    let index = |name: &str| PARAMETERS.iter().position(|p| p.name == name).unwrap();
+    let set = |world: &mut World, name: &str, value: f64| {
+        let index = index(name);
+        world.order(Order::SetParameter { index, value });
+        (PARAMETERS[index].get)(world.controller.settings()) == value
+    };
+    let mut world = World::reaching();
+    assert!(set(&mut world, "grasp.dr_n", 0.07));
+    assert!(!set(&mut world, "safety.grip_ceiling_n", 30.0));
+    world.order(Order::Stop(Reason::of(Cause::ESTOP)));
+    assert!(set(&mut world, "safety.grip_ceiling_n", 30.0));
+}
+
+/// Regression: the states of another robot process skipped the check for jumps.
+#[test]
+fn another_robot_process_is_asked_anew_where_it_stands() {
+    let mut world = World::reaching();
+    world.mute[2] = true;
+    world.run(25);
+    world.mute[2] = false;
+    world.joint_fault = Some(|state| state.stamp.writer_epoch += 1);
+    let outputs = world.run(1);
+    let update = outputs.goal_update.expect("news");
+    assert_eq!(
+        (update.state, update.reason.cause),
+        (GoalState::FAILED, Cause::ROBOT_RESTARTED)
+    );
+    assert_eq!(
+        outputs.command.joint_count, 0,
+        "nothing is commanded blindly"
+    );
+    let (outputs, _) = world.run_until(100, |w| w.mode() == Mode::READY);
+    assert_eq!(outputs.command.position_rad[..ROBOT_JOINTS], world.q_rad);
+}
+
+/// Regression: a joint state stamped with the largest time stopped the tick in lock-step by a panic.
+#[test]
+fn the_end_of_time_is_no_panic() {
+    let mut world = World::ready();
+    let tick = Tick {
+        index: u64::MAX,
+        now_ns: u64::MAX,
+    };
+    let inputs = Inputs {
+        tick,
+        ..Inputs::default()
+    };
+    assert_eq!(
+        world.controller.step(&inputs).command.valid_until_ns,
+        u64::MAX
+    );
+}
