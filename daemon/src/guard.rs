@@ -6,6 +6,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use atas_core::goal::ActiveGoal;
 use atas_core::{Controller, Inputs, Outputs, Stage, Tick};
 use robot_model::Side;
 use shm_schemas::capacity::{HANDS, JOINTS};
@@ -106,6 +107,8 @@ impl Guard {
             goal_kind: goal.map_or_else(Default::default, |g| g.request.kind),
             goal_state: goal.map_or_else(Default::default, |g| self.state_of(g.state)),
             step: Text::new(self.controller.step_name()),
+            task: goal.map_or_else(Default::default, |g| g.request.task),
+            goal_reason: goal.map_or_else(Default::default, |g| self.why(g)),
             hands: Side::BOTH.map(|side| self.controller.hand_status(side)),
             joints: self.controller.joint_status(),
             ..Status::default()
@@ -118,6 +121,14 @@ impl Guard {
             GoalState::FAILED
         } else {
             state
+        }
+    }
+
+    fn why(&self, goal: &ActiveGoal) -> Reason {
+        if self.failure.is_some() && !goal.state.is_final() {
+            Reason::of(Cause::MODULE_PANICKED)
+        } else {
+            goal.reason
         }
     }
 

@@ -23,6 +23,8 @@ code! {
         BIAS = 6, "bias";
         /// Read the configuration files again.
         RELOAD = 7, "reload";
+        /// Cancel the goal whose id is written in `name`, in decimal; nothing if it has ended.
+        CANCEL = 8, "cancel";
     }
 }
 

@@ -13,7 +13,7 @@ pub const GOAL: &str = "atas/v2/goal";
 /// Request-response: [`crate::ControlRequest`] answered by one [`crate::ControlReply`].
 pub const CONTROL: &str = "atas/v1/control";
 /// Publish-subscribe: [`crate::Status`], 50 Hz, from the daemon's non-real-time side.
-pub const STATUS: &str = "atas/v2/status";
+pub const STATUS: &str = "atas/v3/status";
 /// Publish-subscribe: [`crate::TickReport`], one per tick, from the daemon's non-real-time side.
 pub const TICK_REPORT: &str = "atas/v1/tick-report";
 /// Publish-subscribe: [`crate::ModuleEvent`], on change, from the daemon's non-real-time side.

@@ -100,7 +100,7 @@ impl StatusFlags {
 
 payload! {
     /// The daemon's state, 50 Hz.
-    Status as "atas.Status.v2" {
+    Status as "atas.Status.v3" {
         /// `captured_ns` is when the snapshot was taken.
         pub stamp: Stamp,
         /// Version of the daemon.
@@ -139,6 +139,10 @@ payload! {
         pub goal_state: GoalState,
         /// Its step.
         pub step: Text<16>,
+        /// Name of its task if it is one of the user's own, else empty.
+        pub task: Text<32>,
+        /// Why it ended, if it ended without success.
+        pub goal_reason: Reason,
         /// How late ticks begin.
         pub wake: Percentiles,
         /// Age of the newest frame at the tick.

@@ -1,10 +1,15 @@
 //! Control requests: stop, recover, parameters.
 
-use atas_client::Session;
-use atas_console::{Output, table};
+use std::time::{Duration, Instant};
+
+use atas_client::{ClientError, POLL, Session};
+use atas_console::{Ended, Exit, Output, table};
 use serde_json::json;
 use shm_bus::BusName;
 use shm_schemas::{ControlOp, ControlOutcome, ControlReply};
+
+/// How long the end of a cancelled goal may take (ours: fifty statuses).
+const CONFIRMATION: Duration = Duration::from_secs(1);
 
 /// `atas estop`.
 pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
@@ -21,8 +26,31 @@ pub(crate) fn recover(bus: &BusName, output: &mut Output) -> anyhow::Result<()> 
     act(bus, ControlOp::RECOVER, "recovered", output)
 }
 
+/// `atas cancel`: the active goal, whoever sent it.
+pub(crate) fn cancel(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
+    let session = Session::existing(bus)?;
+    let (mut statuses, mut status) = session.watch_status()?;
+    let goal_id = status.goal_id;
+    if goal_id == 0 || status.goal_state.is_final() {
+        return Err(Ended::with(Exit::Refused, "there is no goal to cancel"));
+    }
+    session.demand(ControlOp::CANCEL, 0.0, &goal_id.to_string())?;
+    let begin = Instant::now();
+    while status.goal_id == goal_id && !status.goal_state.is_final() {
+        if begin.elapsed() > CONFIRMATION {
+            return Err(ClientError::Unconfirmed(CONFIRMATION).into());
+        }
+        std::thread::sleep(POLL);
+        statuses.newest(&mut status)?;
+    }
+    if output.is_json() {
+        return output.json(&json!({ "op": "cancel", "goal_id": goal_id, "outcome": "done" }));
+    }
+    output.line("cancelled; the hands stay where they are and keep what they hold")
+}
+
 fn act(bus: &BusName, op: ControlOp, done: &str, output: &mut Output) -> anyhow::Result<()> {
-    let reply = Session::join(bus)?.demand(op, 0.0, "")?;
+    let reply = Session::existing(bus)?.demand(op, 0.0, "")?;
     if output.is_json() {
         output.json(&json!({ "op": op.name(), "outcome": reply.outcome.name() }))
     } else {
@@ -32,7 +60,7 @@ fn act(bus: &BusName, op: ControlOp, done: &str, output: &mut Output) -> anyhow:
 
 /// `atas param list`.
 pub(crate) fn list(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
-    let session = Session::join(bus)?;
+    let session = Session::existing(bus)?;
     let mut rows = table(&["parameter", "value", "from", "to", "meaning"]);
     for index in 0_u32.. {
         let reply = session.ask(ControlOp::PARAM_LIST, f64::from(index), "")?;
@@ -55,7 +83,7 @@ pub(crate) fn list(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
         return Ok(());
     }
-    output.line(rows)
+    output.table(rows)
 }
 
 /// `atas param get`.
@@ -80,7 +108,7 @@ fn show(
     value: f64,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let reply = Session::join(bus)?.demand(op, value, name)?;
+    let reply = Session::existing(bus)?.demand(op, value, name)?;
     if output.is_json() {
         return output.json(&parameter(&reply));
     }

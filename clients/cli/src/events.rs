@@ -6,7 +6,9 @@ use atas_client::{POLL, Session, json};
 use atas_console::arguments::Events;
 use atas_console::{Interrupt, Output};
 use serde_json::Value;
-use shm_schemas::{EventKind, ModuleEvent, ModuleId, Status, StatusFlags, service};
+use shm_schemas::{
+    EventKind, GoalState, Hand, ModuleEvent, ModuleId, Status, StatusFlags, service,
+};
 
 /// Most events taken at a time.
 const BATCH: usize = 256;
@@ -19,12 +21,13 @@ pub(crate) fn events(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let session = Session::join(&arguments.bus.bus)?;
+    let session = Session::existing(&arguments.bus.bus)?;
     let mut stream = session
         .bus()
         .subscriber::<ModuleEvent>(service::MODULE_EVENT)?;
     let (mut statuses, mut status) = session.watch_status()?;
     let mut teller = Teller::new(&status);
+    let mut filter = Filter::new(arguments);
     let waits = arguments.follow || arguments.count.is_some();
     let begin = Instant::now();
     let mut left = arguments.count.unwrap_or(u64::MAX);
@@ -37,14 +40,68 @@ pub(crate) fn events(
         let most = usize::try_from(left).unwrap_or(BATCH).min(BATCH);
         stream.drain(most, |event| batch.push(*event))?;
         for event in &batch {
-            teller.tell(event, output)?;
-            left -= 1;
+            let lost = teller.lost_before(event);
+            if let Some(event) = filter.pass(event)
+                && left > 0
+            {
+                teller.tell(&event, lost, output)?;
+                left -= 1;
+            }
         }
         if batch.is_empty() {
             std::thread::sleep(POLL);
         }
     }
+    for event in filter.rest() {
+        teller.tell(&event, 0, output)?;
+    }
     Ok(())
+}
+
+/// Which events are told.
+struct Filter {
+    kinds: Vec<EventKind>,
+    hand: Option<Hand>,
+    /// The events of the last goal so far, if only they are wanted.
+    last_goal: Option<Vec<ModuleEvent>>,
+}
+
+impl Filter {
+    fn new(arguments: &Events) -> Self {
+        Self {
+            kinds: arguments.kinds.clone(),
+            hand: arguments.hand.map(Hand::from),
+            last_goal: arguments.last_goal.then(Vec::new),
+        }
+    }
+
+    /// What is to be told now that this event has come.
+    fn pass(&mut self, event: &ModuleEvent) -> Option<ModuleEvent> {
+        let begins =
+            event.kind == EventKind::GOAL && event.text.as_str() == GoalState::RUNNING.name();
+        if let Some(goal) = &mut self.last_goal
+            && begins
+        {
+            goal.clear();
+        }
+        // A mode is the whole robot's.
+        let is_of = |hand: Hand| event.hand == hand || event.kind == EventKind::MODE;
+        let wanted = (self.kinds.is_empty() || self.kinds.contains(&event.kind))
+            && self.hand.is_none_or(is_of);
+        match (&mut self.last_goal, wanted) {
+            (_, false) => None,
+            (None, true) => Some(*event),
+            (Some(goal), true) => {
+                goal.push(*event);
+                None
+            }
+        }
+    }
+
+    /// The last goal's events, at the end.
+    fn rest(self) -> Vec<ModuleEvent> {
+        self.last_goal.unwrap_or_default()
+    }
 }
 
 /// Tells events one by one, and what is missing between them.
@@ -78,8 +135,7 @@ impl Teller {
         }
     }
 
-    fn tell(&mut self, event: &ModuleEvent, output: &mut Output) -> anyhow::Result<()> {
-        let lost = self.lost_before(event);
+    fn tell(&mut self, event: &ModuleEvent, lost: u64, output: &mut Output) -> anyhow::Result<()> {
         if output.is_json() {
             let mut value = json::event(event);
             value["lost_before"] = Value::from(lost);
@@ -176,7 +232,7 @@ fn by(module: ModuleId) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, Hand, Mode, Reason, Stamp, Text};
+    use shm_schemas::{Cause, Mode, Reason, Stamp, Text};
 
     fn right(kind: EventKind) -> ModuleEvent {
         ModuleEvent {
@@ -232,6 +288,42 @@ mod tests {
             right(EventKind(99)),
             "right  unknown(99), value 0, threshold 0",
         );
+    }
+
+    #[test]
+    fn only_what_was_asked_for_passes() {
+        let goal = |state: GoalState| ModuleEvent {
+            text: Text::new(state.name()),
+            ..right(EventKind::GOAL)
+        };
+        let stream = [
+            goal(GoalState::RUNNING),
+            right(EventKind::STEP),
+            goal(GoalState::FAILED),
+            goal(GoalState::RUNNING),
+            right(EventKind::TOUCH_ON),
+            right(EventKind::STEP),
+        ];
+        let check = |kinds: &[EventKind], hand, last_goal: bool, expected: &[EventKind]| {
+            let mut filter = Filter {
+                kinds: kinds.to_vec(),
+                hand,
+                last_goal: last_goal.then(Vec::new),
+            };
+            let mut told: Vec<ModuleEvent> = stream
+                .iter()
+                .filter_map(|event| filter.pass(event))
+                .collect();
+            told.extend(filter.rest());
+            let kinds: Vec<EventKind> = told.iter().map(|event| event.kind).collect();
+            assert_eq!(kinds, expected);
+        };
+        use EventKind as K;
+        check(&[], None, false, &stream.map(|event| event.kind));
+        check(&[K::STEP], None, false, &[K::STEP; 2]);
+        check(&[], Some(Hand::LEFT), false, &[]);
+        check(&[], None, true, &[K::GOAL, K::TOUCH_ON, K::STEP]);
+        check(&[K::TOUCH_ON], Some(Hand::RIGHT), true, &[K::TOUCH_ON]);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub(crate) fn latency(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let session = Session::join(&arguments.bus.bus)?;
+    let session = Session::existing(&arguments.bus.bus)?;
     let mut reports = session.bus().subscriber(service::TICK_REPORT)?;
     let (mut statuses, mut status) = session.watch_status()?;
     loop {
@@ -83,7 +83,7 @@ impl Window {
 /// The distributions of a status, with their names.
 fn since_start(status: &Status) -> [(&'static str, Percentiles); 4] {
     [
-        ("wake late", status.wake),
+        ("wake-up", status.wake),
         ("frame age", status.frame_age),
         ("tick body", status.tick),
         ("sensor to command", status.sensor_to_command),
@@ -111,7 +111,7 @@ fn print(status: &Status, window: &Window, output: &mut Output) -> anyhow::Resul
     for (name, figures) in whole.into_iter().chain(stages) {
         rows.add_row(row(name, &figures));
     }
-    output.line(rows)
+    output.table(rows)
 }
 
 fn row(name: String, figures: &Percentiles) -> [String; 6] {

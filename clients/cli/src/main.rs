@@ -22,14 +22,14 @@ mod lab;
 mod latency;
 mod manual;
 mod recordings;
+mod refusals;
 mod send;
 mod status;
 
 use std::process::ExitCode;
 
-use atas_console::arguments::{Arguments, Command, Param, RecordAction};
+use atas_console::arguments::{self, Command, Param, RecordAction};
 use atas_console::{Interrupt, Output};
-use clap::CommandFactory;
 
 fn main() -> ExitCode {
     atas_console::run(execute)
@@ -45,6 +45,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Task(arguments) => goals::task(arguments, interrupt, output),
         Command::Release(arguments) => goals::release(arguments, interrupt, output),
         Command::Estop(bus) => control::estop(&bus.bus, output),
+        Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),
         Command::Status(arguments) => status::status(arguments, interrupt, output),
         Command::Events(arguments) => events::events(arguments, interrupt, output),
@@ -60,9 +61,10 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Diff { first, second } => recordings::diff(first, second, output),
         Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
         Command::Completions { shell } => {
-            let mut command = Arguments::command();
-            clap_complete::generate(*shell, &mut command, "atas", &mut std::io::stdout());
-            Ok(())
+            // Into memory first: clap's generator panics where a pipe is closed or a disk is full.
+            let (mut command, mut script) = (arguments::command(), Vec::new());
+            clap_complete::generate(*shell, &mut command, "atas", &mut script);
+            output.bytes(&script)
         }
         Command::Man { folder } => manual::write(folder),
         Command::Demo { .. }

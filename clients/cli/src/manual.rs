@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use anyhow::Context;
-use atas_console::arguments::Arguments;
-use clap::CommandFactory;
+use atas_console::arguments;
 
 /// Writes one page for the program and one for each command.
 pub(crate) fn write(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
-        .and_then(|()| clap_mangen::generate_to(Arguments::command(), folder))
+        .and_then(|()| clap_mangen::generate_to(arguments::command(), folder))
         .with_context(|| format!("could not write manual pages into {}", folder.display()))
 }

@@ -21,7 +21,7 @@ pub(crate) fn send(
         },
         ..goal
     };
-    let session = Session::join(&sending.bus.bus)?;
+    let session = Session::existing(&sending.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
     let mut live = Progress::new(name(&goal));
     let pursuit = Pursuit {

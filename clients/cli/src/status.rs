@@ -7,6 +7,8 @@ use atas_client::{POLL, Session, json};
 use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
+use crate::refusals::refusals;
+
 /// Pause between two pictures of a watched status.
 const PICTURE: Duration = Duration::from_millis(200);
 /// Silence after which a watched daemon counts as gone (ours: 50 missing statuses).
@@ -18,10 +20,11 @@ pub(crate) fn status(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let session = Session::join(&arguments.bus.bus)?;
+    let session = Session::existing(&arguments.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
     if !arguments.watch {
-        return print(&status, output);
+        let refusals = refusals(&session, &status)?;
+        return print(&status, &refusals, output);
     }
     let mut heard = Instant::now();
     let mut drawn = None::<Instant>;
@@ -36,7 +39,7 @@ pub(crate) fn status(
         }
         if drawn.is_none_or(|drawn| drawn.elapsed() >= PICTURE) {
             output.clear()?;
-            print(&status, output)?;
+            print(&status, &refusals(&session, &status)?, output)?;
             drawn = Some(Instant::now());
         }
         std::thread::sleep(POLL);
@@ -44,13 +47,18 @@ pub(crate) fn status(
     Ok(())
 }
 
-fn print(status: &Status, output: &mut Output) -> anyhow::Result<()> {
+fn print(status: &Status, refusals: &[String], output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
-        return output.json(&json::status(status));
+        let mut value = json::status(status);
+        value["refusals"] = refusals.into();
+        return output.json(&value);
     }
     output.line(heading(status))?;
-    output.line(hands(status))?;
-    output.line(timing(status))
+    for refusal in refusals {
+        output.line(refusal)?;
+    }
+    output.table(hands(status))?;
+    output.table(timing(status))
 }
 
 fn heading(status: &Status) -> String {
@@ -69,17 +77,29 @@ fn heading(status: &Status) -> String {
     });
     lines.push(match (status.goal_id, status.step.as_str()) {
         (0, _) => "no goal yet".into(),
-        (_, "") => format!("goal {} {}", status.goal_kind, status.goal_state),
-        (_, step) => format!(
-            "goal {} {}, step {step}",
-            status.goal_kind, status.goal_state
-        ),
+        (_, step) => goal(status, step),
     });
     lines.push(format!(
         "{} ticks, {} missed, {} late, {} records dropped",
         status.ticks, status.missed_ticks, status.late_ticks, status.dropped_records
     ));
     lines.join("\n")
+}
+
+/// The active or last goal, and why it ended if it did not succeed.
+fn goal(status: &Status, step: &str) -> String {
+    let name = match status.task.as_str() {
+        "" => status.goal_kind.to_string(),
+        own => own.to_owned(),
+    };
+    let mut text = format!("goal {name} {}", status.goal_state);
+    if !step.is_empty() {
+        text += &format!(", step {step}");
+    }
+    if status.goal_reason.is_some() {
+        text += &format!(": {}", status.goal_reason);
+    }
+    text
 }
 
 fn hint(mode: Mode) -> &'static str {
@@ -136,7 +156,7 @@ fn hands(status: &Status) -> comfy_table::Table {
 fn timing(status: &Status) -> comfy_table::Table {
     let mut rows = table(&["µs", "p50", "p99", "p99.9", "max"]);
     let lines: [(&str, &Percentiles); 4] = [
-        ("wake late", &status.wake),
+        ("wake-up", &status.wake),
         ("frame age", &status.frame_age),
         ("tick body", &status.tick),
         ("sensor to command", &status.sensor_to_command),
@@ -174,4 +194,28 @@ fn forces(force_n: &[f32]) -> String {
         .map(|force_n| number((*force_n).into(), 2))
         .collect();
     shown.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{Cause, GoalKind, GoalState, Reason, Text};
+
+    #[test]
+    fn a_goal_is_told_with_its_own_name_its_step_and_why_it_ended() {
+        let status = Status {
+            goal_id: 7,
+            goal_kind: GoalKind::CUSTOM,
+            goal_state: GoalState::FAILED,
+            task: Text::new("polish"),
+            step: Text::new("press"),
+            goal_reason: Reason::limit(Cause::TIMED_OUT, 9.0, 9.0),
+            ..Status::default()
+        };
+        let told = heading(&status);
+        let expected = "goal polish failed, step press: took 9.0 s, allowed 9.0 s";
+        assert!(told.contains(expected), "{told}");
+        let none = heading(&Status::default());
+        assert!(none.contains("no goal yet"), "{none}");
+    }
 }

@@ -165,3 +165,82 @@ fn the_operators_program_links_neither_controller_nor_simulator() {
         assert!(!holds(name), "{name} is linked");
     }
 }
+
+#[test]
+fn errors_are_json_where_results_are() {
+    let bus = FreshBus::new("jsonerr");
+    let check = |arguments: &[&str], exit: i32, part: &str| {
+        let (code, stdout, stderr) = run(arguments);
+        assert_eq!(code, exit, "{arguments:?}: {stderr}");
+        assert!(stdout.is_empty(), "{stdout}");
+        let error: serde_json::Value = serde_json::from_str(&stderr).expect("JSON");
+        assert_eq!(error["exit"], exit, "{error}");
+        let sentence = error["error"].as_str().unwrap_or_default();
+        assert!(sentence.contains(part), "{error}");
+    };
+    let name = bus.as_str();
+    check(&["status", "--format", "json", "--bus", name], 3, "atasd");
+    check(&["fly", "--format=json"], 2, "unrecognized");
+    check(&["grasp", "--format", "json"], 2, "--at");
+}
+
+#[test]
+fn a_mistyped_bus_leaves_nothing_behind() {
+    let bus = FreshBus::new("mistyped");
+    let left = || {
+        let files = std::fs::read_dir("/dev/shm")
+            .expect("shared memory")
+            .flatten();
+        let of_bus = |name: &str| name.starts_with(&format!("{}_", bus.as_str()));
+        files
+            .filter(|file| of_bus(&file.file_name().to_string_lossy()))
+            .count()
+    };
+    for command in [
+        "status", "events", "estop", "latency", "cancel", "screw", "doctor",
+    ] {
+        run(&[command, "--bus", bus.as_str()]);
+        assert_eq!(left(), 0, "{command} left shared memory behind");
+    }
+    let (_, stdout, _) = run(&["doctor", "--format", "json", "--bus", bus.as_str()]);
+    assert!(stdout.contains("is not there"), "{stdout}");
+}
+
+#[test]
+fn a_full_disk_and_a_closed_pipe_are_no_panic() {
+    for arguments in [&["completions", "bash"][..], &["help"], &["doctor"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+        let mut command = atas(arguments);
+        command.stdout(Stdio::from(full.expect("Linux has it")));
+        let output = command.stderr(Stdio::piped()).output().expect("it starts");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(!stderr.contains("panicked"), "{arguments:?}: {stderr}");
+        assert!(
+            output.status.code().is_some_and(|code| code < 7),
+            "{stderr}"
+        );
+    }
+    let mut child = atas(&["completions", "bash"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && stderr.is_empty(), "{stderr}");
+}
+
+#[test]
+fn what_a_suffix_means_is_written_or_refused() {
+    let check = |arguments: &[&str], suffix: &str| {
+        let (code, _, stderr) = run(arguments);
+        assert!(
+            code == 2 && stderr.contains(suffix),
+            "{arguments:?}: {stderr}"
+        );
+    };
+    check(&["plot", "grasp", "--out", "grasp.png"], ".svg");
+    check(&["record", "--out", "run.bag"], ".mcap");
+    check(&["demo", "swarm", "--replay", "swarm.gif"], ".html");
+}

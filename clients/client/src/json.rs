@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 use shm_schemas::{
-    GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, Reason, Status, StatusFlags,
+    EventKind, GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, Reason, Status,
+    StatusFlags,
 };
 
 use crate::{FINGERS, GoalProgress};
@@ -49,23 +50,51 @@ pub fn goal(progress: &GoalProgress) -> Value {
     })
 }
 
-/// One event.
+/// One event, with the fields that its kind means.
 #[must_use]
 pub fn event(event: &ModuleEvent) -> Value {
-    json!({
+    let mut value = json!({
         "sequence": event.stamp.sequence,
         "captured_ns": event.stamp.captured_ns,
         "tick": event.tick,
         "kind": event.kind.name(),
-        "module": event.module.name(),
-        "hand": event.hand.name(),
-        "finger": event.finger,
-        "mode": event.mode.name(),
-        "value": event.value,
-        "threshold": event.threshold,
-        "reason": reason(&event.reason),
-        "text": event.text.as_str(),
-    })
+    });
+    for field in fields_of(event.kind) {
+        value[*field] = match *field {
+            "module" => event.module.name().into(),
+            "hand" => event.hand.name().into(),
+            "finger" => event.finger.into(),
+            "mode" => event.mode.name().into(),
+            "value" => event.value.into(),
+            "threshold" => event.threshold.into(),
+            "reason" => reason(&event.reason),
+            _ => event.text.as_str().into(),
+        };
+    }
+    value
+}
+
+/// Which fields an event of this kind means; of an unknown kind perhaps any.
+fn fields_of(kind: EventKind) -> &'static [&'static str] {
+    match kind {
+        EventKind::MODULE_ON | EventKind::MODULE_OFF => &["hand", "module"],
+        EventKind::TOUCH_ON | EventKind::TOUCH_OFF => &["hand", "finger", "value", "threshold"],
+        EventKind::STEP => &["hand", "text"],
+        EventKind::STIFFNESS => &["hand", "value", "threshold"],
+        EventKind::GOAL => &["hand", "text", "reason"],
+        EventKind::MODE => &["mode", "reason"],
+        EventKind::WARNING => &["hand", "module", "value", "threshold", "reason"],
+        _ => &[
+            "hand",
+            "module",
+            "finger",
+            "mode",
+            "value",
+            "threshold",
+            "reason",
+            "text",
+        ],
+    }
 }
 
 /// Under which conditions the daemon ticks, among events.
@@ -108,6 +137,8 @@ pub fn status(status: &Status) -> Value {
             "kind": status.goal_kind.name(),
             "state": status.goal_state.name(),
             "step": status.step.as_str(),
+            "task": status.task.as_str(),
+            "reason": reason(&status.goal_reason),
         },
         "hands": hands.collect::<Vec<Value>>(),
         "joints": {
@@ -165,5 +196,31 @@ fn age_ns(age_ns: u64) -> Value {
         Value::Null
     } else {
         age_ns.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_event_has_the_fields_that_it_means() {
+        let check = |kind, expected: &[&str]| {
+            let value = event(&ModuleEvent {
+                kind,
+                ..ModuleEvent::default()
+            });
+            let keys = value
+                .as_object()
+                .map(|fields| fields.keys().collect::<Vec<_>>());
+            let mut expected = [&["sequence", "captured_ns", "tick", "kind"], expected].concat();
+            expected.sort_unstable();
+            let mut keys = keys.unwrap_or_default();
+            keys.sort_unstable();
+            assert_eq!(keys, expected, "{kind}");
+        };
+        check(EventKind::STEP, &["hand", "text"]);
+        check(EventKind::MODE, &["mode", "reason"]);
+        check(EventKind::MODULE_ON, &["hand", "module"]);
     }
 }

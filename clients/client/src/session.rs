@@ -25,16 +25,28 @@ pub struct Session {
 }
 
 impl Session {
-    /// Joins a bus.
+    /// Joins a bus that is there. A name that nobody has made a bus of leaves nothing behind.
+    ///
+    /// # Errors
+    /// There is no such bus, or it cannot be joined.
+    pub fn existing(name: &BusName) -> Result<Self, ClientError> {
+        Ok(Self::on(Bus::join(name, "atas", Realtime::No)?))
+    }
+
+    /// Joins a bus, and makes it where it is not: for those who may come before the daemon.
     ///
     /// # Errors
     /// The bus cannot be joined.
     pub fn join(name: &BusName) -> Result<Self, ClientError> {
-        Ok(Self {
-            bus: Bus::open(name, "atas", Realtime::No)?,
+        Ok(Self::on(Bus::open(name, "atas", Realtime::No)?))
+    }
+
+    fn on(bus: Bus) -> Self {
+        Self {
+            bus,
             epoch: writer_epoch(),
             sequence: Cell::new(0),
-        })
+        }
     }
 
     /// The bus, to open ports on.

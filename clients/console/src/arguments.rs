@@ -10,11 +10,13 @@ use shm_bus::BusName;
 
 use crate::exit::Exit;
 use crate::output::Format;
-use values::finite;
+use shm_schemas::EventKind;
+use values::{event_kind, finite};
 
 mod benches;
 mod demos;
 mod evals;
+mod examples;
 mod goals;
 mod plots;
 mod records;
@@ -23,6 +25,7 @@ mod values;
 pub use benches::{Bench, BenchLatency, EchoBy};
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
 pub use evals::{Eval, Evaluation};
+pub use examples::command;
 pub use goals::{
     Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,
 };
@@ -76,6 +79,7 @@ pub enum Command {
     /// Turn a cap on its bottle until it is tight; Ctrl-C cancels
     Screw(Screw),
     /// Hold a bottle with one hand; put a cap on it with the other, and screw it tight; Ctrl-C cancels
+    #[command(visible_alias = "assembly")]
     Assemble(Assemble),
     /// Run a task of your own, which the daemon's configuration defines; Ctrl-C cancels
     Task(UserTask),
@@ -84,6 +88,8 @@ pub enum Command {
     /// Stop now: the robot keeps its place and its grip until `atas recover`
     #[command(visible_alias = "stop")]
     Estop(BusArgument),
+    /// Cancel the active goal, whoever sent it; the hands keep what they hold
+    Cancel(BusArgument),
     /// Leave a stop or a hold, if its cause is gone
     Recover(BusArgument),
     /// Show how the daemon and its sensors are
@@ -179,6 +185,16 @@ pub struct Status {
 /// `atas events`.
 #[derive(Args, Clone, Debug)]
 pub struct Events {
+    /// Only events of these kinds, separated by commas: goal, step, mode, touch-on, touch-off, module-on, module-off,
+    /// stiffness, warning
+    #[arg(long = "kind", value_name = "KIND", value_delimiter = ',', value_parser = event_kind)]
+    pub kinds: Vec<EventKind>,
+    /// Only events of this hand, and those of none
+    #[arg(long, value_enum)]
+    pub hand: Option<HandName>,
+    /// Only the last goal's, from its beginning
+    #[arg(long, conflicts_with_all = ["follow", "count"])]
+    pub last_goal: bool,
     /// Go on with new events, until Ctrl-C
     #[arg(long)]
     pub follow: bool,

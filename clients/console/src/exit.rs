@@ -56,9 +56,10 @@ Exit codes:
 
     fn of_bus(error: &BusError) -> Self {
         match error {
-            BusError::NoServer { .. } | BusError::ServerGone { .. } | BusError::NoAnswer { .. } => {
-                Self::NoDaemon
-            }
+            BusError::Absent { .. }
+            | BusError::NoServer { .. }
+            | BusError::ServerGone { .. }
+            | BusError::NoAnswer { .. } => Self::NoDaemon,
             _ => Self::Failed,
         }
     }

@@ -4,7 +4,9 @@ use std::io::{IsTerminal, Write};
 
 use anyhow::Context;
 use clap::ValueEnum;
-use comfy_table::{Cell, Color, ContentArrangement, LineStyle, Table, TableStyle};
+use comfy_table::{
+    Cell, Color, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
+};
 use serde::Serialize;
 use shm_schemas::ModuleId;
 
@@ -14,7 +16,7 @@ pub enum Format {
     /// Tables and sentences
     #[default]
     Human,
-    /// One JSON value per line
+    /// One JSON value per line on standard output; an error is one JSON object on standard error
     Json,
 }
 
@@ -54,6 +56,17 @@ impl Output {
         writeln!(self.out, "{text}").context("could not write to standard output")
     }
 
+    /// Prints what is a file of its own.
+    ///
+    /// # Errors
+    /// Standard output cannot be written.
+    pub fn bytes(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
+        self.out
+            .write_all(bytes)
+            .and_then(|()| self.out.flush())
+            .context("could not write to standard output")
+    }
+
     /// Prints one JSON value on one line.
     pub fn json(&mut self, value: &impl Serialize) -> anyhow::Result<()> {
         let text = serde_json::to_string(value).context("could not write JSON")?;
@@ -68,29 +81,92 @@ impl Output {
         Ok(())
     }
 
-    /// A cell that says whether something went well: green or red where colours are wanted.
-    pub fn verdict(&self, text: &str, good: bool) -> Cell {
+    /// Prints a table as wide as the terminal, or 80 columns where there is none. Only spaces are broken at: numbers stay
+    /// whole, and a table of longer words is wider.
+    ///
+    /// # Errors
+    /// Standard output cannot be written.
+    pub fn table(&mut self, table: Table) -> anyhow::Result<()> {
+        let terminal = table.width().filter(|columns| *columns >= COLUMNS_MIN);
+        let columns = terminal.filter(|_| self.is_terminal()).unwrap_or(COLUMNS);
+        self.line(fitted(table, columns))
+    }
+
+    /// A cell that says how something went, in colour where colours are wanted.
+    #[must_use]
+    pub fn verdict(&self, text: &str, mood: Mood) -> Cell {
         let cell = Cell::new(text);
-        match (self.colour, good) {
-            (true, true) => cell.fg(Color::Green),
-            (true, false) => cell.fg(Color::Red),
-            (false, _) => cell,
+        if !self.colour {
+            return cell;
         }
+        cell.fg(match mood {
+            Mood::Good => Color::Green,
+            Mood::Warning => Color::Yellow,
+            Mood::Bad => Color::Red,
+        })
+    }
+}
+
+/// How something went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mood {
+    /// Well.
+    Good,
+    /// It works, but not as it should.
+    Warning,
+    /// Not.
+    Bad,
+}
+
+impl From<bool> for Mood {
+    fn from(good: bool) -> Self {
+        if good { Self::Good } else { Self::Bad }
     }
 }
 
 /// Columns below which a terminal's width is not believed: nothing could be read there.
 const COLUMNS_MIN: u16 = 40;
+/// Columns of what is printed into a file or a pipe.
+const COLUMNS: u16 = 80;
 
-/// A table in the one style of this program, wrapped to the terminal's width.
+/// A table in the one style of these programs, for [`Output::table`].
+#[must_use]
 pub fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     let lines = TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
     table.load_style(lines).set_header(header);
-    if table.width().is_none_or(|columns| columns >= COLUMNS_MIN) {
-        table.set_content_arrangement(ContentArrangement::Dynamic);
+    table
+}
+
+/// The table in so many columns, no column narrower than its longest word.
+fn fitted(mut table: Table, columns: u16) -> Table {
+    let longest: Vec<u16> = (0..table.column_count())
+        .map(|index| {
+            let rows = table.header().into_iter().chain(table.row_iter());
+            let cells = rows.filter_map(|row| row.cell_iter().nth(index));
+            cells
+                .map(|cell| longest_word(&cell.content()))
+                .max()
+                .unwrap_or(0)
+        })
+        .collect();
+    for (column, longest) in table.column_iter_mut().zip(longest) {
+        column.set_padding((0, 1));
+        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(longest + 1)));
     }
     table
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(columns);
+    table
+}
+
+fn longest_word(text: &str) -> u16 {
+    let lengths = text.split_whitespace().map(|word| word.chars().count());
+    lengths
+        .max()
+        .unwrap_or(0)
+        .try_into()
+        .unwrap_or(u16::MAX - 1)
 }
 
 /// A number with so many digits after the point, and no minus before a zero.
@@ -131,6 +207,29 @@ mod tests {
         check(4.126, 2, "4.13");
         check(f64::NAN, 2, "NaN");
         check(f64::INFINITY, 2, "inf");
+    }
+
+    #[test]
+    fn tables_fit_their_columns_and_break_no_number() {
+        let mut rows = table(&[
+            "object",
+            "needed N",
+            "stiffness N/m",
+            "lifted mm",
+            "outcome",
+        ]);
+        let outcome =
+            "refused: object too heavy for its hardness, and more words than one line has room for";
+        rows.add_row(["filled-paper-box", "18.39", "1000000", "39.96", outcome]);
+        let text = fitted(rows, 60).to_string();
+        for whole in ["filled-paper-box", "18.39", "1000000", "39.96", "stiffness"] {
+            assert!(text.contains(whole), "{whole}:\n{text}");
+        }
+        let widest = text
+            .lines()
+            .map(|line| line.trim_end().chars().count())
+            .max();
+        assert!(widest.is_some_and(|columns| columns <= 60), "{text}");
     }
 
     #[test]

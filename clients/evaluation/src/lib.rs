@@ -15,6 +15,8 @@
 //! * **Absent on purpose:** the terminal and the bus, and any knowledge of which object of the built-in set can be held:
 //!   [`judge`] computes it.
 
+mod condition;
+mod execute;
 pub mod figures;
 mod finding;
 pub mod judge;
@@ -26,8 +28,9 @@ mod statistics;
 mod task;
 mod trial;
 
+pub use condition::{Condition, Noise};
 pub use finding::{Finding, Grasped};
-pub use plan::{Condition, Noise, Plan};
+pub use plan::Plan;
 pub use policy::GripPolicy;
 pub use report::{Baseline, Family, Feasible, Infeasible, Physics, Report, Row, Tally};
 pub use statistics::{median, wilson};

@@ -40,7 +40,7 @@ pub enum GripPolicy {
 impl GripPolicy {
     /// The baselines of a task, the first with this force or the best for the task.
     #[must_use]
-    pub fn baselines(task: crate::Task, force_n: Option<f64>) -> [Self; 2] {
+    pub fn baselines(task: crate::task::Task, force_n: Option<f64>) -> [Self; 2] {
         let force_n = force_n.unwrap_or(task.best_fixed_force_n());
         [Self::FixedForce(force_n), Self::SlipReactive(START_N)]
     }

@@ -6,10 +6,12 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::condition::{Condition, Noise};
+use crate::finding::Grasped;
 use crate::judge::Outcome;
-use crate::plan::Noise;
+use crate::plan::Plan;
 use crate::statistics::{deviation, median, wilson};
-use crate::{Condition, Grasped, Plan, Record};
+use crate::trial::Record;
 
 /// What an evaluation found.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -3,12 +3,12 @@
 use anyhow::Context;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use robot_model::Side;
-use shm_schemas::{GoalKind, GoalRequest};
+use shm_schemas::GoalRequest;
 use sim_backend::{GraspHint, Object, ObjectError, Scene};
 
+use crate::condition::{Condition, Noise};
 use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
-use crate::plan::{Condition, Noise};
 
 /// The hand that acts.
 pub const SIDE: Side = Side::Right;
@@ -83,16 +83,6 @@ impl Task {
         match self {
             Self::Grasp | Self::PickPlace => 7.0,
             Self::Screw | Self::Assembly => 1.0,
-        }
-    }
-
-    /// The kind of its goals.
-    pub(crate) fn kind(self) -> GoalKind {
-        match self {
-            Self::Grasp => GoalKind::GRASP,
-            Self::PickPlace => GoalKind::PICK_PLACE,
-            Self::Screw => GoalKind::SCREW,
-            Self::Assembly => GoalKind::ASSEMBLE,
         }
     }
 

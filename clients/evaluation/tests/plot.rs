@@ -39,7 +39,16 @@ fn every_task_has_a_figure() {
         "3 force limit",
         "stiffness probe",
     ];
-    let forces = ["F_n", "F_t", "F_1, F_2", "force, N", "lift, mm", "time, s"];
+    let forces = [
+        "F_n finger 1",
+        "F_n finger 2",
+        "F_t",
+        ">\nF_1",
+        ">\nF_2",
+        "Force (N)",
+        "Lift (mm)",
+        "Time (s)",
+    ];
     check(
         Task::Grasp,
         "bottle",
@@ -51,8 +60,8 @@ fn every_task_has_a_figure() {
     let turns = [
         "initial square",
         "cycles 1 to",
-        "angle, °",
-        "torque, mN·m",
+        "Angle (°)",
+        "Torque (mN·m)",
         "Module 4",
     ];
     check(Task::Screw, "cap", &turns, 6);
@@ -61,10 +70,37 @@ fn every_task_has_a_figure() {
         "left hand",
         "screw",
         "hold",
-        "grip, N",
+        "Grip (N)",
         "Module 4",
     ];
     check(Task::Assembly, "cap", &hands, 6);
+}
+
+/// A hand that turns back is in steps that its task does not list: they are labelled all the same.
+#[test]
+fn the_steps_after_a_refusal_are_labelled() {
+    let svg = drawn(Task::Grasp, "heavy-block", 1);
+    for step in ["lift", "lower"] {
+        assert!(svg.contains(&format!(">\n{step}\n<")), "{step} is missing");
+    }
+}
+
+/// What lies on top of each other must be told apart by its colour.
+#[test]
+fn fingers_and_thresholds_have_colours_of_their_own() {
+    let svg = drawn(Task::Grasp, "wood", 1);
+    // More lines than the legend alone has: one, or three dashes.
+    let least = [
+        ("#0072B2", 2),
+        ("#56B4E9", 2),
+        ("#E69F00", 4),
+        ("#D55E00", 4),
+    ];
+    for (colour, least) in least {
+        let lines = svg.split("<polyline").skip(1);
+        let drawn = lines.filter(|line| line.split('>').next().is_some_and(|l| l.contains(colour)));
+        assert!(drawn.count() >= least, "no line in {colour}");
+    }
 }
 
 #[test]

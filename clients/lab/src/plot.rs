@@ -6,6 +6,7 @@ use anyhow::Context;
 use atas_console::arguments::Plot;
 use atas_console::{Ended, Exit, Output};
 use atas_evaluation::{Task, figures};
+use serde_json::json;
 use sim_backend::{Object, ObjectError};
 
 /// `atas plot`.
@@ -23,6 +24,9 @@ pub(crate) fn plot(plot: &Plot, output: &mut Output) -> anyhow::Result<()> {
     };
     let svg = figures::draw(task, &object, arguments.seed)?;
     write(&arguments.out, &svg)?;
+    if output.is_json() {
+        return output.json(&json!({ "file": arguments.out.display().to_string() }));
+    }
     output.line(format!("wrote {}", arguments.out.display()))
 }
 

@@ -69,7 +69,7 @@ fn run(files: &[PathBuf]) -> anyhow::Result<Agreement> {
         let Entry::Message(message) = entry? else {
             continue;
         };
-        if let Some(header) = payload::<RunHeader>(&message)
+        if let Some(header) = payload::<RunHeader>(&message)?
             && let Some(storage) = storage.take()
         {
             replay = Some(Replay::new(
@@ -77,7 +77,7 @@ fn run(files: &[PathBuf]) -> anyhow::Result<Agreement> {
                 storage,
             ));
         }
-        if let Some(part) = payload::<TickInputs>(&message) {
+        if let Some(part) = payload::<TickInputs>(&message)? {
             let replay = replay.as_mut();
             let replay = replay
                 .context("could not replay because the file has no run header before its ticks")?;

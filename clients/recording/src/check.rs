@@ -29,7 +29,7 @@ impl Contents {
         for entry in Reader::open(path)? {
             match entry {
                 Ok(entry) => {
-                    contents.count(&entry);
+                    contents.count(&entry)?;
                     each(&entry)?;
                 }
                 Err(error) => contents.damage = Some(one_line(&error)),
@@ -38,19 +38,20 @@ impl Contents {
         Ok(contents)
     }
 
-    fn count(&mut self, entry: &Entry) {
+    fn count(&mut self, entry: &Entry) -> anyhow::Result<()> {
         let Entry::Message(message) = entry else {
-            return;
+            return Ok(());
         };
         self.messages += 1;
-        let Some(part) = payload::<TickInputs>(message) else {
-            return;
+        let Some(part) = payload::<TickInputs>(message)? else {
+            return Ok(());
         };
         self.parts += 1;
         let sequence = part.stamp.sequence;
         self.first.get_or_insert(sequence);
         self.lost += self.next.map_or(0, |next| sequence.saturating_sub(next));
         self.next = Some(sequence.saturating_add(1));
+        Ok(())
     }
 }
 

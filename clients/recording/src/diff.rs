@@ -70,10 +70,10 @@ impl Ticks {
             let Entry::Message(message) = entry? else {
                 continue;
             };
-            if let Some(part) = payload::<TickInputs>(&message) {
+            if let Some(part) = payload::<TickInputs>(&message)? {
                 return Ok(Some(part));
             }
-            self.last = payload::<Status>(&message).or(self.last.take());
+            self.last = payload::<Status>(&message)?.or(self.last.take());
         }
         Ok(None)
     }

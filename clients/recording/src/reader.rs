@@ -118,14 +118,36 @@ impl Iterator for Reader {
 }
 
 /// The payload in a message, if it is of this type.
-#[must_use]
-pub fn payload<T: Recorded>(message: &Message<'_>) -> Option<Box<T>> {
-    let is_it = message.channel.topic == T::TOPIC
-        && message
-            .channel
-            .schema
-            .as_ref()
-            .is_some_and(|schema| schema.name == T::TYPE_NAME);
-    let read = is_it.then(|| T::read_from_bytes(&message.data).ok())?;
-    read.map(Box::new)
+///
+/// # Errors
+/// It is of another version of this type, which this version cannot read: that is said, not skipped.
+pub fn payload<T: Recorded>(message: &Message<'_>) -> anyhow::Result<Option<Box<T>>> {
+    let Some(schema) = &message.channel.schema else {
+        return Ok(None);
+    };
+    if stem(&schema.name) != stem(T::TYPE_NAME) {
+        return Ok(None);
+    }
+    anyhow::ensure!(
+        schema.name == T::TYPE_NAME,
+        "could not read {} because this version of atas reads {}; use the version that recorded it (metadata {:?}, \
+         daemon_version)",
+        schema.name,
+        T::TYPE_NAME,
+        crate::rotation::ORIGIN
+    );
+    let read = T::read_from_bytes(&message.data).ok();
+    let read = read.with_context(|| {
+        let (bytes, needed) = (message.data.len(), size_of::<T>());
+        format!(
+            "could not read {} because it has {bytes} bytes, needs {needed}; the file is damaged",
+            schema.name
+        )
+    })?;
+    Ok(Some(Box::new(read)))
+}
+
+/// The name of a type without its version.
+fn stem(name: &str) -> &str {
+    name.rsplit_once(".v").map_or(name, |(stem, _)| stem)
 }

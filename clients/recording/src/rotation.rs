@@ -15,7 +15,7 @@ const FLUSH: Duration = Duration::from_secs(1);
 /// much faster, is bounded as finely (ours).
 const FLUSH_BYTES: u64 = 8 << 20;
 /// Name of the metadata that says where a file comes from.
-pub(super) const ORIGIN: &str = "atas.run";
+pub(crate) const ORIGIN: &str = "atas.run";
 /// Name of the metadata that hold what the user noted.
 const NOTES: &str = "atas.notes";
 

@@ -109,6 +109,8 @@ pub struct ActiveGoal {
     pub both_hands: bool,
     /// Where it stands.
     pub state: GoalState,
+    /// Why, if it ended without success.
+    pub reason: Reason,
     /// How long it has been paused in HOLD, s.
     pub paused_s: f64,
 }
@@ -122,6 +124,7 @@ impl ActiveGoal {
             side: goal.side,
             both_hands: goal.demands.both_hands,
             state: GoalState::ACCEPTED,
+            reason: Reason::default(),
             paused_s: 0.0,
         }
     }

@@ -109,6 +109,7 @@ fn answer(request: &ControlRequest, state: &mut SupervisorState, link: &Link) ->
         ControlOp::PARAM_LIST => return Answer::Now(list(request, state)),
         ControlOp::PARAM_SET => return set(request, state, link),
         ControlOp::BIAS => bias(request, state, link),
+        ControlOp::CANCEL => cancel(request, link),
         ControlOp::RELOAD => state.reload(link),
         unknown => return Answer::Now(unknown_op(unknown)),
     };
@@ -122,6 +123,14 @@ fn answer(request: &ControlRequest, state: &mut SupervisorState, link: &Link) ->
         ),
         Err(why) => Answer::Now(refused(&why)),
     }
+}
+
+fn cancel(request: &ControlRequest, link: &Link) -> Result<u64, String> {
+    let name = request.name.as_str();
+    let goal_id = name
+        .parse()
+        .map_err(|_| format!("could not cancel {name:?}, needs the id of a goal in decimal"))?;
+    order(Order::Cancel { goal_id }, link)
 }
 
 fn order(order: Order, link: &Link) -> Result<u64, String> {

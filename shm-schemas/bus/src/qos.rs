@@ -58,7 +58,8 @@ const fn stream<T: Payload>(
 /// Every stream: service, `[buffer, history]`, `[publishers, subscribers]`.
 ///
 /// Frames wait 256 deep, so that a reader that was not scheduled for a quarter of a second sees every frame; commands 4
-/// deep, because an old command is worth nothing; reports and events 256 deep, for readers that wake a few times a second;
+/// deep, because an old command is worth nothing; reports 256 deep, for readers that wake a few times a second; events 1024
+/// deep and kept, so that a reader that comes when a task has ended sees the whole of it;
 /// recorded inputs 288 deep for one recorder, which looks every millisecond, because a replay needs every one of them.
 pub const STREAMS: [Stream; 13] = [
     stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
@@ -67,7 +68,7 @@ pub const STREAMS: [Stream; 13] = [
     stream::<JointCommand>(at::JOINT_COMMAND, [4, 1], [1, 4]),
     stream::<Status>(at::STATUS, [2, 1], [1, 16]),
     stream::<TickReport>(at::TICK_REPORT, [256, 1], [1, 8]),
-    stream::<ModuleEvent>(at::MODULE_EVENT, [256, 64], [1, 16]),
+    stream::<ModuleEvent>(at::MODULE_EVENT, [1024, 1024], [1, 8]),
     stream::<RunHeader>(at::RUN_HEADER, [1, 1], [1, 4]),
     stream::<TickInputs>(at::TICK_INPUTS, [288, 0], [1, 1]),
     stream::<SensorStatus>(at::SENSOR_STATUS, [4, 1], [8, 16]),

@@ -265,3 +265,80 @@ fn a_demo_whose_process_is_killed_says_which_and_leaves_nothing_behind() {
         assert_eq!(left.count(), 0, "shared memory of {bus}");
     }
 }
+
+/// Every line of standard output as JSON.
+fn lines(arguments: &str) -> Vec<Value> {
+    let output = atas(arguments).output().expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    text.lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect()
+}
+
+#[test]
+fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
+    let _alone = alone();
+    let rig = Rig::plain("pick-place --object heavy-block");
+    let (code, end, stderr) = rig.ask("pick-place");
+    assert_eq!((code, &end["state"]), (4, &"refused".into()), "{stderr}");
+    let error: Value = serde_json::from_str(&stderr).expect("an error as JSON");
+    assert_eq!(error["exit"], 4, "{error}");
+    let (_, status, _) = rig.ask("status");
+    assert_eq!(status["goal"]["state"], "refused", "{status}");
+    assert_eq!(
+        status["goal"]["reason"]["cause"], end["reason"]["cause"],
+        "{status}"
+    );
+    let bus = rig.bus.as_str();
+    let shown = atas(&format!("status --bus {bus}")).output();
+    let shown = String::from_utf8_lossy(&shown.expect("it starts").stdout).into_owned();
+    let sentence = end["reason"]["sentence"].as_str().expect("a sentence");
+    assert!(shown.contains(sentence), "{shown}");
+
+    let events = lines(&format!("events --last-goal --format json --bus {bus}"));
+    let is = |event: &Value, kind: &str, text: &str| event["kind"] == kind && event["text"] == text;
+    assert!(
+        events
+            .first()
+            .is_some_and(|first| is(first, "goal", "running"))
+    );
+    assert!(events.iter().any(|event| is(event, "step", "lift")));
+    assert!(events.iter().any(|event| is(event, "goal", "refused")));
+    let steps = lines(&format!("events --kind step --format json --bus {bus}"));
+    assert!(!steps.is_empty());
+    for step in &steps {
+        assert_eq!(step["kind"], "step");
+        assert!(
+            step.get("finger").is_none() && step.get("reason").is_none(),
+            "{step}"
+        );
+    }
+}
+
+#[test]
+fn any_client_can_cancel_the_goal_of_another() {
+    let _alone = alone();
+    let rig = Rig::plain("pick-place");
+    let (code, _, stderr) = rig.ask("cancel");
+    assert!(
+        code == 4 && stderr.contains("no goal to cancel"),
+        "{stderr}"
+    );
+    let sent = format!("pick-place --format json --bus {}", rig.bus.as_str());
+    let client = atas(&sent)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let client = client.expect("it starts");
+    wait_for("a goal", || {
+        (rig.ask("status").1["goal"]["state"] == "running").then_some(())
+    });
+    let (code, told_cancel, stderr) = rig.ask("cancel");
+    assert_eq!(
+        (code, &told_cancel["outcome"]),
+        (0, &"done".into()),
+        "{stderr}"
+    );
+    let (code, end, stderr) = told(&client.wait_with_output().expect("it ends"));
+    assert_eq!((code, &end["state"]), (4, &"cancelled".into()), "{stderr}");
+}

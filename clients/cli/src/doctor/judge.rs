@@ -156,7 +156,12 @@ pub(super) fn governor(governors: &[String]) -> Finding {
     }
     let found: Vec<String> = cores
         .iter()
-        .map(|(name, count)| format!("{name} ({count} cores)"))
+        .map(|(name, count)| {
+            format!(
+                "{name} ({count} core{})",
+                if *count == 1 { "" } else { "s" }
+            )
+        })
         .collect();
     if cores.is_empty() {
         Finding::ok(PROBE, "none: the frequency is not this kernel's to choose")
@@ -172,23 +177,46 @@ pub(super) fn governor(governors: &[String]) -> Finding {
     }
 }
 
-/// The cores that nothing is scheduled on by itself, from `/sys/devices/system/cpu/isolated`.
-pub(super) fn isolated_cores(list: &str) -> Finding {
+/// The cores that nothing is scheduled on by itself, from `/sys/devices/system/cpu/isolated`, among those that exist, from
+/// `/sys/devices/system/cpu/present`.
+pub(super) fn isolated_cores(isolated: &str, present: &str) -> Finding {
     const PROBE: &str = "isolated cores";
-    match core_list(list) {
-        Some(cores) if cores.is_empty() => Finding::warn(
+    let (Some(isolated), Some(present)) = (core_list(isolated), core_list(present)) else {
+        return Finding::warn(
             PROBE,
-            "none: other work shares the core of the ticks",
-            "boot with isolcpus=managed_irq,domain,3 nohz_full=3 and set realtime.cpu = 3",
+            format!("could not read {isolated:?} and {present:?}"),
+            "none; report the texts",
+        );
+    };
+    let (there, missing): (Vec<u32>, Vec<u32>) = isolated
+        .into_iter()
+        .partition(|core| present.contains(core));
+    let count = present.len();
+    if !missing.is_empty() {
+        return Finding::warn(
+            PROBE,
+            format!("{missing:?} of the boot options do not exist; there are {count} cores"),
+            "correct isolcpus= in the boot options",
+        );
+    }
+    if !there.is_empty() {
+        return Finding::ok(
+            PROBE,
+            format!("{there:?} of {count}; realtime.cpu should be one of them"),
+        );
+    }
+    match present.last() {
+        Some(last) if count > 1 => Finding::warn(
+            PROBE,
+            format!("none of {count}: other work shares the core of the ticks"),
+            format!(
+                "boot with isolcpus=managed_irq,domain,{last} nohz_full={last} and set realtime.cpu = {last}"
+            ),
         ),
-        Some(cores) => Finding::ok(
+        _ => Finding::warn(
             PROBE,
-            format!("{cores:?}; realtime.cpu should be one of them"),
-        ),
-        None => Finding::warn(
-            PROBE,
-            format!("could not read {list:?}"),
-            "none; report the text",
+            "there is one core: all other work shares it with the ticks",
+            "give this machine another core",
         ),
     }
 }
@@ -268,11 +296,11 @@ pub(super) fn leftovers(unused: &BTreeMap<String, u64>) -> Finding {
     )
 }
 
-/// The bus of a file in `/dev/shm`: what stands before `_` and eight hexadecimal digits and `_`.
+/// The bus of a file in `/dev/shm`: what stands before `_` and sixteen hexadecimal digits and `_`.
 pub(super) fn bus_of_file(name: &str) -> Option<&str> {
     let (bus, rest) = name.split_once('_')?;
     let (hash, _) = rest.split_once('_')?;
-    let is_hash = hash.len() == 8 && hash.bytes().all(|b| b.is_ascii_hexdigit());
+    let is_hash = hash.len() == 16 && hash.bytes().all(|b| b.is_ascii_hexdigit());
     (is_hash && !bus.is_empty()).then_some(bus)
 }
 

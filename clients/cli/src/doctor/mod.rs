@@ -11,7 +11,7 @@
 mod judge;
 mod probe;
 
-use atas_console::{Ended, Exit, Output, table};
+use atas_console::{Ended, Exit, Mood, Output, table};
 use serde_json::json;
 use shm_bus::BusName;
 
@@ -32,6 +32,14 @@ impl Verdict {
             Self::Ok => "ok",
             Self::Warn => "warn",
             Self::Fail => "fail",
+        }
+    }
+
+    fn mood(self) -> Mood {
+        match self {
+            Self::Ok => Mood::Good,
+            Self::Warn => Mood::Warning,
+            Self::Fail => Mood::Bad,
         }
     }
 }
@@ -94,16 +102,20 @@ fn print(findings: &[Finding], output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(&findings.iter().map(as_json).collect::<Vec<_>>());
     }
-    let mut rows = table(&["probe", "verdict", "found", "what to do"]);
+    let mut rows = table(&["verdict", "probe", "found, and what to do"]);
     for finding in findings {
+        let text = if finding.cure.is_empty() {
+            finding.found.clone()
+        } else {
+            format!("{}\n→ {}", finding.found, finding.cure)
+        };
         rows.add_row([
+            output.verdict(finding.verdict.name(), finding.verdict.mood()),
             finding.probe.into(),
-            output.verdict(finding.verdict.name(), finding.verdict != Verdict::Fail),
-            finding.found.as_str().into(),
-            finding.cure.as_str().into(),
+            text.into(),
         ]);
     }
-    output.line(rows)
+    output.table(rows)
 }
 
 fn as_json(finding: &Finding) -> serde_json::Value {
@@ -113,4 +125,15 @@ fn as_json(finding: &Finding) -> serde_json::Value {
         "found": finding.found,
         "what_to_do": finding.cure,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_is_told_as_one() {
+        let moods = [Verdict::Ok, Verdict::Warn, Verdict::Fail].map(Verdict::mood);
+        assert_eq!(moods, [Mood::Good, Mood::Warning, Mood::Bad]);
+    }
 }

@@ -43,7 +43,10 @@ pub(super) fn machine() -> Vec<Finding> {
             &read("/proc/self/status"),
         ),
         judge::governor(&governors()),
-        judge::isolated_cores(&read("/sys/devices/system/cpu/isolated")),
+        judge::isolated_cores(
+            &read("/sys/devices/system/cpu/isolated"),
+            &read("/sys/devices/system/cpu/present"),
+        ),
         judge::clock(
             resolution_ns,
             &read("/sys/devices/system/clocksource/clocksource0/current_clocksource"),
@@ -56,11 +59,23 @@ pub(super) fn machine() -> Vec<Finding> {
 pub(super) fn bus(name: &BusName) -> Vec<Finding> {
     // Before joining, because joining removes what it finds of this bus.
     let mut findings = vec![judge::leftovers(&unused_shared_memory())];
-    match Session::join(name) {
+    match Session::existing(name) {
         Ok(session) => {
             findings.push(peers(&session));
             let status: Option<Status> = session.watch_status().ok().map(|(_, status)| status);
             findings.push(judge::daemon(status.as_ref(), name.as_str()));
+        }
+        Err(ClientError::Bus(BusError::Absent { bus, folder })) => {
+            let found = format!(
+                "{bus:?} is not there: nothing has made {}",
+                folder.display()
+            );
+            findings.push(Finding::warn(
+                "bus",
+                found,
+                "start `atasd`, or name its bus with --bus",
+            ));
+            findings.push(judge::daemon(None, name.as_str()));
         }
         Err(error) => findings.push(Finding::fail("bus", error.to_string(), cure(&error))),
     }
@@ -69,6 +84,7 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
 
 fn cure(error: &ClientError) -> &'static str {
     match error {
+        ClientError::Bus(BusError::OtherUser { .. }) => "run as that user",
         ClientError::Bus(BusError::NoSpace { .. }) => "free /dev/shm as the finding above says",
         _ => "do what the message says; daemon and clients must run as one user",
     }
@@ -77,7 +93,12 @@ fn cure(error: &ClientError) -> &'static str {
 /// Who else is on the bus.
 fn peers(session: &Session) -> Finding {
     let bus = session.bus();
-    let place = format!("{:?} in {}", bus.name().as_str(), bus.folder().display());
+    let place = format!(
+        "{:?} in {}, prefix {} in {SHM}",
+        bus.name().as_str(),
+        bus.folder().display(),
+        bus.prefix()
+    );
     let own = std::process::id();
     match bus.peers() {
         Ok(peers) => {

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::values::html;
+
 /// What the simulator's scenes have where nothing is said; a test holds them to it.
 const OBJECT: &str = "wood";
 const CAP: &str = "cap";
@@ -18,6 +20,7 @@ pub enum Demo {
     /// Turn the cap of a clamped bottle until it is tight, and measure how tight
     Screw(DemoScrew),
     /// Hold a bottle with one hand, put a cap on it with the other, screw it tight and leave the bottle standing
+    #[command(visible_alias = "assemble")]
     Assembly(DemoAssembly),
     /// Let a team of mobile robots carry its object to eight goals, each robot by an evolved behaviour table
     Swarm(DemoSwarm),
@@ -101,7 +104,7 @@ pub struct DemoSwarm {
     #[arg(long, conflicts_with = "frame_rate_hz")]
     pub lockstep: bool,
     /// Write an animation of the eight trials: one web page that needs nothing else
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.html", value_parser = html)]
     pub replay: Option<PathBuf>,
 }
 

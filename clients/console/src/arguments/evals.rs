@@ -14,6 +14,7 @@ pub enum Eval {
     /// Cap screwing, over caps of 12 to 20 mm radius, and threads of any friction, angle and pitch
     Screw(Evaluation),
     /// Two-hand assembly, over the same caps on free bottles of any size
+    #[command(visible_alias = "assemble")]
     Assembly(Evaluation),
 }
 

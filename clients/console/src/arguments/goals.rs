@@ -17,7 +17,7 @@ const LIFT_MM: f64 = goal::LIFT_M * 1e3;
 #[derive(Args, Clone, Debug)]
 pub struct Grasp {
     /// Where the fingertips shall close, metres from the robot's base: x forward, y left, z up
-    #[arg(long, value_name = "X,Y,Z", value_parser = position_m, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "from", value_name = "X,Y,Z", value_parser = position_m, allow_hyphen_values = true)]
     pub at: [f64; 3],
     /// Direction of the closing axis, degrees from x towards y
     #[arg(long, value_name = "DEG", default_value_t = 90.0, value_parser = finite, allow_hyphen_values = true)]
@@ -41,7 +41,7 @@ pub struct Grasp {
 #[command(after_help = Usual::PickPlace.help())]
 pub struct PickPlace {
     /// Where the fingertips shall close, metres from the robot's base: x forward, y left, z up
-    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "at", value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub from: Option<Place>,
     /// Where they shall let go. Without Z as high as they closed
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
@@ -68,7 +68,7 @@ pub struct PickPlace {
 #[command(after_help = Usual::Screw.help())]
 pub struct Screw {
     /// Where the fingertips shall close on the cap, metres from the robot's base: x forward, y left, z up
-    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "from", value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub at: Option<Place>,
     /// Direction of the closing axis, degrees from x towards y
     #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true)]
@@ -89,13 +89,13 @@ pub struct Screw {
 #[command(after_help = Usual::Assembly.help())]
 pub struct Assemble {
     /// Where the fingertips shall close on the cap, metres from the robot's base: x forward, y left, z up
-    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    #[arg(long, visible_aliases = ["at", "from"], value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub cap: Option<Place>,
     /// Diameter of the cap, millimetres
     #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
     pub cap_width: Option<f64>,
     /// Where the fingertips shall be when the cap sits on the bottle; the other hand holds the bottle below
-    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "to", value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub on: Option<Place>,
     /// Diameter of the bottle, millimetres
     #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
@@ -119,7 +119,7 @@ pub struct UserTask {
     #[arg(value_parser = task_name)]
     pub name: String,
     /// Where the fingertips shall close, metres from the robot's base: x forward, y left, z up
-    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "at", value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub from: Option<Place>,
     /// Where a task that conveys takes the object. Without Z as high as it was
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::values::svg;
+
 /// The figures of `atas plot`.
 #[derive(Debug, Subcommand)]
 pub enum Plot {
@@ -14,6 +16,7 @@ pub enum Plot {
     /// The square trajectory and what contact made of it (Fig. 6); the cap's angle and torque
     Screw(Drawn),
     /// What both hands do, their grips, the cap's angle and torque
+    #[command(visible_alias = "assemble")]
     Assembly(Drawn),
 }
 
@@ -27,6 +30,6 @@ pub struct Drawn {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// The SVG file to write
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     pub out: PathBuf,
 }

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::BusArgument;
-use super::values::{bytes, note};
+use super::values::{bytes, mcap, note};
 
 /// `atas record`.
 #[derive(Args, Clone, Debug)]
 pub struct Record {
     /// File to make; it must not exist [default: atas-SECONDS.mcap, seconds since 1970]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.mcap", value_parser = mcap)]
     pub out: Option<PathBuf>,
     /// Go on in another file (FILE-001.mcap, …) when this one is larger, for example 500M
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
@@ -43,7 +43,7 @@ pub enum RecordAction {
         /// The recording; it is left as it is
         file: PathBuf,
         /// File to make; it must not exist [default: NAME-repaired.mcap]
-        #[arg(long, value_name = "FILE")]
+        #[arg(long, value_name = "FILE.mcap", value_parser = mcap)]
         out: Option<PathBuf>,
     },
 }

@@ -1,12 +1,48 @@
 //! How values are read from text.
 
+use std::path::PathBuf;
 use std::time::Duration;
+
+use shm_schemas::EventKind;
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("needs a finite number, for example 40 or 0.5".into()),
     }
+}
+
+pub(super) fn event_kind(text: &str) -> Result<EventKind, String> {
+    let known = EventKind::ALL
+        .iter()
+        .find(|kind| kind.name() == text.trim());
+    known.copied().ok_or_else(|| {
+        let names: Vec<&str> = EventKind::ALL.iter().map(|kind| kind.name()).collect();
+        format!("needs one of {}", names.join(", "))
+    })
+}
+
+/// A file that a command makes, whose name ends as its content is: nothing else is written under it.
+fn file(text: &str, suffix: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(found) if found == suffix => Ok(path),
+        _ => Err(format!(
+            "needs a name that ends in .{suffix}, because that is what is written"
+        )),
+    }
+}
+
+pub(super) fn svg(text: &str) -> Result<PathBuf, String> {
+    file(text, "svg")
+}
+
+pub(super) fn mcap(text: &str) -> Result<PathBuf, String> {
+    file(text, "mcap")
+}
+
+pub(super) fn html(text: &str) -> Result<PathBuf, String> {
+    file(text, "html")
 }
 
 pub(super) fn position_m(text: &str) -> Result<[f64; 3], String> {

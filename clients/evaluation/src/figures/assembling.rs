@@ -6,7 +6,7 @@ use robot_model::Side;
 use super::figure::{self, *};
 use super::screwing::{CAP, draw_cap};
 use super::trace::Trace;
-use crate::SIDE;
+use crate::task::SIDE;
 
 /// Colours of the hands: acting, helping.
 const HANDS: [RGBColor; 2] = [BLUE, ORANGE];
@@ -43,7 +43,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         let top_n = figure::highest(&[&grips[0], &grips[1]]);
         let axes = Axes {
             x: "",
-            y: "grip, N",
+            y: "Grip (N)",
         };
         let mut chart = panel(&forces, time_s.clone(), up_to(top_n), &axes, &[])?;
         for (grip, colour) in grips.into_iter().zip(HANDS) {

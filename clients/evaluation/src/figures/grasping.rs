@@ -5,7 +5,7 @@ use shm_schemas::ModuleId;
 
 use super::figure::{self, *};
 use super::trace::{Tick, Trace};
-use crate::SIDE;
+use crate::task::SIDE;
 
 /// Modules with their colours, as lanes from top to bottom.
 const LANES: [(ModuleId, &str, RGBColor); 7] = [
@@ -43,10 +43,12 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
             area,
             -26,
             &[
-                ("F_n", BLUE, false),
+                ("F_n finger 1", BLUE, false),
+                ("F_n finger 2", SKY, false),
                 ("F_t", GREEN, false),
-                ("F_1, F_2", ORANGE, true),
-                ("least force that holds (truth)", GREY, true),
+                ("F_1", ORANGE, true),
+                ("F_2", RED, true),
+                ("needed", GREY, true),
             ],
         )?;
         let (forces, rest) = area.split_vertically(480);
@@ -57,26 +59,27 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
             &forces,
             time_s.clone(),
             up_to(top_n),
-            &axes("force, N"),
+            &axes("Force (N)"),
             &steps,
         )?;
         dashed(&mut chart, f1.clone(), ORANGE)?;
-        dashed(&mut chart, f2, ORANGE)?;
+        dashed(&mut chart, f2, RED)?;
         dashed(&mut chart, needed, GREY)?;
         line(&mut chart, sheared, GREEN, 4)?;
-        for pressed in pressed {
-            line(&mut chart, pressed, BLUE, 4)?;
+        // The second finger on the first, thinner: where they agree, both are seen.
+        for (pressed, (colour, width)) in pressed.into_iter().zip([(BLUE, 7), (SKY, 3)]) {
+            line(&mut chart, pressed, colour, width)?;
         }
         let top_mm = figure::highest(&[&lifted]);
         let mut chart = panel(
             &heights,
             time_s.clone(),
             up_to(top_mm),
-            &axes("lift, mm"),
+            &axes("Lift (mm)"),
             &[],
         )?;
         line(&mut chart, lifted, INK, 4)?;
-        figure::lanes(&work, time_s.clone(), &lanes, &[], "time, s")
+        figure::lanes(&work, time_s.clone(), &lanes, &[], "Time (s)")
     })
 }
 

@@ -20,7 +20,7 @@ mod trace;
 
 use sim_backend::{Object, Scene};
 
-use crate::Task;
+use crate::task::Task;
 use trace::Trace;
 
 /// Runs a task offline with an object and draws it.

@@ -53,7 +53,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         let top_n = figure::highest(&[&support, &pressed]);
         let axes = Axes {
             x: "",
-            y: "force, N",
+            y: "Force (N)",
         };
         let mut chart = panel(&forces, x.clone(), up_to(top_n), &axes, &[])?;
         moments.iter().try_for_each(|m| moment(&mut chart, m))?;
@@ -70,8 +70,8 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         let lowest = opening.iter().map(|p| p.1).fold(0.0, f64::min);
         let top_mm = figure::highest(&[&height, &opening]).min(6.0);
         let axes = Axes {
-            x: "time after the support carries, ms",
-            y: "mm",
+            x: "Time after the support carries (ms)",
+            y: "Way (mm)",
         };
         let y = (lowest * 1.1 - 0.1)..top_mm * 1.08;
         let mut chart = panel(&motions, x.clone(), y, &axes, &[])?;

@@ -7,7 +7,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::figure::{self, *};
 use super::trace::{Tick, Trace};
-use crate::SIDE;
+use crate::task::SIDE;
 
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let Some(screw_s) = trace.step_s(SIDE, "screw") else {
@@ -105,8 +105,8 @@ fn draw_path(trace: &Trace, cycles: &[Path], ranges: &Ranges, area: &Area<'_>) -
     let (travel_mm, clear_mm) = (screw.travel_m * 1e3, screw.clearance_m * 1e3);
     let (radius_mm, start_mm) = (trace.goal.width_m * 500.0, ranges.start_mm);
     let axes = Axes {
-        x: "along the turn, mm",
-        y: "out, mm",
+        x: "Along the turn (mm)",
+        y: "Out (mm)",
     };
     let mut chart = panel(area, ranges.x.clone(), ranges.y.clone(), &axes, &[])?;
     draw_rim(trace, &mut chart, radius_mm)?;
@@ -176,7 +176,7 @@ pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Dr
         &angles,
         time_s.clone(),
         up_to(top_deg),
-        &axes("", "angle, °"),
+        &axes("", "Angle (°)"),
         &[],
     )?;
     dashed(&mut chart, level(closing_deg), GREY)?;
@@ -191,7 +191,7 @@ pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Dr
     )?;
     let friction = cap.cap_friction_n_m * 1e3;
     let top = figure::highest(&[&torque]).max(2.6 * friction);
-    let axes = axes("time, s", "torque, mN·m");
+    let axes = axes("Time (s)", "Torque (mN·m)");
     let mut chart = panel(&torques, time_s.clone(), up_to(top), &axes, &[])?;
     for multiple in [1.3, 2.5] {
         dashed(&mut chart, level(multiple * friction), GREY)?;

@@ -7,11 +7,12 @@ use atas_client::GoalProgress;
 use atas_core::{Outputs, Settings};
 use nalgebra::Vector3;
 use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
-use shm_schemas::{GoalRequest, HandReport, ObjectTruth, WorldTruth};
+use shm_schemas::{EventKind, GoalRequest, HandReport, ObjectTruth, WorldTruth};
 use sim_backend::{Object, Scene, World};
 
 use crate::offline::OfflineRun;
-use crate::{SIDE, Task, trial_seed};
+use crate::task::{SIDE, Task};
+use crate::trial::trial_seed;
 
 /// A trial.
 pub(super) struct Trace {
@@ -22,7 +23,9 @@ pub(super) struct Trace {
     pub(super) truth: WorldTruth,
     pub(super) ticks: Vec<Tick>,
     pub(super) dome_radius_m: f64,
-    names: [Vec<String>; 2],
+    /// Names of the steps that were entered, and which one each hand is in.
+    names: Vec<String>,
+    now: [Option<usize>; 2],
 }
 
 /// One tick.
@@ -43,8 +46,8 @@ pub(super) struct Hand {
     pub(super) pressed_n: [f64; FINGERS],
     /// Commanded centres of the fingertips' domes, base frame, m.
     pub(super) tips_m: [Vector3<f64>; FINGERS],
-    /// Index into the names of the steps.
-    step: usize,
+    /// Index into the names of the steps; `None` before the first.
+    step: Option<usize>,
 }
 
 impl Trace {
@@ -65,7 +68,8 @@ impl Trace {
             truth: WorldTruth::default(),
             ticks: Vec::new(),
             dome_radius_m: robot.hand(SIDE).dome_radius_m()[0],
-            names: [Vec::new(), Vec::new()],
+            names: Vec::new(),
+            now: [None; 2],
         };
         let begin_ns = run.world().now_ns();
         let trial = run.run(&goal, task.limit_s(), |outputs, world| {
@@ -75,7 +79,6 @@ impl Trace {
             return Err(fault).context("could not rehearse the task");
         }
         trace.truth = trial.truth;
-        trace.name_steps(task);
         anyhow::ensure!(
             !trace.ticks.is_empty(),
             "could not draw the task because the goal was refused: {}",
@@ -89,6 +92,8 @@ impl Trace {
             .goal_update
             .iter()
             .for_each(|u| self.progress.add(u));
+        self.enter_steps(outputs);
+        let now = self.now;
         let truth = world.truth();
         let hand = |side: Side| {
             let index = side.index();
@@ -101,7 +106,7 @@ impl Trace {
                 report,
                 pressed_n: core::array::from_fn(|f| truth.normal_n[index][f]),
                 tips_m: core::array::from_fn(|finger| pose.tip_m(finger)),
-                step: report.step as usize,
+                step: now[index],
             }
         };
         self.ticks.push(Tick {
@@ -112,16 +117,27 @@ impl Trace {
         });
     }
 
-    fn name_steps(&mut self, task: Task) {
-        let Some(task) = atas_core::tasks::of(task.kind()) else {
-            return;
-        };
-        let names = |track: Option<&atas_core::tasks::Track>| -> Vec<String> {
-            let steps = track.into_iter().flat_map(|track| track.iter());
-            steps.map(|step| step.name.as_str().to_owned()).collect()
-        };
-        self.names[SIDE.index()] = names(Some(&task.acting));
-        self.names[1 - SIDE.index()] = names(task.helping.as_ref());
+    /// Takes in which steps the hands entered, by the controller's own account: also those that no task lists, because a hand
+    /// turns back.
+    fn enter_steps(&mut self, outputs: &Outputs) {
+        let entered = outputs
+            .events
+            .as_slice()
+            .iter()
+            .filter(|e| e.kind == EventKind::STEP);
+        for event in entered {
+            let name = event.text.as_str();
+            let known = self.names.iter().position(|known| known == name);
+            let index = known.unwrap_or_else(|| {
+                self.names.push(name.to_owned());
+                self.names.len() - 1
+            });
+            for (hand, now) in shm_schemas::Hand::BOTH.iter().zip(&mut self.now) {
+                if *hand == event.hand {
+                    *now = Some(index);
+                }
+            }
+        }
     }
 
     /// When the task ended, s.
@@ -148,23 +164,25 @@ impl Trace {
 
     /// A hand's steps, each with its time, s.
     pub(super) fn steps(&self, side: Side) -> Vec<(String, Range<f64>)> {
-        let names = &self.names[side.index()];
         let mut steps: Vec<(usize, Range<f64>)> = Vec::new();
         for tick in &self.ticks {
-            let step = tick.hands[side.index()].step;
+            let Some(step) = tick.hands[side.index()].step else {
+                continue;
+            };
             match steps.last_mut() {
                 Some((last, time_s)) if *last == step => time_s.end = tick.t_s,
-                Some((_, time_s)) => {
-                    time_s.end = tick.t_s;
+                before => {
+                    if let Some((_, time_s)) = before {
+                        time_s.end = tick.t_s;
+                    }
                     steps.push((step, tick.t_s..tick.t_s));
                 }
-                None => steps.push((step, tick.t_s..tick.t_s)),
             }
         }
-        let named = steps
-            .into_iter()
-            .filter_map(|(step, time_s)| Some((names.get(step)?.clone(), time_s)));
-        named.collect()
+        let named = steps.into_iter();
+        named
+            .map(|(step, time_s)| (self.names[step].clone(), time_s))
+            .collect()
     }
 
     /// Spans of time in which a condition holds, s.

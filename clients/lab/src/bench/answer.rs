@@ -15,8 +15,8 @@ use shm_schemas::{
 use sim_backend::{Object, Scene, Sensed, World};
 
 use super::Plan;
+use super::body::body_ns;
 use super::pair::NO_CONFIGURATION;
-use super::punctual::body_ns;
 use super::site::Site;
 use super::transport::{poll, rounds, start_echo};
 use crate::demo::child::Child;

@@ -17,6 +17,7 @@
 
 mod answer;
 mod bare;
+mod body;
 mod counts;
 mod cyclictest;
 mod echo;

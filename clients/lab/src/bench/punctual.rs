@@ -10,6 +10,7 @@ use shm_schemas::capacity::STAGES;
 use shm_schemas::{Percentiles, StatusFlags, TickReport};
 
 use super::answer::{self, Answer};
+use super::body::body_ns;
 use super::load::Load;
 use super::pair::Pair;
 use super::tool::Notes;
@@ -158,12 +159,6 @@ impl Ticks {
             stage.push(ns.into());
         }
     }
-}
-
-/// From the wake-up to the published command, ns: every stage but the recording, which comes after it.
-pub(super) fn body_ns(report: &TickReport) -> u64 {
-    let before = &report.stage_ns[..STAGES - 1];
-    before.iter().map(|ns| u64::from(*ns)).sum()
 }
 
 /// What the kernel counted over a window.

@@ -38,7 +38,7 @@ fn wake(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
             4,
         ));
     }
-    output.line(rows)
+    output.table(rows)
 }
 
 fn durations(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
@@ -74,7 +74,7 @@ fn durations(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
         &daemon["tick_us"],
         2,
     ));
-    output.line(rows)
+    output.table(rows)
 }
 
 fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
@@ -145,7 +145,7 @@ fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
     for (name, value, digits) in lines {
         rows.add_row([name, figure(value, digits)]);
     }
-    output.line(rows)
+    output.table(rows)
 }
 
 fn row(name: String, of: &Value, digits: usize) -> [String; 5] {

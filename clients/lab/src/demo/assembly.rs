@@ -6,9 +6,9 @@ use atas_evaluation::judge;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Scene;
 
-use super::run::{SIDE, Seen};
 use super::scenario::{Figure, Judged, Scenario};
 use super::screw::{turned, turning};
+use super::seen::{SIDE, Seen};
 
 /// A cap on a stand, and a free bottle.
 pub(super) struct Assembly {

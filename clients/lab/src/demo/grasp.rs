@@ -10,8 +10,8 @@ use serde_json::Value;
 use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};
 use sim_backend::{Object, Scene};
 
-use super::run::{SIDE, Seen};
 use super::scenario::{Figure, Judged, Scenario, finite};
+use super::seen::{SIDE, Seen};
 
 /// One object before one hand.
 pub(super) struct Grasp {

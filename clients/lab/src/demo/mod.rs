@@ -22,6 +22,7 @@ mod punctuality;
 mod run;
 mod scenario;
 mod screw;
+mod seen;
 mod swarm;
 mod table;
 mod turns;

@@ -9,8 +9,8 @@ use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
 
 use super::grasp::gripped;
-use super::run::{SIDE, Seen};
 use super::scenario::{Figure, Judged, Scenario};
+use super::seen::{SIDE, Seen};
 
 /// One object on a plate, and another plate.
 pub(super) struct PickPlace {

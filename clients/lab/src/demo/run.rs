@@ -6,33 +6,19 @@ use atas_client::GoalProgress;
 use atas_client::{Cancelled, POLL, Pursuit, Session};
 use atas_console::arguments::Running;
 use atas_console::{Interrupt, Progress};
-use robot_model::Side;
 use shm_bus::Subscriber;
 use shm_schemas::{Status, WorldTruth, service};
 
 use super::processes::Processes;
 use super::punctuality::Punctuality;
 use super::scenario::Scenario;
+use super::seen::{SIDE, Seen};
 use super::turns::Turns;
 
-/// The hand that acts.
-pub(super) const SIDE: Side = Side::Right;
 /// Longest time of one goal (ours: several times what the longest clean task takes).
 const GOAL_WITHIN: Duration = Duration::from_secs(600);
 /// How long to wait for truth and status of the goal's last tick, which come 50 times a second (ours).
 const SETTLED_WITHIN: Duration = Duration::from_secs(1);
-
-/// What was seen of a run.
-pub(super) struct Seen {
-    pub(super) progress: GoalProgress,
-    /// The truth at the end.
-    pub(super) truth: WorldTruth,
-    /// The truth when the hand last tried, before it backed out of a refused object.
-    pub(super) attempt: WorldTruth,
-    /// Turns of a cap.
-    pub(super) turns: u32,
-    pub(super) punctuality: Punctuality,
-}
 
 /// Runs a scenario from start to clean-up.
 pub(super) fn run(

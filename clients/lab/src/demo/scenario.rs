@@ -4,7 +4,7 @@ use atas_console::number;
 use serde_json::Value;
 use shm_schemas::{GoalRequest, WorldTruth};
 
-use super::run::Seen;
+use super::seen::Seen;
 
 /// A scene, a goal, and a judgement by the simulator's truth.
 pub(super) trait Scenario {

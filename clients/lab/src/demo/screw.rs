@@ -6,8 +6,8 @@ use atas_evaluation::judge::Screwing;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Scene;
 
-use super::run::{SIDE, Seen};
 use super::scenario::{Figure, Judged, Scenario};
+use super::seen::{SIDE, Seen};
 
 /// A cap on the neck of a clamped bottle.
 pub(super) struct Screw {

@@ -4,8 +4,8 @@ use atas_console::{Ended, Exit, Output, table};
 use serde_json::{Map, Value};
 
 use super::punctuality::Punctuality;
-use super::run::Seen;
 use super::scenario::{Figure, Judged};
+use super::seen::Seen;
 
 /// What became of one scenario.
 pub(super) struct Row {
@@ -78,7 +78,7 @@ pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Re
         let mut cells: Vec<comfy_table::Cell> = vec![row.name.as_str().into()];
         cells.extend(shown.map(|figure| figure.text.as_str().into()));
         cells.push(format!("{:.1}", row.took_s).into());
-        cells.push(output.verdict(&row.judged.outcome, row.judged.as_expected));
+        cells.push(output.verdict(&row.judged.outcome, row.judged.as_expected.into()));
         cells.push(row.reason.as_str().into());
         lines.add_row(cells);
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use atas_console::{Output, table};
+use atas_console::{Mood, Output, table};
 use atas_evaluation::{Noise, Physics, Report, Tally};
 use comfy_table::Cell;
 
@@ -15,7 +15,7 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
     let of_grasps = report.physics.is_some();
     let mut header = vec!["", "trials", "success"];
     if of_grasps {
-        header.extend(["held", "refused", "crushed", "dropped"]);
+        header.extend(["held", "refused", "crush", "drop"]);
     }
     header.extend(measures.iter().map(|name| heading(name)));
     header.push("otherwise");
@@ -42,7 +42,7 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
     for row in &report.baseline_rows {
         add(row.baseline.to_owned(), &row.tally, row.physics.as_ref());
     }
-    output.line(rows)?;
+    output.table(rows)?;
     output.line(summary(report))
 }
 
@@ -88,8 +88,8 @@ fn otherwise(failures: &BTreeMap<String, u64>, output: &Output) -> Cell {
         .map(|(key, count)| format!("{count} {key}"))
         .collect();
     match failures.as_slice() {
-        [] => output.verdict("none", true),
-        failures => output.verdict(&failures.join(", "), false),
+        [] => output.verdict("none", Mood::Good),
+        failures => output.verdict(&failures.join(", "), Mood::Bad),
     }
 }
 

@@ -51,8 +51,16 @@ fn sequences(path: &Path) -> Vec<u64> {
     for entry in Reader::open(path).expect("opened") {
         match entry.expect("whole") {
             Entry::Message(message) => {
-                headers += u32::from(payload::<RunHeader>(&message).is_some());
-                sequences.extend(payload::<TickInputs>(&message).map(|part| part.stamp.sequence));
+                headers += u32::from(
+                    payload::<RunHeader>(&message)
+                        .expect("this version")
+                        .is_some(),
+                );
+                sequences.extend(
+                    payload::<TickInputs>(&message)
+                        .expect("this version")
+                        .map(|part| part.stamp.sequence),
+                );
             }
             Entry::Metadata(metadata) if metadata.name == NOTES => {
                 noted += u32::from(metadata.metadata == notes());

@@ -184,6 +184,9 @@ impl Controller {
         let Some(mut goal) = self.goal else { return };
         if goal.state != state {
             goal.state = state;
+            if state.is_final() && state != GoalState::SUCCEEDED {
+                goal.reason = reason;
+            }
             self.outputs.events.push(ModuleEvent {
                 kind: EventKind::GOAL,
                 value: f64::from(state.0),

@@ -73,13 +73,28 @@ fn cores() {
     check(
         governor(&named(&["performance", "powersave"])),
         Warn,
-        "powersave (1 cores)",
+        "powersave (1 core)",
     );
-    check(isolated_cores("\n"), Warn, "none");
-    check(isolated_cores("2-3,6\n"), Good, "[2, 3, 6]");
-    check(isolated_cores("three"), Warn, "three");
-    check(isolated_cores("3-1"), Warn, "3-1");
-    check(isolated_cores("0-4294967295"), Warn, "could not read");
+    check(isolated_cores("\n", "0-3\n"), Warn, "none of 4");
+    check(isolated_cores("2-3,6\n", "0-7\n"), Good, "[2, 3, 6] of 8");
+    check(
+        isolated_cores("3\n", "0-1\n"),
+        Warn,
+        "[3] of the boot options do not exist; there are 2 cores",
+    );
+    check(isolated_cores("", "0\n"), Warn, "one core");
+    check(isolated_cores("three", "0-3"), Warn, "three");
+    check(isolated_cores("3-1", "0-3"), Warn, "3-1");
+    check(
+        isolated_cores("0-4294967295", "0-3"),
+        Warn,
+        "could not read",
+    );
+    let cure = isolated_cores("", "0-1\n").cure;
+    assert!(
+        cure.contains("realtime.cpu = 1"),
+        "a core that exists: {cure}"
+    );
 }
 
 #[test]
@@ -93,11 +108,11 @@ fn users() {
 #[test]
 fn buses() {
     let file = |name: &str, bus| assert_eq!(bus_of_file(name), bus, "{name}");
-    file("atas_0123abcd_x.data", Some("atas"));
-    file("fdemo-12-0_0123abcd_y", Some("fdemo-12-0"));
-    file("atas_0123abc_x", None);
+    file("atas_0123456789abcdef_x.data", Some("atas"));
+    file("fdemo-12-0_0123456789abcdef_y", Some("fdemo-12-0"));
+    file("atas_0123456789abcde_x", None);
     file("sem.other", None);
-    file("_0123abcd_x", None);
+    file("_0123456789abcdef_x", None);
     check(leftovers(&BTreeMap::new()), Good, "none");
     let with = |bytes| BTreeMap::from([("fdemo-1-0".to_owned(), bytes)]);
     check(leftovers(&with(4096)), Good, "none");

@@ -39,10 +39,13 @@ impl Report<'_> {
                 number(evolved.into(), 1).into(),
             ];
             let carried = trial.solved() == 1;
-            cells.push(output.verdict(if carried { "carried" } else { "not carried" }, carried));
+            cells.push(output.verdict(
+                if carried { "carried" } else { "not carried" },
+                carried.into(),
+            ));
             rows.add_row(cells);
         }
-        output.line(rows)?;
+        output.table(rows)?;
         output.line(self.summary())?;
         if let Some(path) = self.replay {
             output.line(format!("animation: {}", path.display()))?;

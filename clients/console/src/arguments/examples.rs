@@ -1,0 +1,287 @@
+//! What every `--help` ends with: examples, and what `--format json` prints. A test holds each example to the command line.
+
+use clap::CommandFactory;
+
+use super::Arguments;
+
+/// Of one command: its words, lines to try, and its JSON.
+struct Help(&'static str, &'static [&'static str], &'static str);
+
+/// What a goal's end is.
+const GOAL: &str = "one object at the end: goal_id, state, step, reason, figures";
+/// What a request's answer is.
+const ANSWER: &str = "one object: op, outcome";
+/// What a report is.
+const REPORT: &str = "one object: success, ci95, failures, medians, families, rows, baselines, …";
+/// What the table of a demo is.
+const ROWS: &str = "one object: as_expected, and one row per object";
+
+/// Every command that does something.
+const HELPS: &[Help] = &[
+    Help(
+        "demo grasp",
+        &[
+            "atas demo grasp --object sponge",
+            "atas demo grasp --all --lockstep",
+        ],
+        ROWS,
+    ),
+    Help(
+        "demo pick-place",
+        &["atas demo pick-place --object sponge --vary --seed 7"],
+        ROWS,
+    ),
+    Help("demo screw", &["atas demo screw --vary --seed 4"], ROWS),
+    Help("demo assembly", &["atas demo assembly --lockstep"], ROWS),
+    Help(
+        "demo swarm",
+        &["atas demo swarm --replay swarm.html"],
+        "one object: as_evolved, missed_frames, goals",
+    ),
+    Help(
+        "eval grasp",
+        &[
+            "atas eval grasp --trials 200",
+            "atas eval grasp --objects wood,sponge --noise 2",
+        ],
+        REPORT,
+    ),
+    Help(
+        "eval pick-place",
+        &["atas eval pick-place --trials 50 --no-baselines"],
+        REPORT,
+    ),
+    Help(
+        "eval screw",
+        &["atas eval screw --first-seed 10001 --fixed-force 3"],
+        REPORT,
+    ),
+    Help(
+        "eval assembly",
+        &["atas eval assembly --trials 20 --rate-hz 100"],
+        REPORT,
+    ),
+    Help(
+        "plot grasp",
+        &["atas plot grasp --object bottle --out grasp.svg"],
+        "one object: file",
+    ),
+    Help(
+        "plot pick-place",
+        &["atas plot pick-place --out placing.svg"],
+        "one object: file",
+    ),
+    Help(
+        "plot screw",
+        &["atas plot screw --seed 2 --out screw.svg"],
+        "one object: file",
+    ),
+    Help(
+        "plot assembly",
+        &["atas plot assembly --seed 2 --out assembly.svg"],
+        "one object: file",
+    ),
+    Help(
+        "grasp",
+        &[
+            "atas grasp --at 0.32,-0.15,0.0345 --width 50",
+            "atas grasp --at 0.32,0.15,0.0345 --width 50 --hand left --lift 20",
+        ],
+        GOAL,
+    ),
+    Help(
+        "pick-place",
+        &[
+            "atas pick-place",
+            "atas pick-place --from 0.32,-0.15 --to 0.32,-0.27 --width 50",
+        ],
+        GOAL,
+    ),
+    Help(
+        "screw",
+        &[
+            "atas screw",
+            "atas screw --at 0.34,-0.12,0.12 --width 30 --turn anticlockwise",
+        ],
+        GOAL,
+    ),
+    Help(
+        "assemble",
+        &[
+            "atas assemble",
+            "atas assemble --cap 0.32,-0.18,0.05 --cap-width 30 --on 0.38,0,0.12 --bottle-width 60",
+        ],
+        GOAL,
+    ),
+    Help(
+        "task",
+        &["atas task polish --from 0.32,-0.15 --width 50"],
+        GOAL,
+    ),
+    Help("release", &["atas release --hand left"], GOAL),
+    Help("estop", &["atas estop", "atas stop"], ANSWER),
+    Help(
+        "cancel",
+        &["atas cancel"],
+        "one object: op, goal_id, outcome",
+    ),
+    Help("recover", &["atas recover"], ANSWER),
+    Help(
+        "status",
+        &["atas status", "atas status --watch --bus left-arm"],
+        "one object: mode, goal with its reason, hands, refusals, joints, distributions",
+    ),
+    Help(
+        "events",
+        &[
+            "atas events --follow",
+            "atas events --last-goal",
+            "atas events --kind goal,step,warning --hand right",
+        ],
+        "one object per event: sequence, captured_ns, tick, kind, lost_before, and the fields of its kind",
+    ),
+    Help(
+        "param list",
+        &["atas param list"],
+        "one object per parameter: name, value, lower, upper, meaning",
+    ),
+    Help(
+        "param get",
+        &["atas param get grasp.dr_n"],
+        "one object: name, value, lower, upper, meaning",
+    ),
+    Help(
+        "param set",
+        &["atas param set grasp.dr_n 0.02"],
+        "one object: name, value, lower, upper, meaning",
+    ),
+    Help(
+        "latency",
+        &["atas latency", "atas latency --watch"],
+        "one object: ticks, distributions in ns, stages",
+    ),
+    Help(
+        "bench latency",
+        &["atas bench latency --short"],
+        "one object: every figure of the tables; null where not_measured says why",
+    ),
+    Help(
+        "record",
+        &[
+            "atas record --out run.mcap --note seed=7",
+            "atas record --max-size 500M --max-files 4",
+        ],
+        "one object: parts, lost, has_beginning, disk_budget_reached, bytes, files",
+    ),
+    Help(
+        "record check",
+        &["atas record check run.mcap"],
+        "one object: messages, parts, lost, first_part, damage",
+    ),
+    Help(
+        "record repair",
+        &["atas record repair run.mcap --out whole.mcap"],
+        "one object: messages, parts, lost, first_part, damage",
+    ),
+    Help(
+        "replay",
+        &["atas replay run.mcap", "atas replay run.mcap run-001.mcap"],
+        "one object: ticks, different, first_tick, first_field",
+    ),
+    Help(
+        "diff",
+        &["atas diff run.mcap other.mcap"],
+        "one object: equal_ticks, first_tick, first_field, last_status",
+    ),
+    Help(
+        "doctor",
+        &["atas doctor", "atas doctor --bus left-arm"],
+        "one list of objects: probe, verdict, found, what_to_do",
+    ),
+    Help(
+        "completions",
+        &["atas completions bash"],
+        "not used: a script of the shell",
+    ),
+    Help("man", &["atas man ./man"], "not used: files"),
+];
+
+/// What an error is for programs, in every `--help`.
+const ERRORS: &str = "an error: one object on standard error: error, exit";
+
+/// The command line with its examples: what both programs, the completions and the manual pages are made of.
+#[must_use]
+pub fn command() -> clap::Command {
+    with_examples(Arguments::command(), "")
+}
+
+fn with_examples(mut command: clap::Command, words: &str) -> clap::Command {
+    let names: Vec<String> = command
+        .get_subcommands()
+        .map(|sub| sub.get_name().to_owned())
+        .collect();
+    for name in names {
+        let words = format!("{words} {name}");
+        command = command.mut_subcommand(name, |sub| with_examples(sub, words.trim()));
+    }
+    let Some(Help(_, examples, json)) = HELPS.iter().find(|Help(of, ..)| *of == words) else {
+        return command;
+    };
+    let before = command
+        .get_after_help()
+        .map_or_else(String::new, |text| format!("{text}\n\n"));
+    let lines: String = examples.iter().map(|line| format!("  {line}\n")).collect();
+    command.after_help(format!(
+        "{before}Examples:\n{lines}\nWith --format json:\n  {json}\n  {ERRORS}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every command that does something, by its words.
+    fn leaves(command: &clap::Command, words: &str) -> Vec<String> {
+        let acts = !command.is_subcommand_required_set() && !words.is_empty();
+        let hidden = command.is_hide_set() || command.get_name() == "help";
+        let own = (acts && !hidden).then(|| words.to_owned());
+        let below = command.get_subcommands().filter(|sub| !sub.is_hide_set());
+        let below = below.flat_map(|sub| leaves(sub, format!("{words} {}", sub.get_name()).trim()));
+        own.into_iter().chain(below).collect()
+    }
+
+    #[test]
+    fn every_command_has_examples_that_parse_and_says_what_its_json_is() {
+        let mut known: Vec<&str> = HELPS.iter().map(|Help(words, ..)| *words).collect();
+        let mut found = leaves(&Arguments::command(), "");
+        known.sort_unstable();
+        found.sort_unstable();
+        assert_eq!(found, known);
+        for Help(words, examples, _) in HELPS {
+            assert!(!examples.is_empty(), "{words}");
+            for line in *examples {
+                let parsed = command().try_get_matches_from(line.split_whitespace());
+                assert!(parsed.is_ok(), "{line}: {:?}", parsed.err());
+                let shown = line.replacen("atas stop", "atas estop", 1);
+                assert!(shown.contains(words), "{line} is no example of {words}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_help_keeps_what_it_said_before_its_examples() {
+        let mut command = command();
+        let help = command
+            .find_subcommand_mut("screw")
+            .map(|sub| sub.render_help().to_string());
+        let help = help.unwrap_or_default();
+        for part in [
+            "--scene screw",
+            "Examples:",
+            "With --format json:",
+            "standard error",
+        ] {
+            assert!(help.contains(part), "{part}: {help}");
+        }
+    }
+}

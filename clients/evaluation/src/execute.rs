@@ -1,0 +1,59 @@
+//! A plan on all cores: every trial once, the records in the order of the plan.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use anyhow::Context;
+use rayon::prelude::*;
+use robot_model::RobotModel;
+
+use crate::plan::{Job, Plan};
+use crate::report::Report;
+use crate::trial::{self, Record};
+
+impl Plan {
+    /// Runs all trials; `done` is called after each, from any thread. `None` if `stop` was set meanwhile.
+    ///
+    /// # Errors
+    /// If the robot or a world cannot be made, or there is nothing to do.
+    pub fn run(&self, stop: &AtomicBool, done: impl Fn() + Sync) -> anyhow::Result<Option<Report>> {
+        anyhow::ensure!(
+            !self.objects.is_empty(),
+            "could not evaluate because there is no object; name one with --objects"
+        );
+        anyhow::ensure!(
+            !self.conditions.is_empty() && self.trials > 0,
+            "could not evaluate because there is no trial, needs at least one; ask for it with --trials"
+        );
+        let robot =
+            RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .build()?;
+        let begin = Instant::now();
+        let one = |job: Job| {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let record = trial::run(&robot, self, &job)?;
+            done();
+            Ok(Some(record))
+        };
+        let jobs = self.deal();
+        let records: anyhow::Result<Vec<Option<Record>>> =
+            pool.install(|| jobs.into_par_iter().with_max_len(1).map(one).collect());
+        let wall_s = begin.elapsed().as_secs_f64();
+        let records: Option<Vec<Record>> = records?.into_iter().collect();
+        Ok(records.map(|records| Report::of(self, &self.sort(records), wall_s)))
+    }
+
+    /// The records as they were dealt, series by series.
+    fn sort(&self, records: Vec<Record>) -> Vec<Vec<Record>> {
+        let count = self.series().len();
+        let mut series = vec![Vec::new(); count];
+        for (index, record) in records.into_iter().enumerate() {
+            series[index % count].push(record);
+        }
+        series
+    }
+}

@@ -1,0 +1,21 @@
+//! What is seen of one run, for whoever judges it.
+
+use atas_client::GoalProgress;
+use robot_model::Side;
+use shm_schemas::WorldTruth;
+
+use super::punctuality::Punctuality;
+
+/// The hand that acts.
+pub(super) const SIDE: Side = Side::Right;
+/// What was seen of a run.
+pub(super) struct Seen {
+    pub(super) progress: GoalProgress,
+    /// The truth at the end.
+    pub(super) truth: WorldTruth,
+    /// The truth when the hand last tried, before it backed out of a refused object.
+    pub(super) attempt: WorldTruth,
+    /// Turns of a cap.
+    pub(super) turns: u32,
+    pub(super) punctuality: Punctuality,
+}
