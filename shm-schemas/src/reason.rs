@@ -82,7 +82,7 @@ code! {
         GRIP_CEILING = 35, "grip-ceiling";
         /// The robot process restarted.
         ROBOT_RESTARTED = 36, "robot-restarted";
-        /// A fingertip's force cannot be: more than a hand can press, or not what its servos press with.
+        /// A fingertip's force cannot be: it is more than a hand can press.
         FORCE_IMPLAUSIBLE = 37, "force-implausible";
         /// An order that is not allowed now: the robot moves, or the hand is not empty.
         NOT_NOW = 38, "not-now";

@@ -300,8 +300,8 @@ impl Reason {
             }
             Cause::FORCE_IMPLAUSIBLE => write!(
                 f,
-                "the fingertips of the {} hand report {value:.2} N, its servos press with {limit:.2} N: one of them is wrong; \
-                 check the sensor, or take its zero anew with the hand empty",
+                "a fingertip of the {} hand reports {value:.2} N, the most that is believed is {limit:.2} N; check the sensor, or \
+                 take its zero anew with the hand empty",
                 Hand(index)
             ),
             Cause::NOT_NOW => f.write_str(

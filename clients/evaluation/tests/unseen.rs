@@ -48,7 +48,7 @@ fn an_object_that_slides_evenly_is_refused_and_not_held() {
                  shape = { kind = \"cylinder\", radius_m = 0.0213, height_m = 0.144 }";
     for seed in [1002, 1003] {
         let outcome = grasped(heavy, seed);
-        assert_eq!(outcome, Outcome::Refused(Cause::TOO_HEAVY), "seed {seed}");
+        assert_eq!(outcome, Outcome::Refused(Cause::TOO_SOFT), "seed {seed}");
     }
 }
 

@@ -10,7 +10,15 @@ use zerocopy::{Immutable, IntoBytes};
 use super::reader::{Entry, Reader, payload};
 
 /// Fields that say when and by whom, not what.
-const NOT_COMPARED: [&str; 4] = ["stamp", "valid_until_ns", "crc32", "answers_sequence"];
+const NOT_COMPARED: [&str; 7] = [
+    "stamp",
+    "valid_until_ns",
+    "crc32",
+    "answers_sequence",
+    "command_epoch",
+    "command_sequence",
+    "command_valid_until_ns",
+];
 
 /// What two recordings have in common, and where they part.
 pub struct Difference {

@@ -21,6 +21,9 @@ use shm_schemas::{
     ModuleEvent, Reason,
 };
 
+/// Multiple of the grip ceiling beyond which a force is none (ours: the gate stops a finger at the ceiling).
+const IMPLAUSIBLE_FACTOR: f64 = 2.0;
+
 /// One hand of the controller.
 #[derive(Clone, Debug)]
 pub(crate) struct HandControl {
@@ -95,7 +98,24 @@ impl HandControl {
     /// What the hand must be held for.
     #[must_use]
     pub(crate) fn hold_reason(&self, tick: Tick, settings: &Settings) -> Reason {
-        self.intake.hold_reason(tick, &settings.intake)
+        let of_frames = self.intake.hold_reason(tick, &settings.intake);
+        if of_frames.is_some() {
+            of_frames
+        } else {
+            self.implausible(settings)
+        }
+    }
+
+    /// A fingertip that reports more than any grip can press is not believed: what opens the fingers on its word would drop
+    /// the object.
+    fn implausible(&self, settings: &Settings) -> Reason {
+        let limit_n = IMPLAUSIBLE_FACTOR * settings.safety.grip_ceiling_n;
+        let fingers = self.perception.percept().fingers[..FINGERS].iter();
+        let over = |normal_n: &f64| normal_n.is_nan() || normal_n.abs() > limit_n;
+        let worst_n = fingers.map(|finger| finger.normal_n).find(over);
+        worst_n.map_or(Reason::default(), |n| {
+            Reason::limit(Cause::FORCE_IMPLAUSIBLE, n, limit_n).about(self.hand.0 as usize)
+        })
     }
 
     /// Takes in where the joints are.

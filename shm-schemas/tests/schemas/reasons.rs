@@ -86,9 +86,9 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the robot process restarted; the goal has ended, what a hand holds it keeps",
         ),
         (
-            limit(Cause::FORCE_IMPLAUSIBLE, 25.04, 3.6, 0),
-            "the fingertips of the left hand report 25.04 N, its servos press with 3.60 N: one of them is wrong; check the \
-             sensor, or take its zero anew with the hand empty",
+            limit(Cause::FORCE_IMPLAUSIBLE, 170.9, 30.0, 0),
+            "a fingertip of the left hand reports 170.90 N, the most that is believed is 30.00 N; check the sensor, or take its \
+             zero anew with the hand empty",
         ),
         (
             limit(Cause::NOT_NOW, 0.0, 0.0, 0),

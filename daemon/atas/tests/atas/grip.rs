@@ -1,6 +1,6 @@
 //! What outlives a stop, and what nobody may do while the robot works.
 
-use crate::world::{World, grasp, start};
+use crate::world::{World, commanded_gap_m, grasp, start};
 use atas_core::settings::PARAMETERS;
 use atas_core::{Inputs, Order, Tick};
 use robot_model::ROBOT_JOINTS;
@@ -34,6 +34,25 @@ fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     assert!(off_rad(&outputs.command.position_rad) < 1e-4);
     let refused = world.order(start(grasp())).goal_update.unwrap();
     assert_eq!(refused.reason.cause, Cause::HAND_FULL);
+}
+
+/// Regression: every element at 25 N opened the fingers, and nobody was told.
+#[test]
+fn a_force_that_cannot_be_holds_and_opens_nothing() {
+    let mut world = World::holding();
+    let before_m = commanded_gap_m(&world.run(1));
+    world.frame_fault = Some(|frame| frame.force_n = [[[25.0, 0.0, 0.0]; 64]; 4]);
+    let outputs = world.run(1);
+    let (mode, reason) = world.controller.mode();
+    assert_eq!(
+        (mode, reason.cause, reason.index),
+        (Mode::HOLD, Cause::FORCE_IMPLAUSIBLE, 1)
+    );
+    let opened_m = commanded_gap_m(&outputs) - before_m;
+    assert!(opened_m < 1e-5, "opened by {opened_m} m");
+    let after_m = commanded_gap_m(&world.run(500));
+    assert!(after_m - before_m < 1e-5);
+    assert_eq!(world.mode(), Mode::HOLD);
 }
 
 /// Regression: a daemon that had stood still for seconds went on with its goal after 22 ms.

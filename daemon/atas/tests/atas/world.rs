@@ -33,6 +33,8 @@ pub(crate) struct World {
     pub(crate) mute: [bool; 3],
     /// What happens to every joint state on its way.
     pub(crate) joint_fault: Option<fn(&mut JointState)>,
+    /// What happens to every frame of the right hand on its way.
+    pub(crate) frame_fault: Option<fn(&mut HandFrame)>,
     pub(crate) has_object: bool,
     /// Something presses on the second fingertip of the right hand.
     pub(crate) obstructed: bool,
@@ -47,6 +49,7 @@ impl World {
             q_rad: home_rad(),
             mute: [false; 3],
             joint_fault: None,
+            frame_fault: None,
             has_object: false,
             obstructed: false,
         }
@@ -138,10 +141,14 @@ impl World {
     fn tick_with(&mut self, order: Option<&Order>) -> Outputs {
         self.ms += 1;
         let now_ns = self.ms * MS_NS;
-        let frames = [
+        let mut frames = [
             self.feel(Side::Left, now_ns),
             self.feel(Side::Right, now_ns),
         ];
+        if let Some(fault) = self.frame_fault {
+            fault(&mut frames[1]);
+            frames[1].seal();
+        }
         let mut state = joints(self.ms, now_ns, &self.q_rad);
         if let Some(fault) = self.joint_fault {
             fault(&mut state);
