@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
-use crate::evaluate::{GoalPoints, Individual};
+use crate::evaluate::{Evaluator, GoalPoints, Individual};
 use crate::files::{read_text, sha256, write_atomically};
 use crate::ga::{Population, Settings};
 use crate::genome::Genome;
@@ -136,7 +136,7 @@ impl Checkpoint {
         }
         content
             .restore()
-            .ok_or_else(|| refuse("a genome or a setting was out of range".to_owned()))
+            .ok_or_else(|| refuse("a genome, its points or a setting was out of range".to_owned()))
     }
 }
 
@@ -163,10 +163,14 @@ impl Content {
             .into_iter()
             .map(population)
             .collect::<Option<Vec<_>>>()?;
-        let whole = populations
-            .iter()
-            .all(|population| population.members().len() == self.settings.population);
-        if !whole || populations.len() != self.islands.islands {
+        let whole = |population: &Population| {
+            let mut members = population.members().iter();
+            let evaluated = |member: &Individual| {
+                member.points == Evaluator::points_of(&condition, &member.genome)
+            };
+            members.len() == self.settings.population && members.all(evaluated)
+        };
+        if populations.len() != self.islands.islands || !populations.iter().all(whole) {
             return None;
         }
         let archipelago = Archipelago::resume(

@@ -2,12 +2,13 @@
 //!
 //! Trials of several runs are simulated together, because full vectors are fast vectors. Each run has a memo: a trial whose
 //! goal was already simulated with tables that agree in every row that was read then cannot come out differently, and is not
-//! simulated again. Neither changes a bit of any fitness.
+//! simulated again. Neither changes a bit of any fitness, nor do threads that share the trials of a large population.
 
 use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
 
 use crate::condition::{Condition, GOALS};
 use crate::genome::Genome;
+use crate::workers::Workers;
 
 /// Points per goal, goal 1 first.
 pub type GoalPoints = [f32; GOALS];
@@ -33,7 +34,7 @@ impl Individual {
 #[derive(Debug)]
 pub struct Evaluator {
     condition: Condition,
-    engine: Engine,
+    workers: Workers,
     layouts: [field::Layout; GOALS],
     memos: Vec<Memo>,
     pending: Vec<Pending>,
@@ -55,12 +56,12 @@ type Tables = [u128; MAX_AGENTS];
 impl Evaluator {
     /// An evaluator of `runs` independent runs.
     #[must_use]
-    pub fn new(condition: Condition, engine: Engine, runs: usize) -> Self {
+    pub fn new(condition: Condition, workers: impl Into<Workers>, runs: usize) -> Self {
         let layouts = condition.layouts();
         let memos = (0..runs).map(|_| Memo::default()).collect();
         Self {
             condition,
-            engine,
+            workers: workers.into(),
             layouts,
             memos,
             pending: Vec::new(),
@@ -75,8 +76,8 @@ impl Evaluator {
         &self.condition
     }
 
-    /// Evaluates the genomes of every run, `batches[run]`.
-    pub fn evaluate(&mut self, batches: Vec<Vec<Genome>>) -> Vec<Vec<Individual>> {
+    /// Evaluates the genomes of every run, `batches[run]`; nothing if the workers were stopped before the end.
+    pub fn evaluate(&mut self, batches: Vec<Vec<Genome>>) -> Option<Vec<Vec<Individual>>> {
         let mut evaluated: Vec<Vec<Individual>> = batches
             .into_iter()
             .map(|batch| {
@@ -94,19 +95,29 @@ impl Evaluator {
                 self.recall(run, genome, individual);
             }
         }
-        self.engine.run(
-            &self.condition.model,
-            self.condition.team,
-            &self.trials,
-            &mut self.outcomes,
-        );
+        let Condition { model, team, .. } = &self.condition;
+        let whole = self
+            .workers
+            .simulate(model, *team, &self.trials, &mut self.outcomes);
+        self.trials.clear();
+        if whole.is_break() {
+            self.pending.clear();
+            return None;
+        }
         for (pending, outcome) in self.pending.drain(..).zip(&self.outcomes) {
             let points = self.condition.points(outcome);
             evaluated[pending.run][pending.genome].points[pending.goal] = points;
             self.memos[pending.run].learn(pending.goal, &pending.tables, outcome.rows_read, points);
         }
-        self.trials.clear();
-        evaluated
+        Some(evaluated)
+    }
+
+    /// The points of one genome on its own.
+    #[must_use]
+    pub fn points_of(condition: &Condition, genome: &Genome) -> GoalPoints {
+        let mut evaluator = Self::new(condition.clone(), Engine::fastest(), 1);
+        let evaluated = evaluator.evaluate(vec![vec![genome.clone()]]);
+        evaluated.map_or([0.0; GOALS], |evaluated| evaluated[0][0].points)
     }
 
     /// Fills in the points that the memo knows, and queues a trial for each of the others.

@@ -1,7 +1,7 @@
 //! Files that are either there in full or not at all, and folders that one process at a time writes.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::Write;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -13,12 +13,28 @@ use crate::error::{Error, Result};
 /// # Errors
 /// The system refused; the old content is still there.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<()> {
+    stream_atomically(path, |file| file.write_all(content))
+}
+
+/// As [`write_atomically`], for content that is too long to be held in memory.
+///
+/// # Errors
+/// The system refused; the old content is still there.
+pub fn stream_atomically(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> Result<()> {
     let temporary = sibling(path, ".tmp");
-    let written = File::create(&temporary)
-        .and_then(|mut file| file.write_all(content).and_then(|()| file.sync_all()))
-        .and_then(|()| std::fs::rename(&temporary, path))
-        .and_then(|()| sync_folder(path));
-    written.map_err(|error| {
+    let write = || {
+        let mut file = BufWriter::new(File::create(&temporary)?);
+        content(&mut file)?;
+        file.into_inner()
+            .map_err(|error| error.into_error())?
+            .sync_all()?;
+        std::fs::rename(&temporary, path)?;
+        sync_folder(path)
+    };
+    write().map_err(|error| {
         // The temporary file holds nothing that anybody needs; if it cannot be removed either, the error below says why.
         let _ = std::fs::remove_file(&temporary);
         Error::io("write", path)(error)
@@ -56,6 +72,32 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// Removes a file that may be gone already.
+///
+/// # Errors
+/// The system refused.
+pub fn remove_if_there(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(error)),
+        _ => Ok(()),
+    }
+}
+
+/// A name that stays inside the folder where it is used, whatever it was made from: everything but letters, digits, dots,
+/// dashes and underscores becomes an underscore, and no name begins with a dot.
+#[must_use]
+pub fn plain_name(text: &str) -> String {
+    let plain = |c: char| match c {
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '-' | '_' | '.' => c,
+        _ => '_',
+    };
+    let name: String = text.chars().take(60).map(plain).collect();
+    match name.strip_prefix('.') {
+        Some(rest) => format!("_{rest}"),
+        None => name,
+    }
+}
+
 /// A folder that only this process writes; the lock ends with the process, however it ends.
 #[derive(Debug)]
 pub struct FolderLock(#[expect(dead_code, reason = "held for its lock")] File);
@@ -89,4 +131,23 @@ pub fn sha256(content: &[u8]) -> String {
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plain_name_stays_in_its_folder() {
+        for (text, expected) in [
+            ("R3", "R3"),
+            ("../../etc/passwd", "_._.._etc_passwd"),
+            ("..", "_."),
+            ("/tmp/x", "_tmp_x"),
+            ("a b\nc\0", "a_b_c_"),
+            ("größer", "gr__er"),
+        ] {
+            assert_eq!(plain_name(text), expected, "{text:?}");
+        }
+    }
 }

@@ -15,7 +15,7 @@ use crate::rng::{Probability, SplitMix64};
 pub struct Settings {
     /// Individuals, an even number.
     pub population: usize,
-    /// Individuals that survive whatever their children do, fewer than the population.
+    /// Individuals that survive whatever their children do: 1 or more, fewer than the population.
     pub elite: usize,
     /// Probability of a flip per bit of a child.
     pub mutation_rate: f64,
@@ -45,7 +45,7 @@ impl Settings {
     /// Checks the numbers; returns the mutation rate as a probability.
     ///
     /// # Errors
-    /// An odd or empty population, an elite that leaves no room, a rate that is no probability.
+    /// An odd or empty population, no elite or one that leaves no room, a rate that is no probability.
     pub fn check(&self) -> Result<Probability, SettingsError> {
         let refuse = |key, value, needs| Err(SettingsError { key, value, needs });
         if !(2..=10_000).contains(&self.population) || self.population % 2 == 1 {
@@ -55,8 +55,13 @@ impl Settings {
                 "an even number from 2 to 10000",
             );
         }
-        if self.elite >= self.population {
-            return refuse("elite", self.elite as f64, "fewer than the population");
+        // Without an elite the best table could be lost.
+        if !(1..self.population).contains(&self.elite) {
+            return refuse(
+                "elite",
+                self.elite as f64,
+                "1 or more, fewer than the population",
+            );
         }
         Probability::new(self.mutation_rate).ok_or(SettingsError {
             key: "mutation_rate",

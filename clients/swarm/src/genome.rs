@@ -128,6 +128,22 @@ impl Genome {
     }
 }
 
+/// The part of bits in which two genomes differ, mean over all pairs: bit by bit, a set and b unset ones make a·b pairs that
+/// differ. 0 of fewer than two genomes.
+#[must_use]
+pub fn diversity(genomes: &[&Genome]) -> f64 {
+    let (count, bits) = (
+        genomes.len(),
+        genomes.first().map_or(0, |genome| genome.len()),
+    );
+    let differing = |bit: usize| {
+        let set = genomes.iter().filter(|genome| genome.get(bit)).count();
+        set * (count - set)
+    };
+    let pairs = count * count.saturating_sub(1) / 2 * bits;
+    (0..bits).map(differing).sum::<usize>() as f64 / pairs.max(1) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,6 +174,27 @@ mod tests {
             None,
             "bits beyond the length"
         );
+    }
+
+    #[test]
+    fn diversity_is_the_part_of_bits_that_differ() {
+        let genome =
+            |digits: &str| Genome::from_hex(4, &format!("{digits:0>32}")).expect("a genome");
+        for (digits, expected) in [
+            (&["0"][..], 0.0),
+            (&[], 0.0),
+            (&["5", "5"], 0.0),
+            (&["0", "f"], 1.0),
+            (&["0", "1"], 0.25),
+            (&["0", "0", "f"], 2.0 / 3.0),
+        ] {
+            let genomes: Vec<Genome> = digits.iter().map(|digits| genome(digits)).collect();
+            assert_eq!(
+                diversity(&genomes.iter().collect::<Vec<_>>()),
+                expected,
+                "{digits:?}"
+            );
+        }
     }
 
     #[test]

@@ -81,6 +81,12 @@ impl Archipelago {
         &self.islands
     }
 
+    /// Individuals of all islands.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.population * self.islands.len()
+    }
+
     /// The state of the routes' random numbers.
     #[must_use]
     pub fn routes(&self) -> &SplitMix64 {

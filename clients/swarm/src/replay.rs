@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use field::EXECUTION_FRAMES;
+
 use crate::analysis::{Trace, trace};
 use crate::condition::{Condition, GOALS};
 use crate::error::{Error, Result};
@@ -14,6 +16,8 @@ const MARKER: &str = "/*DATA*/null";
 #[derive(Serialize)]
 struct Data<'a> {
     title: &'a str,
+    half_side: f32,
+    judged_from: u32,
     agent_radius: f32,
     object_radius: f32,
     goal_radius: f32,
@@ -47,10 +51,11 @@ pub fn traces(file: &TableFile) -> [Trace; GOALS] {
 pub fn page(file: &TableFile) -> Result<String> {
     let condition = &file.condition;
     let title = format!(
-        "EBTS, preset {}, {} agents, fitness {:.1}",
+        "EBTS, preset {}, {} agents, fitness {:.1} by the rule {}",
         condition.model.preset().name,
         condition.team.get(),
-        file.individual.fitness()
+        file.individual.fitness(),
+        condition.fitness
     );
     replay(condition, &title, &traces(file), &file.individual.points)
 }
@@ -68,6 +73,8 @@ pub fn replay(
     let preset = condition.model.preset();
     let data = Data {
         title,
+        half_side: preset.half_side_px,
+        judged_from: EXECUTION_FRAMES,
         agent_radius: preset.agent_radius_px,
         object_radius: preset.object_radius_px,
         goal_radius: preset.goal_radius_px,

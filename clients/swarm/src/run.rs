@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::condition::{Condition, GOALS};
 use crate::evaluate::{Evaluator, GoalPoints, Individual};
-use crate::ga::{Settings, SettingsError};
+use crate::ga::{Population, Settings, SettingsError};
+use crate::genome::diversity;
 use crate::islands::{Archipelago, IslandSettings};
 use crate::rng::SplitMix64;
-use field::Engine;
+use crate::workers::Workers;
 
 /// A generation in which the best fitness rose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,6 +19,15 @@ pub struct Rise {
     pub generation: u32,
     /// The best fitness from then on.
     pub fitness: f32,
+}
+
+/// One run of an experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Job {
+    /// Team size.
+    pub agents: usize,
+    /// Seed.
+    pub seed: u64,
 }
 
 /// One run under way.
@@ -88,6 +98,33 @@ impl Run {
         self.archipelago.best()
     }
 
+    /// What the individuals of all islands are like now; `None` before the random population is evaluated.
+    #[must_use]
+    pub fn census(&self) -> Option<Census> {
+        let members = || {
+            self.archipelago
+                .islands()
+                .iter()
+                .flat_map(Population::members)
+        };
+        let generation = self.generation?;
+        let count = members().count();
+        let fitness = || members().map(|member| f64::from(member.fitness()));
+        let genomes = members().map(|member| &member.genome).collect::<Vec<_>>();
+        Some(Census {
+            generation,
+            best: fitness().fold(0.0, f64::max),
+            mean: fitness().sum::<f64>() / count as f64,
+            worst: fitness().fold(f64::MAX, f64::min),
+            diversity: diversity(&genomes),
+        })
+    }
+
+    /// Trials that a generation takes at most.
+    fn trials(&self) -> usize {
+        GOALS * self.archipelago.size()
+    }
+
     fn accept(&mut self, evaluated: Vec<Individual>) {
         let generation = self.generation.map_or(0, |generation| generation + 1);
         self.archipelago.select(evaluated, generation);
@@ -118,6 +155,21 @@ impl Run {
     }
 }
 
+/// The individuals of a generation, all islands together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Census {
+    /// 0 is the random population.
+    pub generation: u32,
+    /// The largest fitness.
+    pub best: f64,
+    /// The mean fitness.
+    pub mean: f64,
+    /// The smallest fitness.
+    pub worst: f64,
+    /// The part of bits in which two individuals differ, mean over all pairs: 0.5 in a random population, 0 if all are equal.
+    pub diversity: f64,
+}
+
 /// What a finished run came to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -135,6 +187,15 @@ pub struct Record {
 }
 
 impl Record {
+    /// Which run it is of.
+    #[must_use]
+    pub fn job(&self) -> Job {
+        Job {
+            agents: self.agents,
+            seed: self.seed,
+        }
+    }
+
     /// The best fitness at the end.
     #[must_use]
     pub fn fitness(&self) -> f32 {
@@ -152,35 +213,48 @@ impl Record {
             .map_or(0.0, |last| self.rises[last].fitness)
     }
 
-    /// Goals solved by the best genome.
+    /// Goals for which the best genome earns the largest score.
     #[must_use]
-    pub fn goals_solved(&self) -> usize {
+    pub fn full_scores(&self) -> usize {
         (0..GOALS)
             .filter(|&goal| field::solved(self.points[goal]))
             .count()
     }
 }
 
-/// Evolves runs of one condition, all at the same generation, up to `generations`; `watch` sees them after every generation
-/// and may stop them.
+/// Evolves runs of one condition side by side up to `generations`; `watch` sees them after every generation and may stop
+/// them. Runs stopped by it or by the workers' flag are whole: as they were after their last generation.
 pub fn evolve(
     condition: &Condition,
-    engine: Engine,
+    workers: impl Into<Workers>,
     runs: &mut [Run],
     generations: u32,
     mut watch: impl FnMut(&[Run]) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let mut evaluator = Evaluator::new(condition.clone(), engine, runs.len());
-    while runs.iter().any(|run| {
+    let workers = workers.into();
+    let mut evaluator = Evaluator::new(condition.clone(), workers.clone(), runs.len());
+    let unfinished = |run: &Run| {
         run.generation
             .is_none_or(|generation| generation < generations)
-    }) {
-        let proposals = runs
-            .iter_mut()
-            .map(|run| run.archipelago.propose())
-            .collect();
-        for (run, evaluated) in runs.iter_mut().zip(evaluator.evaluate(proposals)) {
-            run.accept(evaluated);
+    };
+    while runs.iter().any(unfinished) {
+        let trials = runs.iter().map(Run::trials).sum();
+        let before = workers.may_break_off(trials).then(|| runs.to_vec());
+        let propose = |run: &mut Run| match unfinished(run) {
+            true => run.archipelago.propose(),
+            false => Vec::new(),
+        };
+        let proposals = runs.iter_mut().map(propose).collect();
+        let Some(evaluated) = evaluator.evaluate(proposals) else {
+            for (run, before) in runs.iter_mut().zip(before.into_iter().flatten()) {
+                *run = before;
+            }
+            return ControlFlow::Break(());
+        };
+        for (run, evaluated) in runs.iter_mut().zip(evaluated) {
+            if unfinished(run) {
+                run.accept(evaluated);
+            }
         }
         watch(runs)?;
     }

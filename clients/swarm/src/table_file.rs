@@ -399,8 +399,9 @@ fn entries(fields: &impl Serialize) -> String {
     })
 }
 
-/// A value on one line; every number of a preset is an f32 and is written as short as that allows.
-fn inline(value: &toml::Value) -> String {
+/// A TOML value on one line; every number of a preset is an f32 and is written as short as that allows.
+#[must_use]
+pub fn inline(value: &toml::Value) -> String {
     let list = |values: Vec<String>| values.join(", ");
     match value {
         toml::Value::Float(number) => format!("{:?}", *number as f32),

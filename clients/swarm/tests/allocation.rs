@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use ebts::agents::{AgentsDesk, Exchange, Lookup};
+use ebts::agents::{Exchange, Lookup, TeamController};
 use ebts::built_in;
 use shm_bus::{Bus, FreshBus, Realtime, now_ns};
 use shm_schemas::capacity::AGENTS;
@@ -50,8 +50,8 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
     let file = built_in::table("r3-two-agents").expect("built in");
     let [first, second] = [1, 2].map(|n| Lookup::new(&vec![file.clone(); n]));
     let bus = FreshBus::new("allocation");
-    let (desks, hosts) = (open(&bus, "desk"), open(&bus, "host"));
-    let mut desk = AgentsDesk::open(&desks, first).expect("a desk");
+    let (controllers, hosts) = (open(&bus, "controller"), open(&bus, "host"));
+    let mut controller = TeamController::open(&controllers, first).expect("a controller");
     let publisher = hosts
         .publisher::<AgentSensors>(service::AGENT_SENSORS)
         .expect("a publisher");
@@ -76,7 +76,7 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
         sensors.stamp.captured_ns = now_ns();
         publisher.send(&sensors).expect("sent");
         let before = COUNTS.get();
-        let answered = desk.answer(&exchange).expect("the bus works");
+        let answered = controller.answer(&exchange).expect("the bus works");
         let after = COUNTS.get();
         assert!(answered && answers.newest(&mut answer).expect("the bus works"));
         assert_eq!(answer.frame, frame);
@@ -96,7 +96,7 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
         "one allocation and one release a frame"
     );
     assert_eq!(
-        (desk.tally().answered, hashes.len()),
+        (controller.counts().answered, hashes.len()),
         (FRAMES, 2),
         "two tables, one after the other"
     );

@@ -79,6 +79,7 @@ fn an_experiment_prints_its_documented_fields() {
     let summary = json(folder.path(), &format!("{SMALL} --format json"));
     let fields = [
         "preset",
+        "fitness_rule",
         "seeds",
         "generations",
         "wall_s",
@@ -140,7 +141,9 @@ fn threads_engines_shards_and_repetition_change_no_byte() {
     assert!(partial.contains("4 runs are missing"), "{partial}");
     run(folder, "merge merged part2 part1");
     assert_eq!(results(folder, "merged"), whole, "sharded and merged");
-    assert!(run(folder, "merge merged part1").contains("preset N: 3 runs"));
+    assert!(
+        run(folder, "merge merged part1").contains("preset N, fitness rule anti-accident: 3 runs")
+    );
 }
 
 #[test]
@@ -162,12 +165,88 @@ fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
     interrupt(child.id());
     let code = child.wait().expect("a child").code();
     assert!(matches!(code, Some(130 | 0)), "{code:?}");
+    if code == Some(130) {
+        let under_way = std::fs::read_dir(folder.join("cut/under-way")).expect("a folder");
+        assert!(under_way.count() > 0, "runs under way are saved");
+    }
     // A power cut may leave half a line behind.
     let mut torn = std::fs::read(&runs).expect("runs");
     torn.extend_from_slice(b"{\"agents\":4,\"se");
     std::fs::write(&runs, torn).expect("a writable file");
     run(folder, &format!("{LONGER} --out cut"));
     assert_eq!(results(folder, "cut"), results(folder, "straight"));
+    assert!(
+        !folder.join("cut/under-way").exists(),
+        "nothing is under way any more"
+    );
+}
+
+/// One generation of this population takes many seconds: it is broken off, and what was before it is saved.
+#[test]
+fn a_generation_of_a_huge_population_stops_too() {
+    let folder = folder();
+    let mut child = ebts(
+        folder.path(),
+        "evolve --population 10000 --islands 100 --agents 4 --engine scalar --threads 1 --out huge.toml",
+    )
+    .stderr(Stdio::null())
+    .spawn()
+    .expect("ebts starts");
+    std::thread::sleep(Duration::from_millis(500));
+    interrupt(child.id());
+    assert_eq!(child.wait().expect("a child").code(), Some(130));
+    let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(left, 0, "nothing was evaluated, so nothing is saved");
+}
+
+/// What somebody writes into `runs.jsonl`, and what is said of it.
+#[test]
+fn forged_runs_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out here"));
+    run(folder, &format!("{SMALL} --out other --first-seed 2"));
+    let runs = folder.join("here/runs.jsonl");
+    let intact = std::fs::read_to_string(&runs).expect("runs");
+    let first = intact.lines().next().expect("a run").to_owned();
+    let resealed = |change: &dyn Fn(&mut Value)| {
+        let mut line: Value = serde_json::from_str(&first).expect("JSON");
+        change(&mut line["run"]);
+        line.to_string()
+    };
+    let foreign = std::fs::read_to_string(folder.join("other/runs.jsonl")).expect("runs");
+    let foreign = foreign.lines().next().expect("a run");
+    let rows = [
+        (
+            first.replacen("\"fitness\":", "\"fitness\":1e30,\"f\":", 1),
+            "was damaged",
+        ),
+        (resealed(&|run| run["agents"] = 7.into()), "seal"),
+        (resealed(&|run| run["points"][0] = 100.into()), "seal"),
+        (
+            resealed(&|run| run["genome"] = "0".repeat(32).into()),
+            "seal",
+        ),
+        (foreign.to_owned(), "seal"),
+        (format!("{first}\n{first}"), "this run was there before"),
+        ("{}".to_owned(), "missing field"),
+    ];
+    for (line, expected) in rows {
+        std::fs::write(&runs, intact.replacen(&first, &line, 1)).expect("a writable file");
+        for command in [
+            format!("{SMALL} --out here"),
+            "analyse here".to_owned(),
+            "merge m here".to_owned(),
+        ] {
+            let said = refused(folder, &command, 3);
+            assert!(
+                said.contains(expected),
+                "{command}: {said:?} does not say {expected:?}"
+            );
+        }
+    }
+    std::fs::write(&runs, intact).expect("a writable file");
+    run(folder, "analyse here --random-tables 1");
 }
 
 #[test]
@@ -332,13 +411,192 @@ fn an_experiment_can_be_analysed_and_drawn_again() {
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out here"));
     let analysis = json(folder, "analyse here --random-tables 20 --format json");
-    assert_eq!(
-        keys(&analysis),
-        BTreeSet::from(["preset", "findings", "comparisons"])
-    );
+    assert_eq!(keys(&analysis), BTreeSet::from(["findings", "comparisons"]));
     assert_eq!(analysis["comparisons"].as_array().map(Vec::len), Some(4));
     assert!(run(folder, "analyse here --random-tables 20").contains("held out"));
     assert!(run(folder, "plot here").contains("fig14.svg"));
+}
+
+#[test]
+fn a_researcher_gets_trials_examples_comparisons_and_sweeps() {
+    let folder = folder();
+    let folder = folder.path();
+    run(
+        folder,
+        "experiment fig14 --preset LB --seeds 4 --generations 60 --agents 4 --out here",
+    );
+    let exported = json(folder, "export here --format json");
+    assert_eq!(exported["trials"], 32);
+    let csv = std::fs::read_to_string(folder.join("here/trials.csv")).expect("trials");
+    assert!(
+        csv.starts_with("agents,seed,goal,points,delivered,"),
+        "{csv}"
+    );
+    assert_eq!(csv.lines().count(), 33);
+    let found = json(folder, "find here --format json");
+    let delivered = csv.lines().filter(|line| line.contains(",true,")).count();
+    let examples: u64 = found
+        .as_array()
+        .expect("cases")
+        .iter()
+        .filter_map(|c| c["trials"].as_u64())
+        .sum();
+    assert!(examples as usize <= delivered, "{found}");
+    let compared = run(folder, "compare here here");
+    assert!(compared.contains("| LB, anti-accident, 4 |"), "{compared}");
+    assert!(
+        compared.contains("not run"),
+        "findings need other team sizes: {compared}"
+    );
+
+    let swept = json(
+        folder,
+        "sweep --preset LB --vary goal_radius_px=20,40 --vary friction_per_stall_force=0.9 --agents 2 --seeds 2 \
+         --generations 20 --out s --format json",
+    );
+    assert_eq!(swept.as_array().map(Vec::len), Some(2));
+    for combination in swept.as_array().expect("combinations") {
+        let place = combination["folder"].as_str().expect("a folder");
+        assert!(folder.join(place).join("summary.json").exists(), "{place}");
+    }
+    run(
+        folder,
+        "evolve --preset LB3 --fitness compared --generations 5 --out t.toml --history h.csv",
+    );
+    let history = std::fs::read_to_string(folder.join("h.csv")).expect("a history");
+    assert!(
+        history.starts_with("generation,best,mean,worst,diversity\n0,"),
+        "{history}"
+    );
+    assert_eq!(history.lines().count(), 7);
+    assert_eq!(
+        json(folder, "show t.toml --format json")["fitness_rule"],
+        "compared"
+    );
+}
+
+#[test]
+fn presets_are_printed_completed_and_stay_inside() {
+    let folder = folder();
+    let folder = folder.path();
+    assert!(run(folder, "preset").contains("LB3"));
+    std::fs::write(folder.join("r3.toml"), run(folder, "preset R3")).expect("a writable file");
+    run(
+        folder,
+        "evolve --preset r3.toml --generations 3 --out a.toml",
+    );
+    run(folder, "evolve --preset R3 --generations 3 --out b.toml");
+    let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
+    assert_eq!(table("a.toml"), table("b.toml"));
+    let inside = folder.join("inside");
+    std::fs::create_dir(&inside).expect("a folder");
+    let partial = "base = \"R3\"\nname = \"../../outside\"\nfriction_per_stall_force = 0.9\n";
+    std::fs::write(inside.join("p.toml"), partial).expect("a writable file");
+    run(
+        &inside,
+        "experiment fig14 --preset p.toml --seeds 1 --generations 1 --agents 1",
+    );
+    let mut made: Vec<_> = std::fs::read_dir(folder)
+        .expect("the folder")
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    made.sort();
+    assert_eq!(
+        made,
+        ["a.toml", "b.toml", "inside", "r3.toml"],
+        "nothing outside"
+    );
+}
+
+#[test]
+fn completions_manual_pages_and_help_are_there() {
+    let folder = folder();
+    let folder = folder.path();
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(run(folder, &format!("completions {shell}")).contains("experiment"));
+    }
+    run(folder, "man pages");
+    assert!(folder.join("pages/ebts-sweep.1").exists());
+    let commands = [
+        "evolve",
+        "experiment",
+        "sweep",
+        "merge",
+        "analyse",
+        "compare",
+        "export",
+        "find",
+        "preset",
+        "plot",
+        "show",
+        "agents",
+        "replay",
+        "completions",
+        "man",
+    ];
+    for command in commands {
+        let help = run(folder, &format!("{command} --help"));
+        assert!(help.contains("Example"), "{command}: {help}");
+        assert!(help.contains("--format"), "{command}: {help}");
+    }
+}
+
+/// A reader that goes away ends nothing in anger; a full disk is told.
+#[test]
+fn closed_pipes_and_full_disks_are_no_panic() {
+    let folder = folder();
+    for arguments in [
+        "preset",
+        "preset R3",
+        "completions bash",
+        "--help",
+        "preset --format json",
+    ] {
+        let command = format!("{} {arguments}", env!("CARGO_BIN_EXE_ebts"));
+        let shell = |script: String| {
+            let mut shell = Command::new("bash");
+            shell
+                .current_dir(folder.path())
+                .args(["-c", &script])
+                .output()
+                .expect("bash starts")
+        };
+        let closed = shell(format!("{command} | true; exit ${{PIPESTATUS[0]}}"));
+        let said = String::from_utf8_lossy(&closed.stderr).into_owned();
+        assert_eq!(
+            (closed.status.code(), said.as_str()),
+            (Some(0), ""),
+            "{arguments}"
+        );
+        let full = shell(format!("{command} > /dev/full"));
+        let said = String::from_utf8_lossy(&full.stderr);
+        assert!(!said.contains("panicked"), "{arguments}: {said}");
+        if arguments != "--help" {
+            assert_eq!(full.status.code(), Some(5), "{arguments}: {said}");
+        }
+    }
+}
+
+#[test]
+fn tables_fit_into_80_columns() {
+    let folder = folder();
+    let folder = folder.path();
+    let printed = [
+        run(folder, &format!("{SMALL} --out here")),
+        run(folder, "analyse here --random-tables 1000"),
+        run(folder, "find here"),
+        run(folder, "preset"),
+        run(folder, "evolve --generations 20 --out t.toml"),
+        run(folder, "show t.toml"),
+        run(folder, "plot t.toml"),
+    ];
+    for line in printed.iter().flat_map(|text| text.lines()) {
+        assert!(
+            line.chars().count() <= 80,
+            "{} columns: {line}",
+            line.chars().count()
+        );
+    }
 }
 
 #[test]
@@ -352,6 +610,12 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
         ("evolve --preset bad.toml", 3, "missing field"),
         ("evolve --population 7", 3, "population because it was 7"),
         ("evolve --elite 10", 3, "elite because it was 10"),
+        ("evolve --elite 0", 3, "elite because it was 0"),
+        ("experiment fig14 --agents 2,2", 3, "each once"),
+        ("experiment fig14 --agents 5", 3, "could not place 5 agents"),
+        ("sweep --vary speed=1", 3, "unknown field `speed`"),
+        ("sweep --vary goal_radius_px", 2, "goal_radius_px=40,50"),
+        ("preset R9", 3, "neither a preset nor a file"),
         (
             "evolve --mutation-rate nan",
             3,

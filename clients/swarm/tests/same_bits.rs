@@ -1,6 +1,8 @@
 //! A run's bits depend on its condition, settings and seed alone.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use ebts::checkpoint::Checkpoint;
 use ebts::condition::{Condition, Setup, Sharing};
@@ -10,6 +12,7 @@ use ebts::islands::IslandSettings;
 use ebts::rng::SplitMix64;
 use ebts::run::{Record, Run, evolve};
 use ebts::sensors::SensorOrder;
+use ebts::workers::Workers;
 use ebts::{genome::Genome, run};
 use field::{Engine, FitnessRule, Preset, Trial, run_trial};
 
@@ -39,6 +42,10 @@ fn conditions() -> Vec<Condition> {
     setups.push(Setup {
         fitness_rule: FitnessRule::Literal,
         ..paper_team(Preset::PAPER, 2)
+    });
+    setups.push(Setup {
+        fitness_rule: FitnessRule::Compared,
+        ..paper_team(Preset::LB3, 4)
     });
     let sensors = "photo-right,ir-left,ir-front,photo-left,ir-right"
         .parse()
@@ -136,6 +143,38 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     }
 }
 
+/// A population so large that its trials are shared among threads and broken off in the middle of a generation.
+#[test]
+fn threads_and_stopping_half_way_change_no_bit() {
+    let condition = conditions().remove(7);
+    let settings = Settings {
+        population: 4000,
+        ..Settings::default()
+    };
+    let begin =
+        || Run::new(&condition, settings, IslandSettings::default(), 3).expect("valid settings");
+    let go_on = |_: &[Run]| ControlFlow::Continue(());
+    let mut straight = [begin()];
+    assert!(evolve(&condition, Engine::fastest(), &mut straight, 2, go_on).is_continue());
+
+    let stop = Arc::new(AtomicBool::new(false));
+    let workers = Workers::new(Engine::fastest(), 3, Arc::clone(&stop)).expect("three threads");
+    let mut runs = [begin()];
+    let after_the_first = |runs: &[Run]| {
+        stop.store(runs[0].generation() == Some(1), Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    assert!(evolve(&condition, workers.clone(), &mut runs, 2, after_the_first).is_break());
+    assert_eq!(
+        runs[0].generation(),
+        Some(1),
+        "whole, as after its last generation"
+    );
+    stop.store(false, Ordering::Relaxed);
+    assert!(evolve(&condition, workers, &mut runs, 2, go_on).is_continue());
+    assert_eq!(runs, straight);
+}
+
 #[test]
 fn the_memo_changes_no_points() {
     for condition in conditions() {
@@ -147,6 +186,7 @@ fn the_memo_changes_no_points() {
             genome.mutate(rate, &mut rng);
             let evaluated = evaluator
                 .evaluate(vec![vec![genome.clone(); 2]])
+                .expect("nobody stops it")
                 .remove(0)
                 .remove(1);
             let tables = condition.responses(&genome);

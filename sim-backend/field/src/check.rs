@@ -2,8 +2,7 @@
 
 use thiserror::Error;
 
-use crate::constants::FIELD_PX;
-use crate::preset::{Goals, Preset};
+use crate::preset::{Goals, Preset, Push};
 
 /// A preset or a layout that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -31,6 +30,12 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
     let positive = f32::MIN_POSITIVE;
     let rows = [
         (
+            "half_side_px",
+            p.half_side_px,
+            in_range(p.half_side_px, 100.0, 2000.0),
+            "100 to 2000",
+        ),
+        (
             "agent_radius_px",
             p.agent_radius_px,
             in_range(p.agent_radius_px, 1.0, 100.0),
@@ -51,8 +56,8 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
         (
             "starts.distance_px",
             p.starts.distance_px,
-            in_range(p.starts.distance_px, 0.0, FIELD_PX),
-            "0 to 400",
+            in_range(p.starts.distance_px, 0.0, p.half_side_px),
+            "0 to half the field's side",
         ),
         (
             "ir_range_px",
@@ -93,27 +98,16 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
         (
             "goals",
             goal_distance,
-            in_range(goal_distance, 0.0, FIELD_PX - p.object_radius_px),
-            "0 to 400 − object radius",
+            in_range(goal_distance, 0.0, p.half_side_px - p.object_radius_px),
+            "0 to half the field's side − object radius",
         ),
         (
             "goal_radius_px",
             p.goal_radius_px,
-            in_range(p.goal_radius_px, 1.0, FIELD_PX),
-            "1 to 400",
+            in_range(p.goal_radius_px, 1.0, p.half_side_px),
+            "1 to half the field's side",
         ),
-        (
-            "solo_push",
-            p.solo_push,
-            in_range(p.solo_push, 0.0, 1.0),
-            "0 to 1",
-        ),
-        (
-            "team_push",
-            p.team_push,
-            in_range(p.team_push, 0.0, 1.0),
-            "0 to 1",
-        ),
+        push(p.push),
     ];
     match rows.into_iter().find(|(_, _, good, _)| !good) {
         None => Ok(()),
@@ -126,6 +120,21 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
     }
 }
 
+/// The first number of the push that is out of range, else any of them.
+fn push(push: Push) -> (&'static str, f32, bool, &'static str) {
+    let part = |value: f32| (0.0..=1.0).contains(&value);
+    match push {
+        Push::Fitted { solo, .. } if !part(solo) => ("solo_push", solo, false, "0 to 1"),
+        Push::Fitted { team, .. } => ("team_push", team, part(team), "0 to 1"),
+        Push::Friction(stall_forces) => (
+            "friction_per_stall_force",
+            stall_forces,
+            (0.0..=4.0).contains(&stall_forces),
+            "0 to 4: beyond, no team moves the object",
+        ),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,7 +142,7 @@ mod tests {
     #[test]
     fn bad_values_are_refused_by_name() {
         type Spoil = fn(&mut Preset, f32);
-        let keys: [(&str, Spoil); 10] = [
+        let keys: [(&str, Spoil); 13] = [
             ("agent_radius_px", |p, v| p.agent_radius_px = v),
             ("object_radius_px", |p, v| p.object_radius_px = v),
             ("medium_speed_px_per_frame", |p, v| {
@@ -147,7 +156,16 @@ mod tests {
             ("object_light_px", |p, v| p.object_light_px = v),
             ("goals", |p, v| p.goals = Goals::CirclePx(v)),
             ("goal_radius_px", |p, v| p.goal_radius_px = v),
-            ("team_push", |p, v| p.team_push = v),
+            ("solo_push", |p, v| {
+                p.push = Push::Fitted { solo: v, team: 0.5 }
+            }),
+            ("team_push", |p, v| {
+                p.push = Push::Fitted { solo: 0.5, team: v }
+            }),
+            ("friction_per_stall_force", |p, v| {
+                p.push = Push::Friction(v)
+            }),
+            ("half_side_px", |p, v| p.half_side_px = v),
         ];
         for (key, spoil) in keys {
             for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e9] {

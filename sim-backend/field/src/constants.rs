@@ -2,10 +2,11 @@
 
 use crate::heading::cos_sin;
 use crate::preset::{Contact, Preset};
+use crate::trial::MAX_AGENTS;
 use crate::world::{greater, lesser};
 
-/// Half the side of the field (paper III.b.3: 800 × 800 px).
-pub(crate) const FIELD_PX: f32 = 400.0;
+/// Half the side of the paper's field (III.b.3: 800 × 800 px).
+pub(crate) const HALF_SIDE_PX: f32 = 400.0;
 /// An agent this much further than contact still faces the object for the count of pushing agents (ours).
 const FACING_MARGIN_PX: f32 = 1.0;
 /// Below this squared distance two centres coincide; keeps `0 / 0` out of the contact direction (ours).
@@ -40,8 +41,10 @@ pub(crate) struct Constants {
     pub object_light_sq: f32,
     pub goal_light_sq: f32,
     pub goal_radius_sq: f32,
-    pub solo_push: f32,
-    pub team_push: f32,
+    /// The part of an overlap that the object yields to one, two, three and four agents.
+    pub push: [f32; MAX_AGENTS],
+    /// Half the side of the field.
+    pub half_side: f32,
     /// Travel per frame by left level + 4 · right level.
     pub travel: [f32; 16],
     /// An agent this far from the object neither sees it by IR nor touches it in this frame, unless bodies meet before.
@@ -60,16 +63,16 @@ impl Constants {
         let (ir_cos, ir_sin) = cos_sin(p.ir_angle_steps);
         let (photo_cos, photo_sin) = cos_sin(p.photo.angle_steps);
         let half_speed = 0.5 * p.medium_speed_px_per_frame;
-        let agent_limit = FIELD_PX - p.agent_radius_px;
+        let agent_limit = p.half_side_px - p.agent_radius_px;
         // The furthest that wheels take an agent in a frame.
         let stride = 4.0 * half_speed;
         let near_object = greater(p.ir_range_px + p.object_radius_px, touch + stride);
         let near_agent = greater(p.ir_range_px + p.agent_radius_px, pair + 2.0 * stride);
-        let near_wall = lesser(agent_limit - stride, FIELD_PX - p.ir_range_px);
+        let near_wall = lesser(agent_limit - stride, p.half_side_px - p.ir_range_px);
         Self {
             contact: p.contact,
             agent_limit,
-            object_limit: FIELD_PX - p.object_radius_px,
+            object_limit: p.half_side_px - p.object_radius_px,
             agent_radius_sq: sq(p.agent_radius_px),
             object_radius_sq: sq(p.object_radius_px),
             touch,
@@ -86,8 +89,8 @@ impl Constants {
             object_light_sq: sq(p.object_light_px),
             goal_light_sq: sq(p.goal_light_px),
             goal_radius_sq: sq(p.goal_radius_px),
-            solo_push: p.solo_push,
-            team_push: p.team_push,
+            push: p.push.by_agents(),
+            half_side: p.half_side_px,
             travel: std::array::from_fn(|code| half_speed * ((code & 3) + (code >> 2)) as f32),
             cull_object_sq: sq(near_object + CULL_MARGIN_PX),
             cull_agent_sq: sq(near_agent + CULL_MARGIN_PX),

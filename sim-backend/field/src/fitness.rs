@@ -1,4 +1,10 @@
 //! What a trial is worth (paper III.b.2): up to 100 points per goal, 800 for the eight goals of an evaluation.
+//!
+//! The paper prints E₁ and E₂ and adds that the places of agent and object "at the termination of the execution time" were
+//! compared with those "at the termination of the evaluation time", but not what followed from the comparison. So there are
+//! three rules: its formulas alone, its formulas with the comparison as we read it, and one of ours.
+
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -21,12 +27,26 @@ const WITH_OBJECT_PX: f32 = 20.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FitnessRule {
-    /// The 100 points if the object is at the goal and some agent was with it at the end of the execution time and still is
-    /// at the end of the evaluation time; else E₁, at most what it is on the goal's edge. An object that was pushed by
-    /// accident and left alone earns no more than a near miss. The default.
+    /// The 100 points if the object was [delivered], else E₁, at most what it is on the goal's edge. An object that was
+    /// pushed by accident and left alone earns no more than a near miss. Ours, the default: a full score is a solved goal.
     AntiAccident,
     /// E₁ + E₂ as printed, Eqs. (2) and (3), at most 100 points.
     Literal,
+    /// The paper's reading: E₁ + E₂, at most 100 points, if some agent was with the object at the end of the execution time
+    /// and still is at the end of the evaluation time; else an accident, which earns no E₂ and no more E₁ than the goal's
+    /// edge.
+    Compared,
+}
+
+impl fmt::Display for FitnessRule {
+    /// The name, as files and command lines have it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::AntiAccident => "anti-accident",
+            Self::Literal => "literal",
+            Self::Compared => "compared",
+        })
+    }
 }
 
 impl FitnessRule {
@@ -43,18 +63,14 @@ impl FitnessRule {
     /// The points of one trial.
     #[must_use]
     pub fn points(self, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
+        let distance = outcome.evaluated.goal_px;
+        let edge = accuracy(preset.goal_radius_px);
+        let both = || (accuracy(distance) + efficiency(outcome.reached_frame)).min(GOAL_POINTS);
         match self {
-            Self::AntiAccident => {
-                let distance = outcome.evaluated.goal_px;
-                if distance <= preset.goal_radius_px && carried(preset, team, outcome) {
-                    GOAL_POINTS
-                } else {
-                    accuracy(distance).min(accuracy(preset.goal_radius_px))
-                }
-            }
-            Self::Literal => (accuracy(outcome.evaluated.goal_px)
-                + efficiency(outcome.reached_frame))
-            .min(GOAL_POINTS),
+            Self::AntiAccident if delivered(preset, team, outcome) => GOAL_POINTS,
+            Self::Compared if accompanied(preset, team, outcome) => both(),
+            Self::AntiAccident | Self::Compared => accuracy(distance).min(edge),
+            Self::Literal => both(),
         }
     }
 }
@@ -74,13 +90,19 @@ fn efficiency(reached_frame: u32) -> f32 {
 }
 
 /// Whether one and the same agent is with the object at both instants.
-fn carried(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
+fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
     let near = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
     let with = |snapshot: &Snapshot, agent: usize| snapshot.agents_px[agent] <= near;
     (0..team.get()).any(|agent| with(&outcome.executed, agent) && with(&outcome.evaluated, agent))
 }
 
-/// Whether these points are a goal solved.
+/// Whether a trial is solved, whatever the rule: the object is at the goal in the end, and not by accident.
+#[must_use]
+pub fn delivered(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
+    outcome.evaluated.goal_px <= preset.goal_radius_px && accompanied(preset, team, outcome)
+}
+
+/// Whether these points are the largest score of a goal.
 #[must_use]
 pub fn solved(points: f32) -> bool {
     points >= GOAL_POINTS
@@ -150,6 +172,29 @@ mod tests {
         ];
         for (goal_px, reached, expected) in rows {
             check(FitnessRule::Literal, goal_px, 0.0, 0.0, reached, expected);
+        }
+    }
+
+    #[test]
+    fn the_comparison_takes_from_accidents_what_the_formulas_gave_them() {
+        let edge = 1000.0 / 60.0;
+        let rows = [
+            (30.0, 80.0, 80.0, 60, 1000.0 / 30.0 + 10.0), // carried in
+            (5.0, 80.0, 80.0, 6, 100.0),                  // no more than the largest score
+            (100.0, 80.0, 80.0, 60, 20.0),                // carried in and out again: E2 stays
+            (100.0, 80.0, 80.0, 0, 10.0),                 // not there yet
+            (30.0, 96.0, 80.0, 60, edge),                 // nobody with it at frame 180
+            (5.0, 80.0, 300.0, 6, edge),                  // left alone at frame 270
+        ];
+        for (goal_px, executed, evaluated, reached, expected) in rows {
+            check(
+                FitnessRule::Compared,
+                goal_px,
+                executed,
+                evaluated,
+                reached,
+                expected,
+            );
         }
     }
 

@@ -19,7 +19,7 @@
 //! * A [`Model`] holds only finite numbers inside their ranges: what is not, is refused by [`Model::new`].
 //!
 //! Deliberately absent: time, randomness, files, threads and learning. Lengths are in pixels (px), times in frames,
-//! headings in steps of 1/64 turn, counter-clockwise from +x; the field is the square `[−400, 400]²` (paper III.b.3).
+//! headings in steps of 1/64 turn, counter-clockwise from +x; the paper's field is the square `[−400, 400]²` (III.b.3).
 
 mod check;
 mod constants;
@@ -34,13 +34,14 @@ mod run;
 mod sight;
 mod trial;
 mod world;
+mod written;
 
 pub use check::PresetError;
 pub use engine::{Engine, EngineError};
-pub use fitness::{FitnessRule, solved};
+pub use fitness::{FitnessRule, delivered, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
-pub use preset::{Contact, Corner, Goals, Photo, Preset, Start, Starts};
+pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
 pub use run::TrialRun;
 pub use trial::{

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::check::{PresetError, check};
-use crate::constants::{Constants, FIELD_PX};
+use crate::constants::Constants;
 use crate::heading::cos_sin;
 use crate::preset::{Corner, Goals, Preset, Start};
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose};
@@ -117,8 +117,8 @@ impl Model {
             self.within("start x", pose.x_px, limit)?;
             self.within("start y", pose.y_px, limit)?;
         }
-        self.within("goal x", goal.x_px, FIELD_PX)?;
-        self.within("goal y", goal.y_px, FIELD_PX)?;
+        self.within("goal x", goal.x_px, self.preset.half_side_px)?;
+        self.within("goal y", goal.y_px, self.preset.half_side_px)?;
         for (i, a) in starts.iter().enumerate() {
             let apart = |key, sq: f32, least: f32, needs| match sq >= least {
                 true => Ok(()),

@@ -4,9 +4,13 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-/// Every number of one field. Plain data: [`crate::Model::new`] checks it.
+use crate::constants::HALF_SIDE_PX;
+use crate::written::Written;
+
+/// Every number of one field. Plain data: [`crate::Model::new`] checks it. In a file it has every key, or only those in
+/// which it differs from a preset that ships, named as `base`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Written", into = "Written")]
 pub struct Preset {
     /// How people call it.
     pub name: Cow<'static, str>,
@@ -32,12 +36,41 @@ pub struct Preset {
     pub goals: Goals,
     /// The object has arrived when its centre is this close to the goal.
     pub goal_radius_px: f32,
-    /// The part of an overlap that one pushing agent moves the object by; below 1 the object is too heavy for one.
-    pub solo_push: f32,
-    /// The part of an overlap that two or more pushing agents move the object by.
-    pub team_push: f32,
+    /// How far the object yields to those who push it.
+    pub push: Push,
     /// What bodies do when they meet.
     pub contact: Contact,
+    /// Half the side of the square field; 400 in every preset that ships (paper III.b.3: 800 × 800 px).
+    pub half_side_px: f32,
+}
+
+/// The part of an overlap by which pushing agents move the object; below 1 it is too heavy for them to keep their speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Push {
+    /// Two numbers fitted to the paper's figures: one agent, and two or more.
+    Fitted {
+        /// Of one agent.
+        solo: f32,
+        /// Of two or more.
+        team: f32,
+    },
+    /// Dry friction against wheels whose force falls linearly with their speed: of k agents max(0, 1 − φ / k), where φ is
+    /// the object's friction over the force at which one agent stalls. Towards 0 anybody carries it, above 4 nobody.
+    Friction(f32),
+}
+
+impl Push {
+    /// The part for one, two, three and four agents.
+    #[must_use]
+    pub fn by_agents(self) -> [f32; crate::MAX_AGENTS] {
+        match self {
+            Self::Fitted { solo, team } => [solo, team, team, team],
+            Self::Friction(stall_forces) => std::array::from_fn(|k| {
+                let part = 1.0 - stall_forces / (k + 1) as f32;
+                if part > 0.0 { part } else { 0.0 }
+            }),
+        }
+    }
 }
 
 /// The four start poses, agent 1 first.
@@ -131,9 +164,12 @@ impl Preset {
         goal_light_px: 280.0,
         goals: Goals::SquarePx(225.0),
         goal_radius_px: 60.0,
-        solo_push: 0.02,
-        team_push: 0.9,
+        push: Push::Fitted {
+            solo: 0.02,
+            team: 0.9,
+        },
         contact: Contact::Blocking,
+        half_side_px: HALF_SIDE_PX,
     };
 
     /// Near starts, short light, bodies that slide: the order 3 > 2 > 4 of the means (ours).
@@ -156,9 +192,12 @@ impl Preset {
         goal_light_px: 100.0,
         goals: Goals::SquarePx(250.0),
         goal_radius_px: 60.0,
-        solo_push: 0.1,
-        team_push: 1.0,
+        push: Push::Fitted {
+            solo: 0.1,
+            team: 1.0,
+        },
         contact: Contact::Sliding,
+        half_side_px: HALF_SIDE_PX,
     };
 
     /// Large agents that block each other: redundant agents learn to keep out (ours).
@@ -187,9 +226,12 @@ impl Preset {
         goal_light_px: 100.0,
         goals: Goals::CirclePx(150.0),
         goal_radius_px: 20.0,
-        solo_push: 0.1,
-        team_push: 1.0,
+        push: Push::Fitted {
+            solo: 0.1,
+            team: 1.0,
+        },
         contact: Contact::Blocking,
+        half_side_px: HALF_SIDE_PX,
     };
 
     /// LB with a wider goal and a larger object (ours).
@@ -201,8 +243,27 @@ impl Preset {
         ir_angle_steps: 11,
         goals: Goals::CirclePx(160.0),
         goal_radius_px: 50.0,
-        solo_push: 0.08,
+        push: Push::Fitted {
+            solo: 0.08,
+            team: 1.0,
+        },
         ..Self::LB
+    };
+
+    /// LB2 with a narrower goal and one physical law instead of two fitted numbers: an agent alone hardly moves the object,
+    /// because friction takes 0.95 of its stall force (ours).
+    pub const LB3: Self = Self {
+        name: Cow::Borrowed("LB3"),
+        goal_radius_px: 40.0,
+        push: Push::Friction(0.95),
+        ..Self::LB2
+    };
+
+    /// N with the same law: three beat two and four, but the single agent does not circle (ours).
+    pub const N3: Self = Self {
+        name: Cow::Borrowed("N3"),
+        push: Push::Friction(0.95),
+        ..Self::N
     };
 
     /// The paper's printed constants and nothing fitted: an 800 × 800 px field, agents near the corners (Fig. 13), eight
@@ -213,12 +274,23 @@ impl Preset {
             distance_px: 340.0,
             ..Self::R3.starts
         },
-        solo_push: 1.0,
+        push: Push::Fitted {
+            solo: 1.0,
+            team: 1.0,
+        },
         ..Self::N
     };
 
     /// The presets that ship, the default first.
-    pub const ALL: [Self; 5] = [Self::R3, Self::N, Self::LB, Self::LB2, Self::PAPER];
+    pub const ALL: [Self; 7] = [
+        Self::R3,
+        Self::N,
+        Self::N3,
+        Self::LB,
+        Self::LB2,
+        Self::LB3,
+        Self::PAPER,
+    ];
 
     /// The shipped preset of this name, whatever the case.
     #[must_use]

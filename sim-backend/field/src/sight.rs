@@ -1,6 +1,6 @@
 //! What one agent of the scalar reference sees.
 
-use crate::constants::{Constants, FIELD_PX};
+use crate::constants::Constants;
 use crate::heading::cos_sin;
 use crate::trial::{Point, Pose};
 use crate::world::{greater, position};
@@ -66,7 +66,7 @@ impl Sight {
                 (self.at.x_px + c.ir_range * cos).abs(),
                 (self.at.y_px + c.ir_range * sin).abs(),
             );
-            FIELD_PX < greater(x, y)
+            c.half_side < greater(x, y)
         };
         let (cos_cos, sin_sin) = (self.cos * c.ir_cos, self.sin * c.ir_sin);
         let (cos_sin, sin_cos) = (self.cos * c.ir_sin, self.sin * c.ir_cos);

@@ -226,12 +226,7 @@ impl World {
         } else {
             1.0
         };
-        let part = capped
-            * if pushers >= 2 {
-                c.team_push
-            } else {
-                c.solo_push
-            };
+        let part = capped * c.push[pushers - 1];
         self.object.x_px = clamp(self.object.x_px + part * sum_x, c.object_limit);
         self.object.y_px = clamp(self.object.y_px + part * sum_y, c.object_limit);
         for i in 0..self.team.get() {
@@ -262,11 +257,8 @@ impl World {
             let ray = Sight::of(*agent).to(self.object);
             ray.distance_sq < c.facing_sq && ray.ahead > 0.0
         };
-        if self.agents().iter().filter(|agent| facing(agent)).count() >= 2 {
-            c.team_push
-        } else {
-            c.solo_push
-        }
+        let facing = self.agents().iter().filter(|agent| facing(agent)).count();
+        c.push[facing.saturating_sub(1)]
     }
 
     /// Blocking: agent `i` drives, unless that would press into another agent or press the object into one or into a wall.

@@ -2,7 +2,7 @@
 //! the trials; and those bits are the ones on record.
 
 use field::{
-    Contact, Engine, Model, Outcome, Photo, Pose, Preset, Responses, TeamSize, Trial, Wheels,
+    Contact, Engine, Model, Outcome, Photo, Pose, Preset, Push, Responses, TeamSize, Trial, Wheels,
 };
 
 /// Numbers for tables and starts (SplitMix64).
@@ -62,7 +62,11 @@ fn presets() -> Vec<Preset> {
         ir_range_px: 90.0,
         contact: Contact::Sliding,
         medium_speed_px_per_frame: 9.0,
-        team_push: 0.4,
+        push: Push::Fitted {
+            solo: 0.02,
+            team: 0.4,
+        },
+        half_side_px: 520.0,
         ..Preset::R3
     });
     for (contact, preset) in [
@@ -161,7 +165,7 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
 /// A change of these numbers is a change of the model: every table ever evolved and every figure would be another.
 #[test]
 fn the_bits_are_the_ones_on_record() {
-    let record: [(&str, [u64; 4]); 5] = [
+    let record: [(&str, [u64; 4]); 7] = [
         (
             "R3",
             [
@@ -178,6 +182,15 @@ fn the_bits_are_the_ones_on_record() {
                 0x00d8_c323_0b36_b3d6,
                 0x6163_3c54_3d50_452c,
                 0xdd4f_6c29_390a_73e3,
+            ],
+        ),
+        (
+            "N3",
+            [
+                0x7014_758a_e9d1_c91c,
+                0x5f8e_17e2_c568_f652,
+                0xc5c8_860d_138f_ae08,
+                0xdb57_ef6e_5685_810f,
             ],
         ),
         (
@@ -198,6 +211,7 @@ fn the_bits_are_the_ones_on_record() {
                 0xa59c_ae03_a1c6_e5da,
             ],
         ),
+        ("LB3", [0; 4]),
         (
             "paper",
             [

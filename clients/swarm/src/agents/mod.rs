@@ -1,9 +1,9 @@
 //! The agents' side of a field that somebody else hosts on the bus.
 //!
 //! ```text
-//!  table files ─▶ Lookup ── Exchange ──┐ (between two frames)
-//!                                      ▼
-//!            AgentSensors ─────▶ AgentsDesk ─────▶ WheelCommands {output bits, hash of the tables}
+//!  table files ─▶ Lookup ── Exchange ────┐ (between two frames)
+//!                                        ▼
+//!            AgentSensors ─────▶ TeamController ─────▶ WheelCommands {output bits, hash of the tables}
 //! ```
 //!
 //! **In**: what every robot senses in a frame. **Out**: what every robot does in it, once per frame, as soon as it is asked.
@@ -15,10 +15,10 @@
 //! Deliberately absent: the field, its clock, and any memory from one frame to the next (paper III.a: a behaviour table
 //! maps sensors to motors).
 
-mod desk;
+mod controller;
 mod exchange;
 mod lookup;
 
-pub use desk::{AgentsDesk, Tally};
+pub use controller::{Counts, TeamController};
 pub use exchange::Exchange;
 pub use lookup::Lookup;

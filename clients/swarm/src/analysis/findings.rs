@@ -5,40 +5,43 @@ use std::fmt;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::trace::trace;
-use super::wandering::{pushers, wandering};
+use field::FitnessRule;
+
+use super::facts::{TrialFacts, facts};
 use crate::condition::Condition;
 use crate::error::Result;
 use crate::experiment::Plan;
-use crate::genome::Genome;
 use crate::run::Record;
 use crate::stats::{Estimate, bootstrap, median, p_greater};
-use field::solved;
 
-/// All findings of one experiment.
+/// All findings of one experiment; what needs team sizes that it does not have is left out.
 #[derive(Clone, Debug, Serialize)]
 pub struct Findings {
+    /// Name of the preset.
+    pub preset: String,
+    /// How the runs were scored.
+    pub fitness_rule: FitnessRule,
     /// The smallest median of several agents over the median of one (paper: more than five times).
-    pub ratio: Estimate,
+    pub ratio: Option<Estimate>,
     /// Probabilities of the paper's orderings between two runs.
     pub order: Order,
     /// What single agents do.
-    pub single: Single,
+    pub single: Option<Single>,
     /// What four agents do.
-    pub redundancy: Redundancy,
+    pub redundancy: Option<Redundancy>,
 }
 
 /// Probabilities that one random run exceeds another; ties count half.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Order {
     /// A run with three agents exceeds one with four (paper III.c.1).
-    pub three_gt_four: Estimate,
+    pub three_gt_four: Option<Estimate>,
     /// A run with two agents exceeds one with four.
-    pub two_gt_four: Estimate,
+    pub two_gt_four: Option<Estimate>,
     /// A run with three agents exceeds one with two ("three agents are optimum").
-    pub three_gt_two: Estimate,
+    pub three_gt_two: Option<Estimate>,
     /// A run with several agents reaches five times a run with one.
-    pub multi_ge_5x_single: Estimate,
+    pub multi_ge_5x_single: Option<Estimate>,
 }
 
 /// Single agents over all their trials (paper Fig. 15).
@@ -55,7 +58,7 @@ pub struct Single {
 /// Solved trials of four agents (paper Fig. 17).
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Redundancy {
-    /// Solved trials of all runs.
+    /// Solved trials of all runs: the object delivered, whatever the fitness rule.
     pub solved: usize,
     /// How many of them were solved by 0, 1, 2, 3 and 4 pushing agents.
     pub by_pushers: [usize; 5],
@@ -90,9 +93,9 @@ impl Verdict {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Reproduces => "reproduces",
-            Self::DoesNotReproduce => "DOES NOT REPRODUCE",
-            Self::Undecided => "not decided",
+            Self::Reproduces => "yes",
+            Self::DoesNotReproduce => "NO",
+            Self::Undecided => "undecided",
         })
     }
 }
@@ -107,6 +110,19 @@ struct Trials {
     by_pushers: [usize; 5],
 }
 
+impl Trials {
+    fn add(&mut self, trial: &TrialFacts) {
+        let first = trial.each[0];
+        self.trials += 1;
+        self.circling += usize::from(first.circling);
+        self.trapped += usize::from(first.trapped);
+        if trial.delivered {
+            self.solved += 1;
+            self.by_pushers[trial.pushers()] += 1;
+        }
+    }
+}
+
 /// Analyses the finished runs of a Fig. 14 experiment.
 ///
 /// # Errors
@@ -114,23 +130,32 @@ struct Trials {
 pub fn findings(plan: &Plan, records: &[Record]) -> Result<Findings> {
     let conditions = plan.conditions()?;
     let fitness = |agents: usize| -> Vec<f32> {
-        records
-            .iter()
-            .filter(|record| record.agents == agents)
-            .map(Record::fitness)
-            .collect()
+        let of_team = records.iter().filter(|record| record.agents == agents);
+        of_team.map(Record::fitness).collect()
     };
-    let [one, two, three, four] = [1, 2, 3, 4].map(fitness);
-    let greater =
-        |a: &[f32], b: &[f32]| bootstrap(&[a, b], |groups| p_greater(&groups[0], &groups[1]));
-    let all = [&one[..], &two, &three, &four];
+    let groups = [1, 2, 3, 4].map(fitness);
+    let [one, two, three, four] = &groups;
+    let greater = |a: &[f32], b: &[f32]| {
+        let both = !a.is_empty() && !b.is_empty();
+        both.then(|| bootstrap(&[a, b], |groups| p_greater(&groups[0], &groups[1])))
+    };
+    let several = [two, three, four]
+        .into_iter()
+        .filter(|group| !group.is_empty());
+    let all: Vec<&[f32]> = std::iter::once(one)
+        .chain(several)
+        .map(Vec::as_slice)
+        .collect();
+    let comparable = !one.is_empty() && all.len() > 1;
     Ok(Findings {
-        ratio: bootstrap(&all, ratio),
+        preset: plan.preset.name.to_string(),
+        fitness_rule: plan.fitness_rule,
+        ratio: comparable.then(|| bootstrap(&all, ratio)),
         order: Order {
-            three_gt_four: greater(&three, &four),
-            two_gt_four: greater(&two, &four),
-            three_gt_two: greater(&three, &two),
-            multi_ge_5x_single: bootstrap(&all, multi_ge_5x_single),
+            three_gt_four: greater(three, four),
+            two_gt_four: greater(two, four),
+            three_gt_two: greater(three, two),
+            multi_ge_5x_single: comparable.then(|| bootstrap(&all, multi_ge_5x_single)),
         },
         single: single(&trials_of(&conditions, records, 1)),
         redundancy: redundancy(&trials_of(&conditions, records, 4)),
@@ -166,26 +191,16 @@ fn trials_of(conditions: &[Condition], records: &[Record], agents: usize) -> Vec
     records
         .par_iter()
         .filter(|record| record.agents == agents)
-        .filter_map(|record| trials(condition, record))
+        .map(|record| trials(condition, record))
         .collect()
 }
 
-fn trials(condition: &Condition, record: &Record) -> Option<Trials> {
-    let genome = Genome::from_hex(condition.genome_bits(), &record.genome)?;
-    let responses = condition.responses(&genome);
+fn trials(condition: &Condition, record: &Record) -> Trials {
     let mut sum = Trials::default();
-    for (layout, &points) in condition.layouts().iter().zip(&record.points) {
-        let trace = trace(condition, responses, layout);
-        let first = wandering(condition, &trace, 0);
-        sum.trials += 1;
-        sum.circling += usize::from(first.circling);
-        sum.trapped += usize::from(first.trapped());
-        if solved(points) {
-            sum.solved += 1;
-            sum.by_pushers[pushers(&trace)] += 1;
-        }
+    for trial in facts(condition, record) {
+        sum.add(&trial);
     }
-    Some(sum)
+    sum
 }
 
 /// The part of trials, over resampled runs.
@@ -200,24 +215,23 @@ fn share(
     })
 }
 
-fn single(runs: &[Trials]) -> Single {
+fn single(runs: &[Trials]) -> Option<Single> {
     let solved: usize = runs.iter().map(|run| run.solved).sum();
-    Single {
-        solved_per_run: solved as f64 / runs.len().max(1) as f64,
+    (!runs.is_empty()).then(|| Single {
+        solved_per_run: solved as f64 / runs.len() as f64,
         circling: share(runs, |run| run.circling, |run| run.trials),
         trapped: share(runs, |run| run.trapped, |run| run.trials),
-    }
+    })
 }
 
-fn redundancy(runs: &[Trials]) -> Redundancy {
-    let by_pushers = std::array::from_fn(|k| runs.iter().map(|run| run.by_pushers[k]).sum());
-    Redundancy {
+fn redundancy(runs: &[Trials]) -> Option<Redundancy> {
+    (!runs.is_empty()).then(|| Redundancy {
         solved: runs.iter().map(|run| run.solved).sum(),
-        by_pushers,
+        by_pushers: std::array::from_fn(|k| runs.iter().map(|run| run.by_pushers[k]).sum()),
         keep_out: share(
             runs,
             |run| run.by_pushers[2] + run.by_pushers[3],
             |run| run.solved,
         ),
-    }
+    })
 }

@@ -64,7 +64,7 @@ fn random_starts(model: &Model) -> Vec<[Pose; MAX_AGENTS]> {
     /// A crowded field may have no free place; then fewer sets come back.
     const ATTEMPTS: usize = 100_000;
     let mut rng = SplitMix64::stream(&[STARTS_STREAM]);
-    let limit = f64::from(400.0 - model.preset().agent_radius_px);
+    let limit = f64::from(model.preset().half_side_px - model.preset().agent_radius_px);
     let mut place = || (limit * (2.0 * rng.unit() - 1.0)) as f32;
     let goal = model.training_goals()[0];
     let drawn = (0..ATTEMPTS).map(|_| {

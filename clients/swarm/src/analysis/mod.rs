@@ -1,16 +1,22 @@
 //! What evolved teams do, and which of the paper's findings hold (paper III.c), with intervals.
 
 mod baseline;
+mod comparison;
+mod facts;
+mod fig17;
 mod findings;
 mod held_out;
 mod trace;
 mod wandering;
 
 pub use baseline::{Baselines, baselines, hand_written};
+pub use comparison::{Comparison, comparisons};
+pub use facts::{AgentFacts, TrialFacts, facts};
+pub use fig17::{Case, examples};
 pub use findings::{Findings, Order, Redundancy, Single, Verdict, findings};
 pub use held_out::{HeldOut, held_out};
 pub use trace::{Frame, Trace, trace};
-pub use wandering::{Wandering, pushers, wandering};
+pub use wandering::{Wandering, pushing_frames, wandering};
 
 use field::{Engine, Layout, MAX_AGENTS, Responses, Trial};
 

@@ -1,6 +1,6 @@
 //! One trial, frame by frame, with the scalar reference.
 
-use field::{Layout, MAX_AGENTS, Point, Pose, Responses, TRIAL_FRAMES, Wheels, World};
+use field::{Layout, MAX_AGENTS, Outcome, Point, Pose, Responses, TRIAL_FRAMES, TrialRun, Wheels};
 
 use crate::condition::Condition;
 
@@ -26,17 +26,24 @@ pub struct Trace {
     pub goal: Point,
     /// 271 instants.
     pub frames: Vec<Frame>,
+    /// What the trial came to.
+    pub outcome: Outcome,
 }
 
 /// Follows a team through one trial.
 #[must_use]
 pub fn trace(condition: &Condition, responses: [Responses; MAX_AGENTS], layout: &Layout) -> Trace {
-    let mut world = World::new(&condition.model, condition.team, layout);
+    let mut run = TrialRun::new(&condition.model, condition.team, layout);
     let mut frames = Vec::with_capacity(TRIAL_FRAMES as usize + 1);
-    for number in 0..=TRIAL_FRAMES {
-        let field_rows = world.sense();
+    for _ in 0..=TRIAL_FRAMES {
+        // The last instant is looked at, but nothing is read in it any more.
+        let field_rows = if run.is_over() {
+            run.world().sense()
+        } else {
+            run.sense()
+        };
         let wheels = std::array::from_fn(|i| responses[i].get(field_rows[i]));
-        let n = condition.team.get();
+        let (n, world) = (condition.team.get(), run.world());
         frames.push(Frame {
             agents: world.agents().to_vec(),
             object: world.object(),
@@ -47,12 +54,11 @@ pub fn trace(condition: &Condition, responses: [Responses; MAX_AGENTS], layout: 
             wheels: wheels[..n].to_vec(),
             touching: world.touching()[..n].to_vec(),
         });
-        if number < TRIAL_FRAMES {
-            world.advance(&wheels);
-        }
+        run.advance(&wheels);
     }
     Trace {
         goal: layout.goal(),
         frames,
+        outcome: run.outcome(),
     }
 }

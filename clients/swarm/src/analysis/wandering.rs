@@ -15,7 +15,7 @@ const STILL_PX: f32 = 3.0;
 /// reaches everywhere and says nothing).
 const BESIDE_PX: f32 = 200.0;
 /// An agent that presses against the object in at least this many frames took part in carrying it (ours).
-const PUSHING_FRAMES: usize = 9;
+pub(super) const PUSHING_FRAMES: usize = 9;
 
 /// What an agent does in the last two thirds of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,17 +65,9 @@ pub fn wandering(condition: &Condition, trace: &Trace, agent: usize) -> Wanderin
     }
 }
 
-/// How many agents of a trial took part in pushing.
+/// Frames in which an agent presses against the object.
 #[must_use]
-pub fn pushers(trace: &Trace) -> usize {
-    let frames = |agent: usize| {
-        trace
-            .frames
-            .iter()
-            .filter(|frame| frame.touching[agent])
-            .count()
-    };
-    (0..trace.frames[0].agents.len())
-        .filter(|&agent| frames(agent) >= PUSHING_FRAMES)
-        .count()
+pub fn pushing_frames(trace: &Trace, agent: usize) -> usize {
+    let frames = trace.frames.iter();
+    frames.filter(|frame| frame.touching[agent]).count()
 }

@@ -11,7 +11,7 @@ use shm_bus::{Bus, BusName, Realtime, now_ns};
 use signal_hook::consts::SIGHUP;
 use signal_hook::iterator::Signals;
 
-use ebts::agents::{AgentsDesk, Exchange, Lookup, Tally};
+use ebts::agents::{Counts, Exchange, Lookup, TeamController};
 use ebts::built_in;
 use ebts::error::{Error, Result};
 use std::path::Path;
@@ -24,6 +24,9 @@ const SPIN_NS: u64 = 100_000;
 const NAP: Duration = Duration::from_micros(100);
 
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  ebts agents --table r3-two-agents\n  ebts agents --table left.toml --table right.toml --bus mine"
+)]
 pub(crate) struct AgentsArgs {
     /// Table file, or r3-two-agents, which ships. Given several times, robots take the tables in turn: one each.
     /// SIGHUP reads the files again: intact ones are used from the next frame on, else the former ones stay in use.
@@ -45,7 +48,7 @@ enum Event {
     /// The former tables stay in use.
     Refused { why: String },
     /// The process ends.
-    Ended(Tally),
+    Ended(Counts),
 }
 
 impl Event {
@@ -56,7 +59,7 @@ impl Event {
                 format!("{tables} table(s) with hash {hash} from the next frame on")
             }
             Self::Refused { why } => format!("the tables in use stay in use: {why}"),
-            Self::Ended(Tally {
+            Self::Ended(Counts {
                 answered,
                 lost,
                 malformed,
@@ -87,20 +90,20 @@ pub(super) fn agents(args: AgentsArgs, format: Format) -> Result<()> {
     let lookup = read(&args.table)?;
     let (hash, tables) = name(&lookup);
     let bus = Bus::open(&args.bus, "ebts-agents", Realtime::Yes)?;
-    let mut desk = AgentsDesk::open(&bus, lookup)?;
+    let mut controller = TeamController::open(&bus, lookup)?;
     Event::Ready { hash, tables }.tell(format);
     let watcher = watch(signals, args.table, Arc::clone(&exchange), format);
-    let served = serve(&mut desk, &exchange, &stop);
+    let served = serve(&mut controller, &exchange, &stop);
     watcher.close();
-    Event::Ended(desk.tally()).tell(format);
+    Event::Ended(controller.counts()).tell(format);
     served
 }
 
 /// Answers frame after frame until a signal comes.
-fn serve(desk: &mut AgentsDesk, exchange: &Exchange, stop: &AtomicBool) -> Result<()> {
+fn serve(controller: &mut TeamController, exchange: &Exchange, stop: &AtomicBool) -> Result<()> {
     let mut idle_since_ns = now_ns();
     while !stop.load(Ordering::Relaxed) {
-        if desk.answer(exchange)? {
+        if controller.answer(exchange)? {
             idle_since_ns = now_ns();
         } else if now_ns() - idle_since_ns < SPIN_NS {
             std::hint::spin_loop();

@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -14,10 +13,11 @@ use ebts::checkpoint::Checkpoint;
 use ebts::condition::Setup;
 use ebts::error::{Error, Result};
 use ebts::evaluate::GoalPoints;
-use ebts::files::sibling;
-use ebts::run::{self, Rise, Run};
+use ebts::files::{remove_if_there, sibling};
+use ebts::run::{self, Census, Rise, Run};
 use ebts::table_file::TableFile;
-use field::Engine;
+use ebts::workers::Workers;
+use field::FitnessRule;
 
 use super::options::{EngineArgs, EvolutionArgs};
 use super::{Format, answer, stop_flag};
@@ -25,7 +25,13 @@ use super::{Format, answer, stop_flag};
 /// How often a run under way is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(2);
 
+const EXAMPLES: &str = "Examples:
+  ebts evolve --agents 2 --seed 71 --out mine.toml
+  ebts evolve --agents 2 --seed 71 --out mine.toml --resume
+  ebts evolve --preset LB3 --fitness compared --out mine.toml --history mine.csv";
+
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct EvolveArgs {
     #[command(flatten)]
     evolution: EvolutionArgs,
@@ -43,6 +49,9 @@ pub(crate) struct EvolveArgs {
     /// Continue the interrupted run of this --out; all other settings come from its checkpoint.
     #[arg(long)]
     resume: bool,
+    /// CSV file with best, mean and worst fitness and the diversity of every generation; with --resume, from there on.
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
     /// Replace a table file or a checkpoint that is there already.
     #[arg(long, conflicts_with = "resume")]
     overwrite: bool,
@@ -54,6 +63,7 @@ struct Evolved<'a> {
     agents: usize,
     seed: u64,
     generations: u32,
+    fitness_rule: FitnessRule,
     fitness: f32,
     points: GoalPoints,
     rises: &'a [Rise],
@@ -69,8 +79,9 @@ pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
     } else {
         begin(&args, &checkpoint_path)?
     };
-    let stop = stop_flag()?;
-    let done = advance(&mut state, args.engine.engine()?, &checkpoint_path, &stop)?;
+    let workers = args.engine.workers(stop_flag()?)?;
+    let mut history = args.history.as_deref().map(History::begin).transpose()?;
+    let done = advance(&mut state, &workers, &checkpoint_path, history.as_mut())?;
     if done.is_break() {
         let generation = state.run.generation().unwrap_or(0);
         let cure = format!("ebts evolve --out {} --resume", args.out.display());
@@ -89,6 +100,7 @@ pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
         agents: record.agents,
         seed: record.seed,
         generations: state.generations,
+        fitness_rule: state.condition.fitness,
         fitness: record.fitness(),
         points: record.points,
         rises: &record.rises,
@@ -96,7 +108,7 @@ pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
         wall_s: start.elapsed().as_secs_f64(),
     };
     answer(format, &evolved, || {
-        describe(&evolved, record.goals_solved())
+        describe(&evolved, record.full_scores())
     })
 }
 
@@ -137,14 +149,13 @@ fn begin(args: &EvolveArgs, checkpoint: &Path) -> Result<Checkpoint> {
 /// Evolves to the end or to the first signal, and keeps the checkpoint up to date.
 fn advance(
     state: &mut Checkpoint,
-    engine: Engine,
+    workers: &Workers,
     path: &Path,
-    stop: &AtomicBool,
+    mut history: Option<&mut History>,
 ) -> Result<ControlFlow<()>> {
     let bar = ProgressBar::new(u64::from(state.generations)).with_style(style("generation"));
     let (condition, generations) = (state.condition.clone(), state.generations);
-    let mut saved_at = Instant::now();
-    let mut failure = None;
+    let (mut saved_at, mut failure) = (Instant::now(), Ok(()));
     let mut runs = [state.run.clone()];
     let watch = |runs: &[Run]| {
         let run = &runs[0];
@@ -152,30 +163,58 @@ fn advance(
         if let Some(rise) = run.rises().last() {
             bar.set_message(format!("best {:.1}", rise.fitness));
         }
-        let stopped = stop.load(Ordering::Relaxed);
-        if stopped || saved_at.elapsed() > SAVE_EVERY {
-            let (settings, islands) = (state.settings, state.islands);
-            let now = Checkpoint {
-                condition: state.condition.clone(),
-                settings,
-                islands,
-                generations,
-                run: run.clone(),
-            };
-            failure = now.write(path).err();
+        if let (Some(history), Some(census)) = (&mut history, run.census()) {
+            failure = history.add(&census);
+        }
+        if failure.is_ok() && saved_at.elapsed() > SAVE_EVERY {
+            failure = with(state, run).write(path);
             saved_at = Instant::now();
         }
-        if stopped || failure.is_some() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
+        match workers.stopped() || failure.is_err() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
     };
-    let flow = run::evolve(&condition, engine, &mut runs, generations, watch);
+    let flow = run::evolve(&condition, workers.clone(), &mut runs, generations, watch);
     bar.finish_and_clear();
-    let [run] = runs;
-    state.run = run;
-    failure.map_or(Ok(flow), Err)
+    failure?;
+    *state = with(state, &runs[0]);
+    if flow.is_break() {
+        state.write(path)?;
+    }
+    history.map_or(Ok(()), History::end)?;
+    Ok(flow)
+}
+
+/// The same checkpoint with the run as it is now.
+fn with(state: &Checkpoint, run: &Run) -> Checkpoint {
+    Checkpoint {
+        run: run.clone(),
+        ..state.clone()
+    }
+}
+
+/// The file of `--history`.
+struct History {
+    path: PathBuf,
+    rows: csv::Writer<std::fs::File>,
+}
+
+impl History {
+    fn begin(path: &Path) -> Result<Self> {
+        let file = std::fs::File::create(path).map_err(Error::io("write", path))?;
+        let (path, rows) = (path.to_owned(), csv::Writer::from_writer(file));
+        Ok(Self { path, rows })
+    }
+
+    fn add(&mut self, census: &Census) -> Result<()> {
+        let written = self.rows.serialize(census);
+        written.map_err(|error| Error::io("write", &self.path)(error.into()))
+    }
+
+    fn end(&mut self) -> Result<()> {
+        self.rows.flush().map_err(Error::io("write", &self.path))
+    }
 }
 
 /// The look of progress bars, on standard error.
@@ -185,19 +224,13 @@ pub(super) fn style(unit: &str) -> ProgressStyle {
     ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-fn remove_if_there(path: &Path) -> Result<()> {
-    if path.exists() {
-        std::fs::remove_file(path).map_err(Error::io("remove", path))
-    } else {
-        Ok(())
-    }
-}
-
 fn describe(evolved: &Evolved<'_>, solved: usize) -> String {
     let mut text = format!(
-        "{}: fitness {:.1} of 800, {solved} of 8 goals solved, after {} generations in {:.2} s\n",
+        "{}: fitness {:.1} of 800 by the rule {}, {solved} of 8 goals in full\n\
+         {} generations in {:.2} s\n",
         evolved.table.display(),
         evolved.fitness,
+        evolved.fitness_rule,
         evolved.generations,
         evolved.wall_s,
     );

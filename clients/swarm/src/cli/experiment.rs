@@ -1,51 +1,71 @@
-//! `ebts experiment`, `ebts merge`, `ebts analyse`: many runs and what they say.
+//! `ebts experiment`, `ebts merge`: many runs and what they say.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
-use serde::Serialize;
 
-use ebts::analysis::{Baselines, Findings, HeldOut, baselines, findings, held_out};
+use ebts::analysis::findings;
 use ebts::error::{Error, Result};
-use ebts::experiment::{self, Plan, Progress, Shard, Store, Summary, read_folder, write_results};
-use ebts::files::write_atomically;
-use ebts::genome::Genome;
+use ebts::experiment::{self, Plan, Progress, Shard, Store};
+use ebts::files::{plain_name, write_atomically};
 use ebts::plot::fig14;
+use ebts::results::{Summary, write_results, write_summary};
 use ebts::run::Record;
-use ebts::stats::median;
-use field::Engine;
+use ebts::workers::pool;
+use field::Preset;
 
 use super::evolve::style;
 use super::options::{EngineArgs, EvolutionArgs};
 use super::report;
 use super::{Format, answer, stop_flag};
 
+const EXAMPLES: &str = "Examples:
+  ebts experiment fig14 --seeds 80 --out fig14
+  ebts experiment fig14 --preset N3 --fitness compared --seeds 320
+  ebts experiment fig14 --agents 1,4 --seeds 20
+  ebts experiment fig14 --seeds 80 --shard 1/2 --out a";
+
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct ExperimentArgs {
     /// Which experiment.
     #[arg(value_enum)]
     name: Name,
     #[command(flatten)]
-    evolution: EvolutionArgs,
+    pub(super) runs: RunsArgs,
+    /// Do only part i of n of the runs, for ebts merge.
+    #[arg(long, value_name = "i/n")]
+    shard: Option<Shard>,
+    /// Folder of the experiment [default: made from its name, preset, fitness rule, seeds and generations]. A folder with
+    /// the same experiment is continued, one with another is refused.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// Which runs.
+#[derive(Debug, Args)]
+pub(super) struct RunsArgs {
     #[command(flatten)]
-    engine: EngineArgs,
+    pub(super) evolution: EvolutionArgs,
+    #[command(flatten)]
+    pub(super) engine: EngineArgs,
+    /// Team sizes.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "1,2,3,4",
+        value_name = "N,..."
+    )]
+    agents: Vec<usize>,
     /// Runs per team size; the paper made 10.
     #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     seeds: u64,
     /// The first seed; the others follow it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
     first_seed: u64,
-    /// Do only part i of n of the runs, for ebts merge.
-    #[arg(long, value_name = "i/n")]
-    shard: Option<Shard>,
-    /// Folder of the experiment [default: made from its name, preset, seeds and generations]. A folder with the same
-    /// experiment is continued, one with another is refused.
-    #[arg(long)]
-    out: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -55,6 +75,7 @@ enum Name {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  ebts merge whole a b")]
 pub(crate) struct MergeArgs {
     /// Folder to collect the runs in.
     out: PathBuf,
@@ -63,21 +84,14 @@ pub(crate) struct MergeArgs {
     shards: Vec<PathBuf>,
 }
 
-#[derive(Debug, Args)]
-pub(crate) struct AnalyseArgs {
-    /// Folder of an experiment.
-    folder: PathBuf,
-    #[command(flatten)]
-    engine: EngineArgs,
-    /// Random tables per team size to compare with.
-    #[arg(long, default_value_t = 1000)]
-    random_tables: usize,
-}
-
 /// Wall and processor time since the process began to work.
-struct Stopwatch(Instant);
+pub(super) struct Stopwatch(Instant);
 
 impl Stopwatch {
+    pub(super) fn start() -> Self {
+        Self(Instant::now())
+    }
+
     fn wall_s(&self) -> f64 {
         self.0.elapsed().as_secs_f64()
     }
@@ -89,17 +103,47 @@ impl Stopwatch {
 }
 
 pub(super) fn experiment(args: ExperimentArgs, format: Format) -> Result<()> {
-    let watch = Stopwatch(Instant::now());
+    let watch = Stopwatch::start();
     let Name::Fig14 = args.name;
-    let plan = plan(&args)?;
+    let plan = args.runs.plan(args.runs.evolution.preset()?)?;
     let shard = args.shard.unwrap_or(Shard::WHOLE);
-    let jobs = shard.select(plan.jobs());
     let folder = args
         .out
         .clone()
         .unwrap_or_else(|| default_folder(&plan, shard));
-    plan.conditions()?;
-    let (mut store, records) = Store::open(&folder, &plan)?;
+    let (records, before) = run(&plan, shard, &folder, &args.runs.engine)?;
+    let note = (before > 0)
+        .then(|| format!("{before} of these runs were there already; the times are of the rest"));
+    let threads = args.runs.engine.threads();
+    let summary = pool(threads)?.install(|| conclude(&folder, &plan, &records, &watch))?;
+    tell(&folder, &summary, note, format)
+}
+
+impl RunsArgs {
+    pub(super) fn plan(&self, preset: Preset) -> Result<Plan> {
+        let fitness_rule = self.evolution.fitness_rule(&preset);
+        let plan = Plan {
+            agents: self.agents.clone(),
+            first_seed: self.first_seed,
+            sharing: self.evolution.sharing(),
+            sensors: self.evolution.sensors(),
+            settings: self.evolution.settings()?,
+            islands: self.evolution.islands(),
+            ..Plan::fig14(preset, fitness_rule, self.seeds, self.evolution.generations)
+        };
+        plan.conditions().map(|_| plan)
+    }
+}
+
+/// Runs what a folder lacks, with progress; returns all records and how many were there before.
+pub(super) fn run(
+    plan: &Plan,
+    shard: Shard,
+    folder: &Path,
+    engine: &EngineArgs,
+) -> Result<(Vec<Record>, usize)> {
+    let jobs = shard.select(plan.jobs());
+    let (mut store, records) = Store::open(folder, plan)?;
     let before = records.len();
     let bar = ProgressBar::new(jobs.len() as u64 * u64::from(plan.generations))
         .with_style(style("generation"));
@@ -110,34 +154,21 @@ pub(super) fn experiment(args: ExperimentArgs, format: Format) -> Result<()> {
             "{} agents, seed {}: {fitness:.1}",
             job.agents, job.seed
         )),
+        Progress::BegunAnew(job, why) => bar.println(format!(
+            "{} agents, seed {}: begun anew, because {why}",
+            job.agents, job.seed
+        )),
     };
-    let engine = (args.engine.engine()?, args.engine.threads());
+    let workers = engine.workers(stop_flag()?)?;
     let records = experiment::execute(
-        &plan,
+        plan,
         &jobs,
         (&mut store, records),
-        engine,
-        &*stop_flag()?,
+        (&workers, engine.threads()),
         progress,
     );
     bar.finish_and_clear();
-    let records = records?;
-    let note = (before > 0)
-        .then(|| format!("{before} of these runs were there already; the times are of the rest"));
-    conclude(&folder, &plan, &records, &watch, note, format)
-}
-
-fn plan(args: &ExperimentArgs) -> Result<Plan> {
-    let preset = args.evolution.preset()?;
-    let fitness_rule = args.evolution.fitness_rule(&preset);
-    Ok(Plan {
-        first_seed: args.first_seed,
-        sharing: args.evolution.sharing(),
-        sensors: args.evolution.sensors(),
-        settings: args.evolution.settings()?,
-        islands: args.evolution.islands(),
-        ..Plan::fig14(preset, fitness_rule, args.seeds, args.evolution.generations)
-    })
+    Ok((records?, before))
 }
 
 fn default_folder(plan: &Plan, shard: Shard) -> PathBuf {
@@ -147,41 +178,51 @@ fn default_folder(plan: &Plan, shard: Shard) -> PathBuf {
     } else {
         format!("-{index}of{count}")
     };
-    PathBuf::from(format!(
-        "fig14-{}-{}x{}{part}",
+    let rule = if plan.fitness_rule == field::FitnessRule::usual(&plan.preset) {
+        String::new()
+    } else {
+        format!("-{}", plan.fitness_rule)
+    };
+    PathBuf::from(plain_name(&format!(
+        "fig14-{}{rule}-{}x{}{part}",
         plan.preset.name, plan.seeds, plan.generations
-    ))
+    )))
 }
 
-/// Writes everything that is derived from the runs, and prints the summary.
-fn conclude(
+/// Writes everything that is derived from the runs.
+pub(super) fn conclude(
     folder: &Path,
     plan: &Plan,
     records: &[Record],
     watch: &Stopwatch,
+) -> Result<(Summary, ebts::analysis::Findings)> {
+    let findings = findings(plan, records)?;
+    write_results(folder, plan, records, &findings)?;
+    write_atomically(&folder.join("fig14.svg"), fig14(plan, records)?.as_bytes())?;
+    let summary = Summary::new(plan, records, &findings, watch.wall_s(), Stopwatch::cpu_s());
+    write_summary(folder, &summary)?;
+    Ok((summary, findings))
+}
+
+fn tell(
+    folder: &Path,
+    (summary, findings): &(Summary, ebts::analysis::Findings),
     note: Option<String>,
     format: Format,
 ) -> Result<()> {
-    let findings = findings(plan, records)?;
-    write_results(folder, plan, records, &findings)?;
-    let figure = folder.join("fig14.svg");
-    write_atomically(&figure, fig14(plan, records)?.as_bytes())?;
-    let summary = Summary::new(plan, records, &findings, watch.wall_s(), Stopwatch::cpu_s());
-    let json = serde_json::to_string_pretty(&summary).map_err(Error::from_part)?;
-    write_atomically(&folder.join("summary.json"), json.as_bytes())?;
-    answer(format, &summary, || {
+    answer(format, summary, || {
         let note = note.map_or_else(String::new, |note| format!("{note}\n"));
         format!(
             "{}{note}{}figure: {}\n",
-            report::summary(&summary),
-            report::findings(&findings),
-            figure.display()
+            report::summary(summary),
+            report::findings(findings),
+            folder.join("fig14.svg").display()
         )
     })
 }
 
 pub(super) fn merge(args: MergeArgs, format: Format) -> Result<()> {
-    let watch = Stopwatch(Instant::now());
+    let watch = Stopwatch::start();
     let shards: Vec<&Path> = args.shards.iter().map(PathBuf::as_path).collect();
     let merged = experiment::merge(&args.out, &shards)?;
     let note = (merged.missing > 0).then(|| {
@@ -191,78 +232,14 @@ pub(super) fn merge(args: MergeArgs, format: Format) -> Result<()> {
             merged.missing
         )
     });
-    conclude(
-        &args.out,
-        &merged.plan,
-        &merged.records,
-        &watch,
-        note,
-        format,
-    )
-}
-
-/// What evolution reached for one team size, and what it has to beat.
-#[derive(Serialize)]
-pub(super) struct Comparison {
-    pub(super) agents: usize,
-    pub(super) evolved_median: f32,
-    pub(super) baselines: Baselines,
-    /// Medians over the runs.
-    pub(super) held_out: HeldOut,
-}
-
-#[derive(Serialize)]
-struct Analysis {
-    preset: String,
-    findings: Findings,
-    comparisons: Vec<Comparison>,
-}
-
-pub(super) fn analyse(args: AnalyseArgs, format: Format) -> Result<()> {
-    let (plan, records) = read_folder(&args.folder)?;
-    let engine = args.engine.engine()?;
-    let analysis = Analysis {
-        preset: plan.preset.name.to_string(),
-        findings: findings(&plan, &records)?,
-        comparisons: comparisons(&plan, &records, engine, args.random_tables)?,
-    };
-    answer(format, &analysis, || {
-        let header = format!("preset {}, {} runs\n", analysis.preset, records.len());
-        header + &report::findings(&analysis.findings) + &report::comparisons(&analysis.comparisons)
-    })
-}
-
-fn comparisons(
-    plan: &Plan,
-    records: &[Record],
-    engine: Engine,
-    random_tables: usize,
-) -> Result<Vec<Comparison>> {
-    let conditions = plan.conditions()?;
-    let compare = |condition: &ebts::condition::Condition| {
-        let agents = condition.team.get();
-        let runs: Vec<&Record> = records
-            .iter()
-            .filter(|record| record.agents == agents)
-            .collect();
-        let genomes = runs
-            .iter()
-            .filter_map(|run| Genome::from_hex(condition.genome_bits(), &run.genome));
-        let held: Vec<HeldOut> = genomes
-            .map(|genome| held_out(condition, engine, &genome))
-            .collect();
-        let of = |part: fn(&HeldOut) -> f32| median(&held.iter().map(part).collect::<Vec<_>>());
-        Comparison {
-            agents,
-            evolved_median: median(&runs.iter().map(|run| run.fitness()).collect::<Vec<_>>()),
-            baselines: baselines(condition, engine, random_tables),
-            held_out: HeldOut {
-                training: of(|held| held.training),
-                goals: of(|held| held.goals),
-                starts: of(|held| held.starts),
-                goals_and_starts: of(|held| held.goals_and_starts),
-            },
-        }
-    };
-    Ok(conditions.par_iter().map(compare).collect())
+    if merged.records.is_empty() {
+        return Err(Error::refused(
+            "merge",
+            "no shard held a finished run",
+            "one or more",
+            "run the shards first",
+        ));
+    }
+    let summary = conclude(&args.out, &merged.plan, &merged.records, &watch)?;
+    tell(&args.out, &summary, note, format)
 }

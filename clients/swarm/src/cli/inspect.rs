@@ -11,15 +11,16 @@ use ebts::error::{Error, Result};
 use ebts::evaluate::{Evaluator, GoalPoints};
 use ebts::experiment::read_folder;
 use ebts::files::write_atomically;
-use ebts::plot::{BehaviourRow, behaviour_rows, behaviour_strip, fig14, trajectories};
+use ebts::plot::{BehaviourRow, Panel, behaviour_rows, behaviour_strip, fig14, trajectories};
 use ebts::replay::traces;
 use ebts::table::behaviour;
 use ebts::table_file::TableFile;
-use field::{Engine, SENSORS, run_trial};
+use field::{Engine, FitnessRule, SENSORS, run_trial};
 
 use super::{Format, answer};
 
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  ebts show table.toml")]
 pub(crate) struct ShowArgs {
     /// Table file.
     table: PathBuf,
@@ -32,6 +33,7 @@ pub(crate) struct ShowArgs {
 struct Shown {
     agents: usize,
     preset: String,
+    fitness_rule: FitnessRule,
     seed: Option<u64>,
     generations: Option<u32>,
     edited: bool,
@@ -69,16 +71,10 @@ fn rehash(path: &Path) -> Result<TableFile> {
     if before.is_none() {
         file.edited = true;
         file.code_version = env!("CARGO_PKG_VERSION").to_owned();
-        file.individual.points = evaluate(&file);
+        file.individual.points = Evaluator::points_of(&file.condition, &file.individual.genome);
     }
     file.write(path)?;
     Ok(file)
-}
-
-fn evaluate(file: &TableFile) -> GoalPoints {
-    let mut evaluator = Evaluator::new(file.condition.clone(), Engine::fastest(), 1);
-    let evaluated = evaluator.evaluate(vec![vec![file.individual.genome.clone()]]);
-    evaluated[0][0].points
 }
 
 fn shown(file: &TableFile) -> Shown {
@@ -94,13 +90,15 @@ fn shown(file: &TableFile) -> Shown {
     Shown {
         agents: condition.team.get(),
         preset: condition.model.preset().name.to_string(),
+        fitness_rule: condition.fitness,
         seed: file.origin.map(|origin| origin.seed),
         generations: file.origin.map(|origin| origin.generations),
         edited: file.edited,
         hash: file.hash(),
         fitness: file.individual.fitness(),
         points: file.individual.points,
-        fitness_repeats: evaluate(file) == file.individual.points,
+        fitness_repeats: Evaluator::points_of(condition, &file.individual.genome)
+            == file.individual.points,
         held_out: held_out(condition, Engine::fastest(), &file.individual.genome),
         tables: tables
             .iter()
@@ -150,8 +148,8 @@ fn describe(path: &Path, shown: &Shown) -> String {
     let points = shown.points.map(|points| format!("{points:.1}")).join("  ");
     let _ = writeln!(
         text,
-        "fitness {:.1} of 800 ({repeats}); points per goal: {points}",
-        shown.fitness
+        "fitness {:.1} of 800 by the rule {} ({repeats})\npoints per goal: {points}",
+        shown.fitness, shown.fitness_rule
     );
     let HeldOut {
         goals,
@@ -190,6 +188,7 @@ fn describe(path: &Path, shown: &Shown) -> String {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  ebts plot fig14\n  ebts plot table.toml --goal 3")]
 pub(crate) struct PlotArgs {
     /// An experiment's folder, or a table file.
     what: PathBuf,
@@ -266,18 +265,24 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
         figure(&format!("behaviour-{}", args.goal)),
     );
     let shown = &traces[usize::from(args.goal) - 1];
-    write_atomically(
-        &paths,
-        trajectories(&file.condition, &traces, &file.individual.points)?.as_bytes(),
-    )?;
     write_atomically(&strip, behaviour_strip(shown)?.as_bytes())?;
+    let behaviour = behaviour_rows(shown, &PAPER_FRAMES);
+    let rule = file.condition.fitness;
+    let panel = |(goal, (trace, points))| Panel {
+        title: format!("goal {}: {points:.0} points ({rule})", goal + 1),
+        trace,
+    };
+    let earned = traces.into_iter().zip(file.individual.points);
+    let panels: Vec<Panel> = earned.enumerate().map(panel).collect();
+    write_atomically(&paths, trajectories(&file.condition, &panels)?.as_bytes())?;
     Ok(Plotted {
         figures: vec![paths, strip],
-        behaviour: behaviour_rows(shown, &PAPER_FRAMES),
+        behaviour,
     })
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "Example:\n  ebts replay table.toml")]
 pub(crate) struct ReplayArgs {
     /// Table file.
     table: PathBuf,

@@ -1,18 +1,22 @@
 //! Commands: what can be asked for, and how answers are printed.
 
 mod agents;
+mod analyse;
 mod evolve;
 mod experiment;
 mod inspect;
+mod manual;
 mod options;
+mod preset;
 mod report;
+mod sweep;
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::{Subcommand, ValueEnum};
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 
 use ebts::error::{Error, Result};
@@ -26,16 +30,46 @@ pub(crate) enum Format {
     Json,
 }
 
+/// Evolutionary behaviour tables for teams of mobile robots.
+#[derive(Debug, Parser)]
+#[command(name = "ebts", version, max_term_width = 100, after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    /// How results are printed to standard output: words and tables, or one JSON value (with `agents` one object per line).
+    /// Progress and errors go to standard error.
+    #[arg(long, global = true, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "Examples:
+  ebts evolve --agents 2 --seed 71 --out mine.toml
+  ebts show mine.toml
+  ebts experiment fig14 --seeds 80 --out fig14 --format json
+
+Exit codes: 0 done, 2 wrong usage, 3 something given was refused, 4 the output folder is in use, \
+                          5 the system refused (disk full, no permission), 6 the bus could not be used, 130 interrupted with everything finished saved.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Evolve one table (one run of the genetic algorithm).
     Evolve(evolve::EvolveArgs),
     /// Repeat an experiment of the paper: team sizes × seeds, on all cores, resumable.
     Experiment(experiment::ExperimentArgs),
+    /// Repeat an experiment for every combination of some values of a preset.
+    Sweep(sweep::SweepArgs),
     /// Put the shards of an experiment together.
     Merge(experiment::MergeArgs),
     /// Say with statistics which findings of the paper an experiment shows; compare with baselines and held-out trials.
-    Analyse(experiment::AnalyseArgs),
+    Analyse(analyse::AnalyseArgs),
+    /// Put the findings of several experiments side by side: presets, or fitness rules.
+    Compare(analyse::CompareArgs),
+    /// Write what every trial of an experiment shows, one row per trial.
+    Export(analyse::ExportArgs),
+    /// Find and draw the two cases of Fig. 17 among the trials of an experiment.
+    Find(analyse::FindArgs),
+    /// List the fields that ship, or print one as a file to change.
+    Preset(preset::PresetArgs),
     /// Draw Fig. 14 of an experiment's folder, or trajectories and behaviour of a table file.
     Plot(inspect::PlotArgs),
     /// Show a table in the paper's words, and which of its rows were ever read.
@@ -44,18 +78,30 @@ pub(crate) enum Command {
     Agents(agents::AgentsArgs),
     /// Write an animation of a table at work: one web page that needs nothing else.
     Replay(inspect::ReplayArgs),
+    /// Print the completions of a shell.
+    Completions(manual::CompletionsArgs),
+    /// Write the manual pages into a folder.
+    Man(manual::ManArgs),
 }
 
-pub(crate) fn run(command: Command, format: Format) -> Result<()> {
-    match command {
+pub(crate) fn run(arguments: Arguments) -> Result<()> {
+    let format = arguments.format;
+    match arguments.command {
         Command::Evolve(args) => evolve::evolve(args, format),
         Command::Experiment(args) => experiment::experiment(args, format),
+        Command::Sweep(args) => sweep::sweep(args, format),
         Command::Merge(args) => experiment::merge(args, format),
-        Command::Analyse(args) => experiment::analyse(args, format),
+        Command::Analyse(args) => analyse::analyse(args, format),
+        Command::Compare(args) => analyse::compare(args, format),
+        Command::Export(args) => analyse::export(args, format),
+        Command::Find(args) => analyse::find(args, format),
+        Command::Preset(args) => preset::print(args, format),
         Command::Plot(args) => inspect::plot(args, format),
         Command::Show(args) => inspect::show(args, format),
         Command::Agents(args) => agents::agents(args, format),
         Command::Replay(args) => inspect::replay(args, format),
+        Command::Completions(args) => manual::completions(args, &mut Arguments::command()),
+        Command::Man(args) => manual::pages(args, Arguments::command(), format),
     }
 }
 
@@ -68,7 +114,13 @@ fn answer(format: Format, value: &impl Serialize, human: impl FnOnce() -> String
     if !text.ends_with('\n') {
         text.push('\n');
     }
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+    print(text.as_bytes())
+}
+
+/// Writes to standard output. A reader who has gone away is no error.
+fn print(text: &[u8]) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::io("write to", Path::new("standard output"))(error))
         }

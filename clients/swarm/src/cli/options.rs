@@ -1,6 +1,8 @@
 //! Options that several commands share.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::{Args, ValueEnum};
 
@@ -10,13 +12,14 @@ use ebts::files::read_text;
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
 use ebts::sensors::SensorOrder;
+use ebts::workers::Workers;
 use field::{Engine, FitnessRule, Model, Preset};
 
 /// The field, the scoring and the genetic algorithm.
 #[derive(Debug, Args)]
 pub(super) struct EvolutionArgs {
-    /// Field: R3, N, LB, LB2, paper, or a TOML file with every number of a preset.
-    #[arg(long, default_value = "R3")]
+    /// Field: one of those that `ebts preset` lists, or a TOML file as `ebts preset NAME` prints it, whole or with a base.
+    #[arg(long, default_value = "R3", value_name = "NAME|FILE")]
     preset: String,
     /// Generations after the random population.
     #[arg(long, default_value_t = 2000)]
@@ -27,7 +30,7 @@ pub(super) struct EvolutionArgs {
     /// Individuals per population, an even number.
     #[arg(long, default_value_t = Settings::default().population)]
     population: usize,
-    /// Individuals that survive whatever their children do.
+    /// Individuals that survive whatever their children do, at least 1.
     #[arg(long, default_value_t = Settings::default().elite)]
     elite: usize,
     /// Probability of a flip per bit of a child.
@@ -47,41 +50,27 @@ pub(super) struct EvolutionArgs {
     sensors: SensorOrder,
 }
 
-/// How trials are scored.
+/// How trials are scored, at most 100 points a goal.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Fitness {
-    /// 100 points for a carried object at the goal, else E1 at most as on the goal's edge.
+    /// Ours: 100 for a carried object at the goal, else E1, at most as on the goal's edge
     AntiAccident,
-    /// E1 + E2 as the paper prints them, at most 100 points.
+    /// E1 + E2 as the paper prints them
     Literal,
+    /// The paper's reading: E1 + E2, but nothing for accidents, by comparing execution and evaluation
+    Compared,
 }
 
 impl EvolutionArgs {
     /// The preset, by name or from a file, checked.
     pub(super) fn preset(&self) -> Result<Preset> {
-        let preset = match Preset::named(&self.preset) {
-            Some(preset) => preset,
-            None if Path::new(&self.preset).exists() => preset_file(Path::new(&self.preset))?,
-            None => {
-                let names = Preset::ALL
-                    .map(|preset| preset.name.into_owned())
-                    .join(", ");
-                return Err(Error::refused(
-                    "choose a preset",
-                    format_args!("{:?} is neither a preset nor a file", self.preset),
-                    format_args!("one of {names}, or a TOML file"),
-                    "correct --preset",
-                ));
-            }
-        };
-        Model::new(preset)
-            .map(|model| model.preset().clone())
-            .map_err(Error::from_part)
+        preset(&self.preset)
     }
 
     pub(super) fn fitness_rule(&self, preset: &Preset) -> FitnessRule {
         match self.fitness {
             Some(Fitness::Literal) => FitnessRule::Literal,
+            Some(Fitness::Compared) => FitnessRule::Compared,
             Some(Fitness::AntiAccident) => FitnessRule::AntiAccident,
             None => FitnessRule::usual(preset),
         }
@@ -122,12 +111,39 @@ impl EvolutionArgs {
     }
 }
 
+/// A preset, by name or from a file, checked.
+pub(super) fn preset(name: &str) -> Result<Preset> {
+    let preset = match Preset::named(name) {
+        Some(preset) => preset,
+        None if Path::new(name).exists() => preset_file(Path::new(name))?,
+        None => {
+            let names = Preset::ALL
+                .map(|preset| preset.name.into_owned())
+                .join(", ");
+            return Err(Error::refused(
+                "choose a preset",
+                format_args!("{name:?} is neither a preset nor a file"),
+                format_args!("one of {names}, or a TOML file"),
+                "correct --preset",
+            ));
+        }
+    };
+    checked(preset)
+}
+
+/// The preset, if it can be simulated.
+pub(super) fn checked(preset: Preset) -> Result<Preset> {
+    Model::new(preset)
+        .map(|model| model.preset().clone())
+        .map_err(Error::from_part)
+}
+
 fn preset_file(path: &Path) -> Result<Preset> {
     toml::from_str(&read_text(path)?).map_err(|error| {
         Error::refused(
             format_args!("use preset {}", path.display()),
             error.message(),
-            "every number of a preset, as in the [condition.preset] section of a table file",
+            "a preset as ebts preset prints it, or base and the keys that differ",
             "correct the file",
         )
     })
@@ -150,6 +166,11 @@ impl EngineArgs {
             || Ok(Engine::fastest()),
             |name| Engine::named(name).map_err(Error::from_part),
         )
+    }
+
+    /// Workers that stop with the flag.
+    pub(super) fn workers(&self, stop: Arc<AtomicBool>) -> Result<Workers> {
+        Workers::new(self.engine()?, self.threads(), stop)
     }
 
     pub(super) fn threads(&self) -> usize {

@@ -2,110 +2,140 @@
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
-use field::Engine;
-
-use super::plan::{Job, Plan};
+use super::plan::Plan;
 use super::store::Store;
-use crate::condition::Condition;
+use crate::checkpoint::Checkpoint;
+use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
-use crate::run::{Record, Run, evolve};
+use crate::files::remove_if_there;
+use crate::run::{Job, Record, Run, evolve};
+use crate::workers::{Workers, pool};
 
 /// Runs that one thread evolves together at most: enough to fill the SIMD lanes although most trials are remembered
 /// (measured; more shortens nothing and loses more when interrupted).
 const RUNS_TOGETHER: usize = 8;
+/// How often runs under way are saved: a power cut costs no more than this.
+const SAVE_EVERY: Duration = Duration::from_secs(10);
+/// Generations between two looks at the stop flag and reports.
+const REPORT_EVERY: u32 = 20;
 
 /// What a person may want to know meanwhile.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Progress {
     /// Runs × generations done since the last report.
     Generations(u64),
     /// A run finished with this fitness.
     Finished(Job, f32),
+    /// A run begins anew, because its checkpoint cannot be used.
+    BegunAnew(Job, String),
 }
 
-/// Runs every job that has no record yet and stores each as it finishes; `stop` ends it early. Returns all records of the
-/// jobs, sorted.
+/// Runs every job that has no record yet and stores each as it finishes. The workers' flag ends it early, within a second;
+/// what is under way is then saved too. Returns all records of the jobs, sorted.
 ///
 /// # Errors
-/// The store could not be written, or `stop` was set before the end: what had finished is stored.
+/// The store could not be written, or the flag was set before the end: what had finished is stored.
 pub fn execute(
     plan: &Plan,
     jobs: &[Job],
     (store, mut records): (&mut Store, Vec<Record>),
-    (engine, threads): (Engine, usize),
-    stop: &AtomicBool,
+    (workers, threads): (&Workers, usize),
     mut watch: impl FnMut(Progress),
 ) -> Result<Vec<Record>> {
-    let done: HashSet<(usize, u64)> = records
-        .iter()
-        .map(|record| (record.agents, record.seed))
-        .collect();
+    let done: HashSet<Job> = records.iter().map(Record::job).collect();
     let open: Vec<Job> = jobs
         .iter()
         .copied()
-        .filter(|job| !done.contains(&(job.agents, job.seed)))
+        .filter(|job| !done.contains(job))
         .collect();
     let tasks = tasks(plan, &open, threads)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(Error::from_part)?;
+    let pool = pool(threads)?;
+    store.prepare_checkpoints()?;
     let (sender, receiver) = mpsc::channel();
     let mut stored = Ok(());
+    let files = &*store;
+    let checkpoints: Vec<_> = tasks
+        .iter()
+        .map(|task| {
+            task.jobs()
+                .map(|job| files.checkpoint(job))
+                .collect::<Vec<_>>()
+        })
+        .collect();
     pool.in_place_scope_fifo(|scope| {
-        for task in &tasks {
+        for (task, checkpoints) in tasks.iter().zip(&checkpoints) {
             let sender = sender.clone();
-            scope.spawn_fifo(move |_| run_task(plan, task, engine, stop, &sender));
+            scope.spawn_fifo(move |_| {
+                let mut under_way = UnderWay {
+                    plan,
+                    task,
+                    checkpoints,
+                    workers: workers.alone(),
+                    sender,
+                };
+                if let Err(error) = under_way.run() {
+                    // The receiver lives as long as the scope.
+                    let _ = under_way.sender.send(Message::Failed(error));
+                }
+            });
         }
         drop(sender);
         for message in receiver {
             match message {
-                Message::Generations(count) => watch(Progress::Generations(count)),
+                Message::Progress(progress) => watch(progress),
                 Message::Finished(record) if stored.is_ok() => {
-                    stored = store.append(&record);
-                    if stored.is_err() {
-                        stop.store(true, Ordering::Relaxed);
-                    }
-                    watch(Progress::Finished(
-                        Job {
-                            agents: record.agents,
-                            seed: record.seed,
-                        },
-                        record.fitness(),
-                    ));
+                    stored = finish(store, &record);
+                    watch(Progress::Finished(record.job(), record.fitness()));
                     records.push(*record);
                 }
                 Message::Finished(_) => {}
+                Message::Failed(error) if stored.is_ok() => stored = Err(error),
+                Message::Failed(_) => {}
+            }
+            if stored.is_err() {
+                workers.stop();
             }
         }
     });
     stored?;
-    if stop.load(Ordering::Relaxed) {
+    if workers.stopped() {
         let sentence = format!(
-            "interrupted: {} of {} runs are stored; run the same command again to go on",
+            "interrupted: {} of {} runs are stored, those under way are saved; run the same command again to go on",
             records.len(),
             jobs.len()
         );
         return Err(Error::Interrupted(sentence));
     }
-    records.sort_by_key(|record| Job {
-        agents: record.agents,
-        seed: record.seed,
-    });
+    store.clear_checkpoints();
+    records.sort_by_key(Record::job);
     Ok(records)
 }
 
+/// A finished run needs its checkpoint no longer.
+fn finish(store: &mut Store, record: &Record) -> Result<()> {
+    store.append(record)?;
+    remove_if_there(&store.checkpoint(record.job()))
+}
+
 enum Message {
-    Generations(u64),
+    Progress(Progress),
     Finished(Box<Record>),
+    Failed(Error),
 }
 
 struct Task {
     condition: Condition,
     seeds: Vec<u64>,
+}
+
+impl Task {
+    fn jobs(&self) -> impl Iterator<Item = Job> {
+        let agents = self.condition.team.get();
+        self.seeds.iter().map(move |&seed| Job { agents, seed })
+    }
 }
 
 /// Jobs of one condition together, the longest first, and no task longer than what an even share of the work allows.
@@ -127,44 +157,108 @@ fn tasks(plan: &Plan, jobs: &[Job], threads: usize) -> Result<Vec<Task>> {
     Ok(tasks)
 }
 
-fn run_task(
-    plan: &Plan,
-    task: &Task,
-    engine: Engine,
-    stop: &AtomicBool,
-    sender: &mpsc::Sender<Message>,
-) {
-    /// Generations between two looks at the stop flag and reports.
-    const REPORT_EVERY: u32 = 20;
-    let Task { condition, seeds } = task;
-    let new_run = |&seed: &u64| Run::new(condition, plan.settings, plan.islands, seed);
-    // The plan's settings were checked with its conditions.
-    let Ok(mut runs) = seeds
-        .iter()
-        .map(new_run)
-        .collect::<std::result::Result<Vec<_>, _>>()
-    else {
-        return;
-    };
-    let watch = |runs: &[Run]| {
-        let generation = runs[0].generation().unwrap_or(0);
-        if generation > 0 && generation.is_multiple_of(REPORT_EVERY) {
-            // The receiver lives as long as the scope.
-            let _ = sender.send(Message::Generations(
-                u64::from(REPORT_EVERY) * runs.len() as u64,
-            ));
-            if stop.load(Ordering::Relaxed) {
-                return ControlFlow::Break(());
-            }
+/// One task on one thread.
+struct UnderWay<'a> {
+    plan: &'a Plan,
+    task: &'a Task,
+    /// One file per run of the task.
+    checkpoints: &'a [std::path::PathBuf],
+    workers: Workers,
+    sender: mpsc::Sender<Message>,
+}
+
+impl UnderWay<'_> {
+    fn run(&mut self) -> Result<()> {
+        if self.workers.stopped() {
+            return Ok(());
         }
-        ControlFlow::Continue(())
-    };
-    if stop.load(Ordering::Relaxed)
-        || evolve(condition, engine, &mut runs, plan.generations, watch).is_break()
-    {
-        return;
+        let mut runs = self.begin()?;
+        let (mut saved_at, mut failure) = (Instant::now(), None);
+        let watch = |runs: &[Run]| {
+            let generation = runs.iter().filter_map(Run::generation).max().unwrap_or(0);
+            if generation > 0 && generation.is_multiple_of(REPORT_EVERY) {
+                self.tell(Progress::Generations(
+                    u64::from(REPORT_EVERY) * runs.len() as u64,
+                ));
+            }
+            if saved_at.elapsed() > SAVE_EVERY {
+                failure = self.save(runs).err();
+                saved_at = Instant::now();
+            }
+            match self.workers.stopped() || failure.is_some() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        };
+        let Task { condition, .. } = self.task;
+        let flow = evolve(
+            condition,
+            self.workers.clone(),
+            &mut runs,
+            self.plan.generations,
+            watch,
+        );
+        failure.map_or(Ok(()), Err)?;
+        if flow.is_break() {
+            return self.save(&runs);
+        }
+        for record in runs.iter().filter_map(|run| run.record(condition)) {
+            let _ = self.sender.send(Message::Finished(Box::new(record)));
+        }
+        Ok(())
     }
-    for record in runs.iter().filter_map(|run| run.record(condition)) {
-        let _ = sender.send(Message::Finished(Box::new(record)));
+
+    fn tell(&self, progress: Progress) {
+        // The receiver lives as long as the scope.
+        let _ = self.sender.send(Message::Progress(progress));
+    }
+
+    /// Every run as its checkpoint has it, or from its beginning.
+    fn begin(&self) -> Result<Vec<Run>> {
+        let Plan {
+            settings, islands, ..
+        } = self.plan;
+        let begin = |(job, path): (Job, &std::path::PathBuf)| {
+            if path.exists() {
+                match self.resume(job, path) {
+                    Ok(run) => return Ok(run),
+                    Err(why) => self.tell(Progress::BegunAnew(job, why)),
+                }
+            }
+            Run::new(&self.task.condition, *settings, *islands, job.seed).map_err(Error::from_part)
+        };
+        self.task.jobs().zip(self.checkpoints).map(begin).collect()
+    }
+
+    fn resume(&self, job: Job, path: &std::path::Path) -> std::result::Result<Run, String> {
+        let saved = Checkpoint::read(path).map_err(|error| error.to_string())?;
+        let Plan {
+            settings,
+            islands,
+            generations,
+            ..
+        } = self.plan;
+        let same = Setup::from(&saved.condition) == Setup::from(&self.task.condition)
+            && (saved.settings, saved.islands, saved.generations)
+                == (*settings, *islands, *generations)
+            && saved.run.seed == job.seed;
+        match same {
+            true => Ok(saved.run),
+            false => Err(format!("{} is of another run", path.display())),
+        }
+    }
+
+    fn save(&self, runs: &[Run]) -> Result<()> {
+        for (run, path) in runs.iter().zip(self.checkpoints) {
+            let checkpoint = Checkpoint {
+                condition: self.task.condition.clone(),
+                settings: self.plan.settings,
+                islands: self.plan.islands,
+                generations: self.plan.generations,
+                run: run.clone(),
+            };
+            checkpoint.write(path)?;
+        }
+        Ok(())
     }
 }

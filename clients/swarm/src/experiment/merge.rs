@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::plan::{Job, Plan};
+use super::plan::Plan;
 use super::store::{Store, read_folder, same_plan};
 use crate::error::{Error, Result};
-use crate::run::Record;
+use crate::run::{Job, Record};
 
 /// What a merged folder holds.
 #[derive(Debug)]
@@ -36,16 +36,16 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     let (mut store, present) = Store::open(folder, &plan)?;
     let mut merged: BTreeMap<Job, Record> = present
         .into_iter()
-        .map(|record| (job(&record), record))
+        .map(|record| (record.job(), record))
         .collect();
     for shard in shards {
         let (found, records) = read_folder(shard)?;
         same_plan(shard, &plan, &found)?;
         for record in records {
-            match merged.get(&job(&record)) {
+            match merged.get(&record.job()) {
                 None => {
-                    store.append(&record)?;
-                    merged.insert(job(&record), record);
+                    store.write(&record)?;
+                    merged.insert(record.job(), record);
                 }
                 Some(known) if *known == record => {}
                 Some(_) => {
@@ -62,6 +62,7 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
             }
         }
     }
+    store.sync()?;
     let missing = plan
         .jobs()
         .iter()
@@ -72,11 +73,4 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
         records: merged.into_values().collect(),
         missing,
     })
-}
-
-fn job(record: &Record) -> Job {
-    Job {
-        agents: record.agents,
-        seed: record.seed,
-    }
 }

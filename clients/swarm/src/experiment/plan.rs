@@ -11,6 +11,7 @@ use crate::condition::{Condition, Sharing};
 use crate::error::{Error, Result};
 use crate::ga::Settings;
 use crate::islands::IslandSettings;
+use crate::run::Job;
 use crate::sensors::SensorOrder;
 
 /// The paper's Fig. 14 and its variations: team sizes × seeds.
@@ -41,14 +42,8 @@ pub struct Plan {
     pub preset: Preset,
 }
 
-/// One run of an experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Job {
-    /// Team size.
-    pub agents: usize,
-    /// Seed.
-    pub seed: u64,
-}
+/// More runs per team size than anybody has the time for.
+const MAX_SEEDS: u64 = 1_000_000;
 
 impl Plan {
     /// Fig. 14: one to four agents (paper III.c.1).
@@ -74,7 +69,7 @@ impl Plan {
     /// # Errors
     /// The first value of the plan that is out of range.
     pub fn conditions(&self) -> Result<Vec<Condition>> {
-        self.settings.check().map_err(Error::from_part)?;
+        self.check()?;
         let model = Arc::new(Model::new(self.preset.clone()).map_err(Error::from_part)?);
         let condition = |&agents: &usize| {
             Ok(Condition {
@@ -86,6 +81,43 @@ impl Plan {
             })
         };
         self.agents.iter().map(condition).collect()
+    }
+
+    /// Refuses numbers that make no experiment.
+    fn check(&self) -> Result<()> {
+        self.settings.check().map_err(Error::from_part)?;
+        let refuse = |key: &str, value: String, needs: &str| {
+            Err(Error::refused(
+                "use an experiment",
+                format_args!("its {key} was {value}"),
+                needs,
+                "correct it",
+            ))
+        };
+        let once =
+            |agents: &usize| self.agents.iter().filter(|other| *other == agents).count() == 1;
+        if self.agents.is_empty() || !self.agents.iter().all(once) {
+            return refuse(
+                "agents",
+                format!("{:?}", self.agents),
+                "one or more team sizes, each once",
+            );
+        }
+        if !(1..=MAX_SEEDS).contains(&self.seeds) {
+            return refuse("seeds", self.seeds.to_string(), "1 to 1000000");
+        }
+        let IslandSettings {
+            islands,
+            migrate_every,
+        } = self.islands;
+        if !(1..=1000).contains(&islands) || migrate_every == 0 {
+            return refuse(
+                "islands",
+                format!("{islands} every {migrate_every}"),
+                "1 to 1000, every 1 or more",
+            );
+        }
+        Ok(())
     }
 
     /// Every run, team size by team size, seed by seed.

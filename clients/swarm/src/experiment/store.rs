@@ -1,21 +1,28 @@
 //! The folder of an experiment: what is finished is never lost.
 
+use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::plan::{Job, Plan};
+use super::plan::Plan;
+use super::seal::Seal;
+use super::verify::verify;
 use crate::error::{Error, Result};
 use crate::files::{FolderLock, read_text, write_atomically};
-use crate::run::Record;
+use crate::run::{Job, Record};
 
 const PLAN: &str = "experiment.toml";
 const RUNS: &str = "runs.jsonl";
+/// Folder of the checkpoints of runs that are not finished.
+const UNDER_WAY: &str = "under-way";
 
 /// An experiment's folder, locked for this process.
 #[derive(Debug)]
 pub struct Store {
     _lock: FolderLock,
+    seal: Seal,
+    folder: PathBuf,
     path: PathBuf,
     file: File,
     /// Length of the file after the last whole line.
@@ -44,22 +51,21 @@ impl Store {
             .write(true)
             .open(&path)
             .map_err(Error::io("open", &path))?;
-        let text = read_text(&path)?;
-        let whole = text.rfind('\n').map_or(0, |end| end + 1);
-        let records = parse(&path, &text[..whole])?;
+        let seal = Seal::new(plan)?;
+        let (records, length) = read_runs(&path, plan, &seal)?;
         // A line without an end is a run whose writing was cut off: it will be run again.
-        file.set_len(whole as u64)
+        file.set_len(length)
             .and_then(|()| file.seek(SeekFrom::End(0)))
             .map_err(Error::io("mend", &path))?;
-        Ok((
-            Self {
-                _lock: lock,
-                path,
-                file,
-                length: whole as u64,
-            },
-            records,
-        ))
+        let store = Self {
+            _lock: lock,
+            seal,
+            folder: folder.to_owned(),
+            path,
+            file,
+            length,
+        };
+        Ok((store, records))
     }
 
     /// Adds a finished run; when this returns, it is on the disk.
@@ -67,19 +73,54 @@ impl Store {
     /// # Errors
     /// The system refused, for example because the disk is full. The runs before are safe.
     pub fn append(&mut self, record: &Record) -> Result<()> {
-        let mut line = serde_json::to_string(record).map_err(Error::from_part)?;
-        line.push('\n');
-        let written = self
-            .file
-            .write_all(line.as_bytes())
-            .and_then(|()| self.file.sync_data());
-        if let Err(error) = written {
+        self.write(record)?;
+        self.sync()
+    }
+
+    /// Adds a finished run that is safe elsewhere; [`Store::sync`] brings it to the disk.
+    ///
+    /// # Errors
+    /// As [`Store::append`].
+    pub fn write(&mut self, record: &Record) -> Result<()> {
+        let line = self.seal.line(record)?;
+        if let Err(error) = self.file.write_all(line.as_bytes()) {
             // If this fails too, the next opening cuts the torn line off.
             let _ = self.file.set_len(self.length);
             return Err(Error::io("write a finished run to", &self.path)(error));
         }
         self.length += line.len() as u64;
         Ok(())
+    }
+
+    /// Waits until everything written is on the disk.
+    ///
+    /// # Errors
+    /// The system refused.
+    pub fn sync(&mut self) -> Result<()> {
+        let synced = self.file.sync_data();
+        synced.map_err(Error::io("write finished runs to", &self.path))
+    }
+
+    /// Where a run under way is kept.
+    #[must_use]
+    pub fn checkpoint(&self, Job { agents, seed }: Job) -> PathBuf {
+        let name = format!("{agents}-{seed}.checkpoint");
+        self.folder.join(UNDER_WAY).join(name)
+    }
+
+    /// Makes the folder of the runs under way.
+    ///
+    /// # Errors
+    /// The system refused.
+    pub fn prepare_checkpoints(&self) -> Result<()> {
+        let folder = self.folder.join(UNDER_WAY);
+        std::fs::create_dir_all(&folder).map_err(Error::io("create folder", &folder))
+    }
+
+    /// Removes the folder of the runs under way if none is left.
+    pub fn clear_checkpoints(&self) {
+        // A folder that is not empty, or gone, stays as it is.
+        let _ = std::fs::remove_dir(self.folder.join(UNDER_WAY));
     }
 }
 
@@ -90,13 +131,8 @@ impl Store {
 pub fn read_folder(folder: &Path) -> Result<(Plan, Vec<Record>)> {
     let plan = read_plan(folder)?;
     let path = folder.join(RUNS);
-    let text = read_text(&path)?;
-    let whole = text.rfind('\n').map_or(0, |end| end + 1);
-    let mut records = parse(&path, &text[..whole])?;
-    records.sort_by_key(|record| Job {
-        agents: record.agents,
-        seed: record.seed,
-    });
+    let (mut records, _) = read_runs(&path, &plan, &Seal::new(&plan)?)?;
+    records.sort_by_key(Record::job);
     Ok((plan, records))
 }
 
@@ -134,16 +170,32 @@ pub(super) fn same_plan(folder: &Path, wanted: &Plan, found: &Plan) -> Result<()
     ))
 }
 
-fn parse(path: &Path, text: &str) -> Result<Vec<Record>> {
-    let line = |(number, line): (usize, &str)| {
-        serde_json::from_str(line).map_err(|error| {
-            Error::refused(
-                format_args!("read {}", path.display()),
-                format_args!("line {} was damaged ({error})", number + 1),
-                "one finished run per line",
-                "remove that line and run the experiment again: only that run is repeated",
-            )
-        })
+/// Reads whole lines one by one, checks each and all together, and says where the last whole line ends.
+fn read_runs(path: &Path, plan: &Plan, seal: &Seal) -> Result<(Vec<Record>, u64)> {
+    let damaged = |index: usize, why: &str| {
+        Error::refused(
+            format_args!("read {}", path.display()),
+            format_args!("line {} was damaged ({why})", index + 1),
+            "one finished run of this experiment per line, as ebts sealed it",
+            "remove that line and run the experiment again: only that run is repeated",
+        )
     };
-    text.lines().enumerate().map(line).collect()
+    let file = File::open(path).map_err(Error::io("read", path))?;
+    let (mut file, mut line) = (BufReader::new(file), String::new());
+    let (mut records, mut jobs, mut length) = (Vec::new(), HashSet::new(), 0);
+    while file.read_line(&mut line).map_err(Error::io("read", path))? > 0 && line.ends_with('\n') {
+        let record = seal
+            .open(line.trim_end())
+            .map_err(|why| damaged(records.len(), &why))?;
+        if !jobs.insert(record.job()) {
+            return Err(damaged(records.len(), "this run was there before"));
+        }
+        records.push(record);
+        length += line.len() as u64;
+        line.clear();
+    }
+    match verify(plan, &records)? {
+        Ok(()) => Ok((records, length)),
+        Err((index, why)) => Err(damaged(index, &why)),
+    }
 }

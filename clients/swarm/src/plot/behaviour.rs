@@ -7,6 +7,7 @@ use super::{COLOURS, failed};
 use crate::analysis::Trace;
 use crate::error::Result;
 use crate::table::behaviour;
+use field::EXECUTION_FRAMES;
 
 /// One row of the paper's table: what an agent senses at a frame, and what it does.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -79,6 +80,15 @@ fn draw(trace: &Trace, svg: &mut String) -> Drawing {
             .x_labels(10)
             .x_desc("frame")
             .draw()?;
+        // Judging begins here (paper III.b.3: 180 frames of execution, then 90 of evaluation).
+        let judged = EXECUTION_FRAMES as usize;
+        let border = [(judged, 0.0), (judged, lines as f64)];
+        chart.draw_series([PathElement::new(border, BLACK.stroke_width(1))])?;
+        chart.draw_series([Text::new(
+            "judging begins",
+            (judged + 2, lines as f64),
+            ("sans-serif", 11),
+        )])?;
         for (line, name) in LINES.iter().enumerate() {
             let y = (lines - 1 - line) as f64;
             let spans = spans(trace, agent, line);

@@ -37,8 +37,8 @@ fn draw(plan: &Plan, records: &[Record], svg: &mut String) -> Drawing {
     area.fill(&WHITE)?;
     let highest = records.iter().map(Record::fitness).fold(100.0, f32::max);
     let title = format!(
-        "Preset {}: maximum fitness, median and quartiles of {} runs",
-        plan.preset.name, plan.seeds
+        "Preset {}, rule {}: maximum fitness, median and quartiles of {} runs",
+        plan.preset.name, plan.fitness_rule, plan.seeds
     );
     let mut chart = ChartBuilder::on(&area)
         .caption(title, ("sans-serif", 20))

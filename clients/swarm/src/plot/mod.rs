@@ -6,7 +6,7 @@ mod trajectories;
 
 pub use behaviour::{BehaviourRow, behaviour_rows, behaviour_strip};
 pub use fig14::fig14;
-pub use trajectories::trajectories;
+pub use trajectories::{Panel, trajectories};
 
 use plotters::style::RGBColor;
 

@@ -1,100 +1,204 @@
-//! Figs. 15–17: the paths of agents and object for every goal.
+//! Figs. 15–17: the paths of agents and object, one panel per trial, with the lights, the scale, and where judging begins.
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf32;
 use plotters::prelude::*;
 
 use super::{COLOURS, failed};
-use crate::analysis::Trace;
+use crate::analysis::{Frame, Trace};
 use crate::condition::Condition;
 use crate::error::Result;
+use field::{EXECUTION_FRAMES, Preset};
 
 /// Frames between two drawn outlines of a body.
 const OUTLINE_EVERY: usize = 45;
 const PANEL_PX: u32 = 280;
+/// Room for the legend below the panels.
+const LEGEND_PX: u32 = 46;
+/// Length of the scale bar.
+const SCALE_PX: f32 = 200.0;
+const OBJECT_LIGHT: RGBColor = RGBColor(240, 190, 0);
+const GOAL: RGBColor = RGBColor(213, 94, 0);
 
-/// Draws one panel per trial, with the points it earned.
+/// One trial to draw.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Above the panel.
+    pub title: String,
+    /// The trial.
+    pub trace: Trace,
+}
+
+/// Draws one panel per trial, four in a row.
 ///
 /// # Errors
 /// The drawing library failed.
-pub fn trajectories(condition: &Condition, traces: &[Trace], points: &[f32]) -> Result<String> {
+pub fn trajectories(condition: &Condition, panels: &[Panel]) -> Result<String> {
     let mut svg = String::new();
-    draw(condition, traces, points, &mut svg).map_err(failed)?;
+    draw(condition, panels, &mut svg).map_err(failed)?;
     Ok(svg)
 }
 
 type Drawing = std::result::Result<(), Box<dyn std::error::Error>>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf32, RangedCoordf32>>;
 
-fn draw(condition: &Condition, traces: &[Trace], points: &[f32], svg: &mut String) -> Drawing {
-    let rows = traces.len().div_ceil(4);
-    let area = SVGBackend::with_string(svg, (4 * PANEL_PX, rows as u32 * (PANEL_PX + 24)))
-        .into_drawing_area();
+fn draw(condition: &Condition, panels: &[Panel], svg: &mut String) -> Drawing {
+    let columns = panels.len().clamp(1, 4);
+    let rows = panels.len().div_ceil(4);
+    // The legend needs the width of two and a half panels.
+    let width = (columns as u32 * PANEL_PX).max(740);
+    let height = rows as u32 * (PANEL_PX + 24);
+    let area = SVGBackend::with_string(svg, (width, height + LEGEND_PX)).into_drawing_area();
     area.fill(&WHITE)?;
-    for (index, (panel, trace)) in area.split_evenly((rows, 4)).iter().zip(traces).enumerate() {
-        let earned = points.get(index).copied().unwrap_or(0.0);
-        draw_trial(
-            condition,
-            trace,
-            &format!("goal {}: {earned:.0} points", index + 1),
-            panel,
-        )?;
+    let (above, below) = area.split_vertically(height);
+    let (above, _) = above.split_horizontally(columns as u32 * PANEL_PX);
+    for (panel, area) in panels
+        .iter()
+        .zip(above.split_evenly((rows.max(1), columns)))
+    {
+        draw_trial(condition.model.preset(), panel, &area)?;
     }
+    legend(&below, condition.team.get())?;
     area.present()?;
     Ok(())
 }
 
-fn draw_trial(
-    condition: &Condition,
-    trace: &Trace,
-    title: &str,
-    panel: &DrawingArea<SVGBackend<'_>, Shift>,
-) -> Drawing {
-    let preset = condition.model.preset();
-    let mut chart = ChartBuilder::on(panel)
+fn draw_trial(preset: &Preset, Panel { title, trace }: &Panel, area: &Area<'_>) -> Drawing {
+    let half = preset.half_side_px;
+    let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 14))
         .margin(6)
-        .build_cartesian_2d(-400.0_f32..400.0, -400.0_f32..400.0)?;
-    chart.draw_series([Rectangle::new([(-400.0, -400.0), (400.0, 400.0)], BLACK)])?;
-    let to_pixels = chart.plotting_area().dim_in_pixel().0 as f32 / 800.0;
+        .build_cartesian_2d(-half..half, -half..half)?;
+    let to_pixels = chart.plotting_area().dim_in_pixel().0 as f32 / (2.0 * half);
     let radius = |px: f32| (px * to_pixels) as i32;
+    let end = trace.frames.last().map_or((0.0, 0.0), object);
     let goal = (trace.goal.x_px, trace.goal.y_px);
+    let lights = [
+        (goal, preset.goal_light_px, GOAL),
+        (end, preset.object_light_px, OBJECT_LIGHT),
+    ];
+    for (centre, range, colour) in lights {
+        // The plotting area cuts off what reaches beyond the field.
+        chart.draw_series([Polygon::new(inside(centre, range, half), colour.mix(0.10))])?;
+    }
+    chart.draw_series([Rectangle::new([(-half, -half), (half, half)], BLACK)])?;
     chart.draw_series([Circle::new(
         goal,
         radius(preset.goal_radius_px),
-        RED.mix(0.3).filled(),
+        GOAL.mix(0.35).filled(),
     )])?;
-
-    let object = |frame: &crate::analysis::Frame| (frame.object.x_px, frame.object.y_px);
-    chart.draw_series(LineSeries::new(
-        trace.frames.iter().map(object),
-        BLACK.stroke_width(2),
-    ))?;
-    for frame in trace.frames.iter().step_by(OUTLINE_EVERY) {
-        chart.draw_series([Circle::new(
-            object(frame),
-            radius(preset.object_radius_px),
-            BLACK.mix(0.5),
-        )])?;
-    }
+    path(
+        &mut chart,
+        trace,
+        object,
+        radius(preset.object_radius_px),
+        BLACK,
+        2,
+    )?;
     for (agent, colour) in (0..trace.frames[0].agents.len()).zip(COLOURS) {
-        let place =
-            |frame: &crate::analysis::Frame| (frame.agents[agent].x_px, frame.agents[agent].y_px);
-        chart.draw_series(LineSeries::new(
-            trace.frames.iter().map(place),
-            colour.stroke_width(1),
-        ))?;
-        for frame in trace.frames.iter().step_by(OUTLINE_EVERY) {
-            chart.draw_series([Circle::new(
-                place(frame),
-                radius(preset.agent_radius_px),
-                colour.mix(0.6),
-            )])?;
-        }
-        let start = place(&trace.frames[0]);
+        let place = |frame: &Frame| (frame.agents[agent].x_px, frame.agents[agent].y_px);
+        path(
+            &mut chart,
+            trace,
+            place,
+            radius(preset.agent_radius_px),
+            colour,
+            1,
+        )?;
+        let number = (agent + 1).to_string();
         chart.draw_series([Text::new(
-            (agent + 1).to_string(),
-            start,
+            number,
+            place(&trace.frames[0]),
             ("sans-serif", 14),
         )])?;
     }
+    scale(&mut chart, half)
+}
+
+fn object(frame: &Frame) -> (f32, f32) {
+    (frame.object.x_px, frame.object.y_px)
+}
+
+/// A circle as a polygon whose corners stay inside the field.
+fn inside((x, y): (f32, f32), radius: f32, half: f32) -> Vec<(f32, f32)> {
+    let corner = |k: u8| {
+        let (cos, sin) = field::cos_sin(k);
+        (
+            (x + radius * cos).clamp(-half, half),
+            (y + radius * sin).clamp(-half, half),
+        )
+    };
+    (0..64).map(corner).collect()
+}
+
+/// The path of a body, its outline now and then, and a dot where judging begins.
+fn path(
+    chart: &mut Chart<'_, '_>,
+    trace: &Trace,
+    place: impl Fn(&Frame) -> (f32, f32),
+    radius: i32,
+    colour: RGBColor,
+    width: u32,
+) -> Drawing {
+    let places: Vec<(f32, f32)> = trace.frames.iter().map(place).collect();
+    chart.draw_series(LineSeries::new(
+        places.iter().copied(),
+        colour.stroke_width(width),
+    ))?;
+    for &at in places.iter().step_by(OUTLINE_EVERY) {
+        chart.draw_series([Circle::new(at, radius, colour.mix(0.6))])?;
+    }
+    if let Some(&judged) = places.get(EXECUTION_FRAMES as usize) {
+        chart.draw_series([Circle::new(judged, 4, colour.filled())])?;
+    }
+    Ok(())
+}
+
+/// A bar of [`SCALE_PX`] in the lower left corner.
+fn scale(chart: &mut Chart<'_, '_>, half: f32) -> Drawing {
+    let (x, y) = (-0.95 * half, -0.95 * half);
+    let bar = [(x, y), (x + SCALE_PX, y)];
+    chart.draw_series([PathElement::new(bar, BLACK.stroke_width(2))])?;
+    let label = format!("{SCALE_PX} px");
+    chart.draw_series([Text::new(label, (x, y + 0.08 * half), ("sans-serif", 11))])?;
+    Ok(())
+}
+
+/// What every line, dot and shade means.
+fn legend(area: &Area<'_>, agents: usize) -> Drawing {
+    let text = |label: &str, x: i32, y: i32| {
+        area.draw(&Text::new(label.to_owned(), (x, y), ("sans-serif", 12)))
+    };
+    let entry = |label: &str, colour: RGBColor, x: i32| {
+        area.draw(&PathElement::new(
+            [(x, 12), (x + 18, 12)],
+            colour.stroke_width(2),
+        ))?;
+        text(label, x + 22, 6)
+    };
+    entry("object", BLACK, 8)?;
+    for (agent, colour) in (0..agents).zip(COLOURS) {
+        entry(
+            &format!("agent {}", agent + 1),
+            colour,
+            90 + 85 * agent as i32,
+        )?;
+    }
+    let shade = |label: &str, colour: RGBAColor, x: i32| {
+        area.draw(&Rectangle::new([(x, 26), (x + 18, 38)], colour.filled()))?;
+        text(label, x + 22, 26)
+    };
+    shade("goal", GOAL.mix(0.35), 8)?;
+    shade("goal's light", GOAL.mix(0.15), 90)?;
+    shade("object's light, at the end", OBJECT_LIGHT.mix(0.2), 200)?;
+    area.draw(&Circle::new((390, 32), 4, BLACK.filled()))?;
+    text(
+        &format!(
+            "judging begins (frame {EXECUTION_FRAMES}); outlines every {OUTLINE_EVERY} frames"
+        ),
+        400,
+        26,
+    )?;
     Ok(())
 }

@@ -127,8 +127,20 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     /// The part of an overlap that the object yields to this many agents.
     #[inline(always)]
     fn push_for(&self, agents: T::Ints) -> T {
+        let [one, two, three, four] = self.c.push;
+        let mut several = self.v(two);
+        if N > 2 && (two != three || two != four) {
+            several = T::select(self.are(agents, 3), self.v(three), several);
+            several = T::select(self.are(agents, 4), self.v(four), several);
+        }
         let alone = T::is_zero(agents.shr(self.int(1)));
-        T::select(alone, self.v(self.c.solo_push), self.v(self.c.team_push))
+        T::select(alone, self.v(one), several)
+    }
+
+    /// Lanes in which a count is this one.
+    #[inline(always)]
+    fn are(&self, agents: T::Ints, count: i32) -> T::Mask {
+        T::is_zero(agents + self.int(-count))
     }
 
     #[inline(always)]

@@ -1,7 +1,6 @@
 //! What the agents sense at the start of a frame, and which response their tables give.
 
 use super::{Fields, Near, Team};
-use crate::constants::FIELD_PX;
 use crate::lanes::seats::Seats;
 use crate::lanes::{Ints, Lanes, Mask};
 
@@ -142,7 +141,7 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     fn tip_beyond_wall(&self, i: usize, cos: T, sin: T) -> T::Mask {
         let range = self.v(self.c.ir_range);
         let (x, y) = (self.x[i] + range * cos, self.y[i] + range * sin);
-        self.v(FIELD_PX).lt(x.max_abs(y))
+        self.v(self.c.half_side).lt(x.max_abs(y))
     }
 
     /// Whether the left and the right photo sensor see a light.

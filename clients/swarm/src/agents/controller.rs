@@ -7,9 +7,9 @@ use shm_schemas::{AgentSensors, WheelCommands, service};
 
 use super::{Exchange, Lookup};
 
-/// What a desk has seen.
+/// What a controller has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Tally {
+pub struct Counts {
     /// Frames answered.
     pub answered: u64,
     /// Frames that were published and never seen here: a newer one had taken their place.
@@ -18,17 +18,17 @@ pub struct Tally {
     pub malformed: u64,
 }
 
-/// The agents' place on the bus.
-pub struct AgentsDesk {
+/// Answers for all agents of the fields on a bus.
+pub struct TeamController {
     subscriber: Subscriber<AgentSensors>,
     publisher: Publisher<WheelCommands>,
     sensors: AgentSensors,
     commands: WheelCommands,
     lookup: Lookup,
-    tally: Tally,
+    counts: Counts,
 }
 
-impl AgentsDesk {
+impl TeamController {
     /// Joins the bus with tables to begin with.
     ///
     /// # Errors
@@ -42,7 +42,7 @@ impl AgentsDesk {
             sensors: AgentSensors::default(),
             commands,
             lookup,
-            tally: Tally::default(),
+            counts: Counts::default(),
         })
     }
 
@@ -59,11 +59,11 @@ impl AgentsDesk {
         let asked = &self.sensors;
         if asked.stamp.writer_epoch == before.writer_epoch {
             let step = asked.stamp.sequence.saturating_sub(before.sequence);
-            self.tally.lost += step.saturating_sub(1);
+            self.counts.lost += step.saturating_sub(1);
         }
         let count = asked.agent_count as usize;
         if count > AGENTS {
-            self.tally.malformed += 1;
+            self.counts.malformed += 1;
             return Ok(true);
         }
         let commands = &mut self.commands;
@@ -75,13 +75,13 @@ impl AgentsDesk {
             .answer(&asked.row[..count], &mut commands.output);
         self.publisher.send(commands)?;
         commands.stamp.sequence += 1;
-        self.tally.answered += 1;
+        self.counts.answered += 1;
         Ok(true)
     }
 
     /// What it has seen so far.
     #[must_use]
-    pub fn tally(&self) -> Tally {
-        self.tally
+    pub fn counts(&self) -> Counts {
+        self.counts
     }
 }

@@ -1,0 +1,95 @@
+//! The two cases of paper Fig. 17 among the trials of an experiment.
+
+use std::fmt;
+
+use super::facts::TrialFacts;
+
+/// A way in which four agents carry (paper III.c.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Case {
+    /// Two agents carry, the other two avoid.
+    TwoCarry,
+    /// Three agents carry, one avoids.
+    ThreeCarry,
+}
+
+impl Case {
+    /// Both, in the paper's order.
+    pub const ALL: [Self; 2] = [Self::TwoCarry, Self::ThreeCarry];
+
+    fn carriers(self) -> usize {
+        match self {
+            Self::TwoCarry => 2,
+            Self::ThreeCarry => 3,
+        }
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TwoCarry => "case 1: two carry, two avoid",
+            Self::ThreeCarry => "case 2: three carry, one avoids",
+        })
+    }
+}
+
+/// The trials of four agents that show a case, the clearest first: the others touch the object least, then the object is
+/// there first.
+#[must_use]
+pub fn examples(case: Case, trials: &[TrialFacts]) -> Vec<TrialFacts> {
+    let shows = |trial: &&TrialFacts| {
+        trial.agents == 4 && trial.delivered && trial.pushers() == case.carriers()
+    };
+    let mut found: Vec<TrialFacts> = trials.iter().filter(shows).copied().collect();
+    found.sort_by_key(|trial| {
+        (
+            trial.interference(),
+            trial.reached_frame,
+            trial.seed,
+            trial.goal,
+        )
+    });
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::facts::AgentFacts;
+    use super::*;
+
+    fn trial(seed: u64, delivered: bool, pushing_frames: [usize; 4]) -> TrialFacts {
+        TrialFacts {
+            agents: 4,
+            seed,
+            goal: 1,
+            points: 100.0,
+            delivered,
+            reached_frame: 100,
+            distance_px: 5.0,
+            each: pushing_frames.map(|pushing_frames| AgentFacts {
+                pushing_frames,
+                ..AgentFacts::default()
+            }),
+        }
+    }
+
+    #[test]
+    fn cases_are_told_apart_and_the_clearest_comes_first() {
+        let trials = [
+            trial(1, true, [50, 8, 50, 0]),
+            trial(2, true, [50, 0, 0, 50]),
+            trial(3, true, [50, 50, 0, 50]),
+            trial(4, true, [50, 50, 50, 50]),
+            trial(5, false, [50, 0, 0, 50]),
+        ];
+        let seeds = |case| {
+            examples(case, &trials)
+                .iter()
+                .map(|t| t.seed)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(seeds(Case::TwoCarry), [2, 1]);
+        assert_eq!(seeds(Case::ThreeCarry), [3]);
+    }
+}

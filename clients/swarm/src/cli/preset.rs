@@ -1,0 +1,175 @@
+//! `ebts preset`: the fields that ship, and any of them as a file to change.
+
+use clap::Args;
+use serde::Serialize;
+
+use ebts::error::{Error, Result};
+use field::{FitnessRule, Preset, Push};
+
+use super::options::preset;
+use super::{Format, answer};
+
+const EXAMPLES: &str = "Examples:
+  ebts preset                        # the presets that ship
+  ebts preset R3 > mine.toml         # every number of one, to change
+  printf 'base = \"R3\"\\ngoal_radius_px = 40.0\\n' > mine.toml
+  ebts evolve --preset mine.toml";
+
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct PresetArgs {
+    /// Preset to print as TOML, by name or from a file, whole [default: list those that ship].
+    name: Option<String>,
+}
+
+/// What every key means, in the order in which a file has them.
+const KEYS: [(&str, &str); 17] = [
+    ("name", "how people call it"),
+    ("agent_radius_px", "1 to 100"),
+    ("object_radius_px", "1 to 100"),
+    (
+        "medium_speed_px_per_frame",
+        "wheel travel at medium speed; high is twice that",
+    ),
+    (
+        "starts",
+        "|x| and |y| of every start; the corner of agents 1 to 4; heading: to-centre or east",
+    ),
+    (
+        "ir_range_px",
+        "reach of the three IR sensors from the agent's centre",
+    ),
+    (
+        "ir_angle_steps",
+        "the side IR sensors' angle from straight ahead, in 1/64 turns",
+    ),
+    (
+        "photo",
+        "both photo sensors: angle from straight ahead, 1/64 turns; cosine of half the opening",
+    ),
+    (
+        "object_light_px",
+        "distance within which the object's light is seen",
+    ),
+    (
+        "goal_light_px",
+        "distance within which the goal's light is seen",
+    ),
+    (
+        "goals",
+        "eight, every 45 degrees: { circle-px = radius } or { square-px = half side }",
+    ),
+    (
+        "goal_radius_px",
+        "the object has arrived within this distance",
+    ),
+    (
+        "solo_push",
+        "part of an overlap by which one agent moves the object",
+    ),
+    (
+        "team_push",
+        "... two or more; friction_per_stall_force = phi replaces both: max(0, 1 - phi / k) for k agents",
+    ),
+    (
+        "friction_per_stall_force",
+        "k agents move the object by max(0, 1 - this / k) of an overlap; replaces solo_push, team_push",
+    ),
+    ("contact", "sliding or blocking"),
+    (
+        "half_side_px",
+        "half the side of the square field; 400 if left out",
+    ),
+];
+
+#[derive(Serialize)]
+struct Listed {
+    name: String,
+    fitness_rule: FitnessRule,
+    preset: Preset,
+}
+
+pub(super) fn print(args: PresetArgs, format: Format) -> Result<()> {
+    match args.name {
+        Some(name) => {
+            let preset = preset(&name)?;
+            let text = file(&preset)?;
+            answer(format, &preset, || text)
+        }
+        None => list(format),
+    }
+}
+
+fn list(format: Format) -> Result<()> {
+    let presets = Preset::ALL.map(|preset| Listed {
+        name: preset.name.to_string(),
+        fitness_rule: FitnessRule::usual(&preset),
+        preset,
+    });
+    answer(format, &presets, || {
+        let mut text = String::from(
+            "name   agent  object  goal  contact   push alone / by two  fitness rule\n",
+        );
+        for Listed {
+            name,
+            fitness_rule,
+            preset,
+        } in &presets
+        {
+            let [one, two, ..] = preset.push.by_agents();
+            let law = match preset.push {
+                Push::Friction(_) => " (law)",
+                Push::Fitted { .. } => "",
+            };
+            let contact = format!("{:?}", preset.contact).to_lowercase();
+            text += &format!(
+                "{name:<5}  {:>5}  {:>6}  {:>4}  {contact:<8}  {:<19}  {fitness_rule}\n",
+                preset.agent_radius_px,
+                preset.object_radius_px,
+                preset.goal_radius_px,
+                format!("{one:.3} / {two:.3}{law}"),
+            );
+        }
+        text + "radii in px; ebts preset NAME prints all of one\n"
+    })
+}
+
+/// A preset as a file, with what every key means.
+fn file(preset: &Preset) -> Result<String> {
+    let table = toml::Table::try_from(preset).map_err(Error::from_part)?;
+    let mut text = String::new();
+    for (key, meaning) in KEYS {
+        if let Some(value) = table.get(key) {
+            text += &format!("# {meaning}\n{key} = {}\n", ebts::table_file::inline(value));
+        }
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_is_explained_and_every_preset_reads_back() {
+        let wide = Preset {
+            half_side_px: 500.0,
+            ..Preset::R3
+        };
+        for preset in Preset::ALL.into_iter().chain([wide]) {
+            let table = toml::Table::try_from(&preset).expect("a table");
+            for key in table.keys() {
+                assert!(
+                    KEYS.iter().any(|(known, _)| known == key),
+                    "{key} is not explained"
+                );
+            }
+            let text = file(&preset).expect("a file");
+            assert_eq!(
+                toml::from_str::<Preset>(&text).expect("a preset"),
+                preset,
+                "{text}"
+            );
+        }
+    }
+}

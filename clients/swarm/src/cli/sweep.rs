@@ -1,0 +1,240 @@
+//! `ebts sweep`: the same experiment for every combination of some values of a preset.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+use serde::Serialize;
+
+use ebts::error::{Error, Result};
+use ebts::experiment::Shard;
+use ebts::files::plain_name;
+use ebts::results::Summary;
+use ebts::workers::pool;
+use field::Preset;
+
+use super::experiment::{RunsArgs, Stopwatch, conclude, run};
+use super::options::checked;
+use super::report;
+use super::{Format, answer};
+
+const EXAMPLES: &str = "Examples:
+  ebts sweep --preset LB2 --vary goal_radius_px=40,50 --seeds 15 --out sweep
+  ebts sweep --vary friction_per_stall_force=0.9,0.95 --vary starts.distance_px=300,325
+
+Screens of few seeds mislead: confirm what looks best on seeds of its own,
+for example with --seeds 320 --first-seed 100001.";
+
+/// Combinations that one sweep has at most.
+const MOST: usize = 1000;
+
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct SweepArgs {
+    /// A key of the preset and its values; several times for all combinations.
+    #[arg(long, required = true, value_name = "KEY=V,...")]
+    vary: Vec<Vary>,
+    #[command(flatten)]
+    runs: RunsArgs,
+    /// Folder of the sweep, with one experiment per combination; continued if it is there already.
+    #[arg(long, default_value = "sweep")]
+    out: PathBuf,
+}
+
+/// `key=value,value`, as in `starts.distance_px=300,325`.
+#[derive(Clone, Debug)]
+struct Vary {
+    key: String,
+    values: Vec<toml::Value>,
+}
+
+impl FromStr for Vary {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let needs = || {
+            format!(
+                "it was {text:?}, needs a key of a preset and values, as in goal_radius_px=40,50"
+            )
+        };
+        let (key, values) = text.split_once('=').ok_or_else(needs)?;
+        let value = |text: &str| {
+            let text = text.trim();
+            let plain = format!("value = {text}").parse::<toml::Table>();
+            // A word needs no quotes.
+            let value = plain.or_else(|_| format!("value = {text:?}").parse::<toml::Table>());
+            value.ok().and_then(|mut table| table.remove("value"))
+        };
+        let values = values.split(',').map(value).collect::<Option<Vec<_>>>();
+        match values {
+            Some(values) if !key.trim().is_empty() => Ok(Self {
+                key: key.trim().to_owned(),
+                values,
+            }),
+            _ => Err(needs()),
+        }
+    }
+}
+
+/// What one combination came to.
+#[derive(Serialize)]
+struct Combination {
+    folder: PathBuf,
+    #[serde(flatten)]
+    summary: Summary,
+}
+
+pub(super) fn sweep(args: SweepArgs, format: Format) -> Result<()> {
+    let base = args.runs.evolution.preset()?;
+    let presets = combinations(&base, &args.vary)?;
+    let plans = presets
+        .into_iter()
+        .map(|preset| args.runs.plan(preset))
+        .collect::<Result<Vec<_>>>()?;
+    let (mut shown, mut found) = (Vec::new(), Vec::new());
+    for plan in &plans {
+        let watch = Stopwatch::start();
+        let folder = args.out.join(plain_name(&plan.preset.name));
+        let (records, _) = run(plan, Shard::WHOLE, &folder, &args.runs.engine)?;
+        let threads = args.runs.engine.threads();
+        let (summary, findings) =
+            pool(threads)?.install(|| conclude(&folder, plan, &records, &watch))?;
+        found.push(Combination {
+            folder,
+            summary: summary.clone(),
+        });
+        shown.push((summary, findings));
+    }
+    answer(format, &found, || report::side_by_side(&shown))
+}
+
+/// Every combination, checked before anything runs; each is called by its values.
+fn combinations(base: &Preset, vary: &[Vary]) -> Result<Vec<Preset>> {
+    let count = vary.iter().map(|vary| vary.values.len()).product::<usize>();
+    if !(1..=MOST).contains(&count) {
+        return Err(Error::refused(
+            "sweep",
+            format_args!("--vary made {count} combinations"),
+            format_args!("1 to {MOST}"),
+            "vary less at a time",
+        ));
+    }
+    let nth = |mut index: usize| {
+        let mut chosen = Vec::new();
+        for Vary { key, values } in vary {
+            chosen.push((key.as_str(), &values[index % values.len()]));
+            index /= values.len();
+        }
+        combination(base, &chosen)
+    };
+    (0..count).map(nth).collect()
+}
+
+fn combination(base: &Preset, chosen: &[(&str, &toml::Value)]) -> Result<Preset> {
+    let mut table = toml::Table::try_from(base).map_err(Error::from_part)?;
+    // Of two fitted numbers and one law, the one that is varied stays.
+    let varied = |key: &str| chosen.iter().any(|(varied, _)| *varied == key);
+    if varied("friction_per_stall_force") {
+        table.remove("solo_push");
+        table.remove("team_push");
+    } else if varied("solo_push") || varied("team_push") {
+        table.remove("friction_per_stall_force");
+    }
+    let mut name = base.name.to_string();
+    for (key, value) in chosen {
+        set(&mut table, key, value);
+        let short = ebts::table_file::inline(value).replace('"', "");
+        name += &format!(" {key}={short}");
+    }
+    table.insert("name".to_owned(), name.into());
+    let preset = toml::Value::Table(table).try_into();
+    let preset = preset.map_err(|error: toml::de::Error| {
+        Error::refused(
+            format_args!(
+                "vary {}",
+                chosen
+                    .iter()
+                    .map(|(key, _)| *key)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
+            error.message(),
+            "keys and values of a preset",
+            "see ebts preset NAME",
+        )
+    })?;
+    checked(preset)
+}
+
+/// Sets a key; a dot leads into a table.
+fn set(table: &mut toml::Table, key: &str, value: &toml::Value) {
+    match key.split_once('.') {
+        None => {
+            table.insert(key.to_owned(), value.clone());
+        }
+        Some((outer, inner)) => {
+            let entry = table
+                .entry(outer)
+                .or_insert_with(|| toml::Table::new().into());
+            if let toml::Value::Table(table) = entry {
+                set(table, inner, value);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_combination_is_there_once() {
+        let vary: Vec<Vary> = [
+            "goal_radius_px=40,50",
+            "starts.distance_px=300,310.5,320",
+            "contact=sliding",
+        ]
+        .map(|text| text.parse().expect(text))
+        .to_vec();
+        let presets = combinations(&Preset::R3, &vary).expect("valid presets");
+        assert_eq!(presets.len(), 6);
+        assert_eq!(presets[3].goal_radius_px, 50.0);
+        assert_eq!(presets[3].starts.distance_px, 310.5);
+        assert_eq!(
+            presets[3].name,
+            "R3 goal_radius_px=50 starts.distance_px=310.5 contact=sliding"
+        );
+    }
+
+    #[test]
+    fn the_law_and_the_fitted_numbers_replace_each_other() {
+        let one = |base: &Preset, text: &str| {
+            combinations(base, &[text.parse::<Vary>().expect(text)]).map(|presets| presets[0].push)
+        };
+        let law = field::Push::Friction(0.9);
+        assert_eq!(
+            one(&Preset::R3, "friction_per_stall_force=0.9").ok(),
+            Some(law)
+        );
+        assert!(
+            one(&Preset::LB3, "solo_push=0.1").is_err(),
+            "the other number is missing"
+        );
+    }
+
+    #[test]
+    fn what_makes_no_preset_is_refused() {
+        for text in ["goal_radius_px", "=1", ""] {
+            assert!(text.parse::<Vary>().is_err(), "{text:?}");
+        }
+        for text in [
+            "speed=1",
+            "goal_radius_px=fast",
+            "goal_radius_px=nan",
+            "starts.x=1",
+        ] {
+            let vary: Vary = text.parse().expect(text);
+            assert!(combinations(&Preset::R3, &[vary]).is_err(), "{text:?}");
+        }
+    }
+}
