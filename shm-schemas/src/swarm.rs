@@ -7,7 +7,7 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
     /// What every agent senses at the start of one field frame.
-    AgentSensors as "atas.AgentSensors.v1" {
+    AgentSensors as "atas.AgentSensors.v2" {
         /// `captured_ns` is the frame's time.
         pub stamp: Stamp,
         /// Index of the field frame within the trial.
@@ -16,6 +16,8 @@ payload! {
         pub trial: u32,
         /// Agents that carry data, at most [`AGENTS`].
         pub agent_count: u32,
+        /// Names the field's numbers, so that agents can refuse a field that their tables were not evolved for.
+        pub field_hash: u64,
         /// Per agent the table row that its sensors select: bit 0 is S1, bit 4 is S5.
         pub row: [u32; AGENTS],
     }

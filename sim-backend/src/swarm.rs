@@ -92,6 +92,7 @@ pub enum Answer<'a> {
 pub struct Swarm {
     settings: SwarmSettings,
     rule: FitnessRule,
+    field_hash: u64,
     trial: usize,
     runs: Vec<TrialRun>,
     missed_frames: u32,
@@ -122,6 +123,7 @@ impl Swarm {
         }
         let mut swarm = Self {
             rule: FitnessRule::usual(settings.model.preset()),
+            field_hash: settings.model.preset().fingerprint(),
             settings,
             trial: 0,
             runs: Vec::with_capacity(fields),
@@ -145,6 +147,7 @@ impl Swarm {
         sensors.frame = self.frame().into();
         sensors.trial = self.trial as u32;
         sensors.agent_count = (team * self.runs.len()) as u32;
+        sensors.field_hash = self.field_hash;
         for (rows, run) in sensors.row.chunks_exact_mut(team).zip(&mut self.runs) {
             for (row, sensed) in rows.iter_mut().zip(run.sense()) {
                 *row = sensed.into();

@@ -79,6 +79,7 @@ impl Host {
         let mut sensors = AgentSensors::default();
         sensors.stamp.writer_epoch = writer_epoch();
         sensors.agent_count = (FIELDS * TEAM) as u32;
+        sensors.field_hash = model.preset().fingerprint();
         Self {
             fields: fields.collect(),
             lookup: Lookup::new(&[file]),

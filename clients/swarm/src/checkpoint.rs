@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluator, GoalPoints, Individual};
-use crate::files::{read_text, sha256, write_atomically};
+use crate::files::{read_text, replace_unsynced, sha256, write_atomically};
 use crate::ga::{Population, Settings};
 use crate::genome::Genome;
 use crate::islands::{Archipelago, IslandSettings};
@@ -75,8 +75,24 @@ impl Checkpoint {
     /// # Errors
     /// The system refused; an older checkpoint is still there.
     pub fn write(&self, path: &Path) -> Result<()> {
+        let text = self.to_text()?;
+        text.map_or(Ok(()), |text| write_atomically(path, text.as_bytes()))
+    }
+
+    /// As [`Checkpoint::write`], without waiting for the disk: many of them are written in a moment, and one that a power
+    /// cut spoils is noticed by its hash.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::write`].
+    pub fn write_unsynced(&self, path: &Path) -> Result<()> {
+        let text = self.to_text()?;
+        text.map_or(Ok(()), |text| replace_unsynced(path, text.as_bytes()))
+    }
+
+    /// The text of the file; `None` before the random population is evaluated.
+    fn to_text(&self) -> Result<Option<String>> {
         let Some(generation) = self.run.generation() else {
-            return Ok(());
+            return Ok(None);
         };
         let archipelago = self.run.archipelago();
         let member = |individual: &Individual| Member {
@@ -104,8 +120,9 @@ impl Checkpoint {
             sha256: hash(&content),
             content,
         };
-        let text = serde_json::to_string_pretty(&sealed).map_err(Error::from_part)?;
-        write_atomically(path, text.as_bytes())
+        serde_json::to_string_pretty(&sealed)
+            .map(Some)
+            .map_err(Error::from_part)
     }
 
     /// Reads a checkpoint.

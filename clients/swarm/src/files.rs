@@ -41,6 +41,18 @@ pub fn stream_atomically(
     })
 }
 
+/// Replaces a file in one step without waiting for the disk: for what carries a hash of its own and may be lost in a power
+/// cut.
+///
+/// # Errors
+/// The system refused; the old content is still there.
+pub fn replace_unsynced(path: &Path, content: &[u8]) -> Result<()> {
+    let temporary = sibling(path, ".tmp");
+    std::fs::write(&temporary, content)
+        .and_then(|()| std::fs::rename(&temporary, path))
+        .map_err(Error::io("write", path))
+}
+
 /// The file of the same name with something added.
 #[must_use]
 pub fn sibling(path: &Path, suffix: &str) -> PathBuf {

@@ -4,18 +4,20 @@
 //! provenance ([`table_file`]), and, over many seeds, what of the paper holds ([`experiment`], [`analysis`], [`plot`]).
 //!
 //! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
-//! select; [`evaluate`] turns genomes into fitness with the `field` crate's simulators; [`run`] puts these together for one
-//! seed; [`checkpoint`] and [`experiment`] keep runs on disk; [`agents`] drives the robots of a field on the bus.
+//! select; [`evaluate`] turns genomes into fitness with the `field` crate's simulators, on as many threads as [`workers`]
+//! has; [`run`] puts these together for one seed; [`checkpoint`] and [`experiment`] keep runs on disk; [`analysis`] looks at
+//! what evolved, [`results`] and [`plot`] write it down; [`agents`] drives the robots of a field on the bus.
 //!
 //! Invariants:
 //!
 //! * A run's bits depend on its condition, settings and seed alone: not on SIMD width, threads, the runs beside it,
 //!   interruption or sharding (tests `tests/same_bits.rs` and `tests/commands.rs`).
 //! * A run that finished is on the disk before anybody is told so, and nothing finished is ever lost or overwritten.
-//! * Nothing from outside is believed: files carry hashes, numbers are checked, and what is wrong is said.
+//! * Nothing from outside is believed: files carry hashes, numbers are checked, genomes are evaluated again, and what is
+//!   wrong is said.
 //!
-//! Deliberately absent: clocks and unseeded randomness; the field itself; anything the agents would have to share besides
-//! their table.
+//! Deliberately absent: unseeded randomness, and clocks but for when to save; the field itself; anything the agents would
+//! have to share besides their table.
 
 pub mod agents;
 pub mod analysis;

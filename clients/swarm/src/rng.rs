@@ -1,4 +1,7 @@
 //! Random numbers: SplitMix64, one stream per run, so that a run's bits depend on its seed alone.
+//!
+//! Ten lines of our own rather than a crate's, because a checkpoint keeps the generator's state and every table on record
+//! depends on its bits: neither may change with somebody's next version.
 
 use serde::{Deserialize, Serialize};
 

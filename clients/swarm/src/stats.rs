@@ -1,4 +1,7 @@
 //! Statistics over runs: quartiles, probabilities of orderings, bootstrap intervals.
+//!
+//! Of our own: the statistics crates that are kept well have neither a bootstrap nor the probability of an ordering with
+//! ties, and the same runs have to give the same interval, bit for bit.
 
 use serde::Serialize;
 

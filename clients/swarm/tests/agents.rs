@@ -66,6 +66,21 @@ fn it_does_not_begin_without_intact_tables() {
     std::fs::write(&spoilt, "format = \"ebts-table-1\"").expect("writable");
     let said = refused(&bus, &[TABLE, spoilt.to_str().expect("UTF-8")], 3);
     assert!(said.contains("spoilt.toml"), "{said}");
+    let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/table.toml");
+    let other = folder.path().join("other.toml");
+    let evolve = ["evolve", "--preset", "N", "--generations", "2", "--out"];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ebts"));
+    assert!(
+        command
+            .args(evolve)
+            .arg(&other)
+            .output()
+            .expect("ebts starts")
+            .status
+            .success()
+    );
+    let said = refused(&bus, &[golden, other.to_str().expect("UTF-8")], 3);
+    assert!(said.contains("its preset N was another field"), "{said}");
     let said = refused(&bus, &["no/such.toml"], 3);
     assert!(said.contains(TABLE) && said.contains("--table"), "{said}");
     let said = refused(&bus, &[], 2);

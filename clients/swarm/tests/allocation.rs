@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use ebts::agents::{Exchange, Lookup, TeamController};
+use ebts::agents::{Exchange, Fields, Lookup, TeamController, field_hash};
 use ebts::built_in;
 use shm_bus::{Bus, FreshBus, Realtime, now_ns};
 use shm_schemas::capacity::AGENTS;
@@ -51,7 +51,8 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
     let [first, second] = [1, 2].map(|n| Lookup::new(&vec![file.clone(); n]));
     let bus = FreshBus::new("allocation");
     let (controllers, hosts) = (open(&bus, "controller"), open(&bus, "host"));
-    let mut controller = TeamController::open(&controllers, first).expect("a controller");
+    let mut controller =
+        TeamController::open(&controllers, first, Fields::TheirOwn).expect("a controller");
     let publisher = hosts
         .publisher::<AgentSensors>(service::AGENT_SENSORS)
         .expect("a publisher");
@@ -61,6 +62,7 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
     let (exchange, mut answer) = (Exchange::default(), WheelCommands::default());
     let mut sensors = AgentSensors {
         agent_count: AGENTS as u32,
+        field_hash: field_hash(&file),
         ..AgentSensors::default()
     };
     let (mut spent, mut hashes) = ([0; 2], Vec::with_capacity(4));

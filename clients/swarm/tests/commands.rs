@@ -475,6 +475,45 @@ fn a_researcher_gets_trials_examples_comparisons_and_sweeps() {
     );
 }
 
+/// The scripts do what they say without a scheduler too: every shard, one of them twice, and the merge.
+#[test]
+fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out whole"));
+    let small = SMALL.trim_start_matches("experiment ");
+    let written = json(
+        folder,
+        &format!("slurm --shards 3 --out it's --format json -- {small}"),
+    );
+    assert_eq!(
+        (&written["runs"], &written["scripts"][0]),
+        (&12.into(), &"it's/shard.sh".into())
+    );
+    let bash = |script: &str, variables: &[(&str, &str)]| {
+        let mut bash = Command::new("bash");
+        bash.current_dir(folder)
+            .arg(folder.join("it's").join(script))
+            .envs(variables.iter().copied());
+        let output = bash.output().expect("bash starts");
+        assert!(
+            output.status.success(),
+            "{script}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    };
+    for task in ["1", "2", "3", "2"] {
+        bash(
+            "array.sbatch",
+            &[("SLURM_ARRAY_TASK_ID", task), ("SLURM_JOB_ID", "1")],
+        );
+    }
+    bash("merge.sbatch", &[]);
+    assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
+    let said = refused(folder, "slurm --shards 2 --out x -- fig14 --preset R9", 3);
+    assert!(said.contains("neither a preset nor a file"), "{said}");
+}
+
 #[test]
 fn presets_are_printed_completed_and_stay_inside() {
     let folder = folder();
@@ -533,6 +572,7 @@ fn completions_manual_pages_and_help_are_there() {
         "replay",
         "completions",
         "man",
+        "slurm",
     ];
     for command in commands {
         let help = run(folder, &format!("{command} --help"));

@@ -1,12 +1,10 @@
 //! What both simulators compute with, derived from a preset once, so that their bits agree.
 
+use crate::arithmetic::{greater, lesser};
 use crate::heading::cos_sin;
 use crate::preset::{Contact, Preset};
 use crate::trial::MAX_AGENTS;
-use crate::world::{greater, lesser};
 
-/// Half the side of the paper's field (III.b.3: 800 × 800 px).
-pub(crate) const HALF_SIDE_PX: f32 = 400.0;
 /// An agent this much further than contact still faces the object for the count of pushing agents (ours).
 const FACING_MARGIN_PX: f32 = 1.0;
 /// Below this squared distance two centres coincide; keeps `0 / 0` out of the contact direction (ours).

@@ -7,7 +7,8 @@ use crate::constants::Constants;
 use crate::lanes::{Lanes, avx2, avx512, twice::Twice};
 use crate::lanes::{portable, stream};
 use crate::model::{Model, TeamSize};
-use crate::trial::{Outcome, Trial, run_trial};
+use crate::run::run_trial;
+use crate::trial::{Outcome, Trial};
 
 /// A simulator of many trials. It exists only where its instructions do.
 #[derive(Clone, Copy, Debug)]

@@ -21,9 +21,11 @@
 //! Deliberately absent: time, randomness, files, threads and learning. Lengths are in pixels (px), times in frames,
 //! headings in steps of 1/64 turn, counter-clockwise from +x; the paper's field is the square `[−400, 400]²` (III.b.3).
 
+mod arithmetic;
 mod check;
 mod constants;
 mod engine;
+mod fingerprint;
 mod fitness;
 mod heading;
 mod lanes;
@@ -43,9 +45,9 @@ pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
-pub use run::TrialRun;
+pub use run::{TrialRun, run_trial};
 pub use trial::{
     EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
-    TRIAL_FRAMES, Trial, run_trial,
+    TRIAL_FRAMES, Trial,
 };
 pub use world::World;

@@ -4,13 +4,14 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use crate::constants::HALF_SIDE_PX;
-use crate::written::Written;
+use crate::trial::MAX_AGENTS;
+
+/// Half the side of the paper's field (III.b.3: 800 × 800 px).
+pub(crate) const HALF_SIDE_PX: f32 = 400.0;
 
 /// Every number of one field. Plain data: [`crate::Model::new`] checks it. In a file it has every key, or only those in
 /// which it differs from a preset that ships, named as `base`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Written", into = "Written")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
     /// How people call it.
     pub name: Cow<'static, str>,
@@ -62,7 +63,7 @@ pub enum Push {
 impl Push {
     /// The part for one, two, three and four agents.
     #[must_use]
-    pub fn by_agents(self) -> [f32; crate::MAX_AGENTS] {
+    pub fn by_agents(self) -> [f32; MAX_AGENTS] {
         match self {
             Self::Fitted { solo, team } => [solo, team, team, team],
             Self::Friction(stall_forces) => std::array::from_fn(|k| {
@@ -80,7 +81,7 @@ pub struct Starts {
     /// `|x|` and `|y|` of every start.
     pub distance_px: f32,
     /// The corner of each agent.
-    pub corners: [Corner; crate::MAX_AGENTS],
+    pub corners: [Corner; MAX_AGENTS],
     /// Where the agents look.
     pub heading: Start,
 }

@@ -2,7 +2,7 @@
 
 use crate::model::{Model, TeamSize};
 use crate::responses::Wheels;
-use crate::trial::{EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, TRIAL_FRAMES};
+use crate::trial::{EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, TRIAL_FRAMES, Trial};
 use crate::world::World;
 
 /// One trial, simulated by the scalar reference: alternately [`TrialRun::sense`] and [`TrialRun::advance`].
@@ -75,4 +75,15 @@ impl TrialRun {
     pub fn world(&self) -> &World {
         &self.world
     }
+}
+
+/// Simulates one trial with the scalar reference.
+#[must_use]
+pub fn run_trial(model: &Model, team: TeamSize, trial: &Trial) -> Outcome {
+    let mut run = TrialRun::new(model, team, &trial.layout);
+    while !run.is_over() {
+        let rows = run.sense();
+        run.advance(&std::array::from_fn(|i| trial.tables[i].get(rows[i])));
+    }
+    run.outcome()
 }

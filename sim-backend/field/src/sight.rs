@@ -1,9 +1,9 @@
 //! What one agent of the scalar reference sees.
 
+use crate::arithmetic::greater;
 use crate::constants::Constants;
 use crate::heading::cos_sin;
 use crate::trial::{Point, Pose};
-use crate::world::{greater, position};
 
 /// An agent's place and direction, from which it looks.
 pub(crate) struct Sight {
@@ -24,7 +24,7 @@ impl Sight {
     pub(crate) fn of(agent: Pose) -> Self {
         let (cos, sin) = cos_sin(agent.heading);
         Self {
-            at: position(agent),
+            at: agent.position(),
             cos,
             sin,
         }

@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Model, TeamSize};
 use crate::responses::Responses;
-use crate::run::TrialRun;
 
 /// Agents that one field holds (paper Fig. 13).
 pub const MAX_AGENTS: usize = 4;
@@ -35,7 +33,17 @@ pub struct Pose {
     pub heading: u8,
 }
 
-/// Starts and goal of one trial, checked by [`Model::layout`].
+impl Pose {
+    /// Where the agent is.
+    pub(crate) fn position(self) -> Point {
+        Point {
+            x_px: self.x_px,
+            y_px: self.y_px,
+        }
+    }
+}
+
+/// Starts and goal of one trial, checked by [`crate::Model::layout`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     pub(crate) starts: [Pose; MAX_AGENTS],
@@ -85,15 +93,4 @@ pub struct Outcome {
     pub executed: Snapshot,
     /// After frame 270.
     pub evaluated: Snapshot,
-}
-
-/// Simulates one trial with the scalar reference.
-#[must_use]
-pub fn run_trial(model: &Model, team: TeamSize, trial: &Trial) -> Outcome {
-    let mut run = TrialRun::new(model, team, &trial.layout);
-    while !run.is_over() {
-        let rows = run.sense();
-        run.advance(&std::array::from_fn(|i| trial.tables[i].get(rows[i])));
-    }
-    run.outcome()
 }

@@ -3,6 +3,7 @@
 //! One frame (swarm model, in this order): every agent senses the state at the start of the frame; every agent turns and
 //! drives; bodies that overlap are separated and the object is pushed. [`Contact`] says how bodies meet.
 
+use crate::arithmetic::{clamp, greater};
 use crate::constants::{COINCIDENT_SQ, Constants};
 use crate::heading::cos_sin;
 use crate::model::{Model, TeamSize};
@@ -26,22 +27,6 @@ pub struct World {
 fn distance_sq(a: Point, b: Point) -> f32 {
     let (dx, dy) = (b.x_px - a.x_px, b.y_px - a.y_px);
     dx * dx + dy * dy
-}
-
-/// `max` and `min` as the SIMD instructions define them, so that the bits agree.
-#[inline]
-pub(crate) fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-#[inline]
-pub(crate) fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline]
-pub(crate) fn clamp(value: f32, limit: f32) -> f32 {
-    lesser(greater(value, -limit), limit)
 }
 
 impl World {
@@ -93,7 +78,7 @@ impl World {
     pub fn snapshot(&self) -> Snapshot {
         let mut agents_px = [0.0; MAX_AGENTS];
         for (distance, agent) in agents_px.iter_mut().zip(self.agents()) {
-            *distance = distance_sq(position(*agent), self.object).sqrt();
+            *distance = distance_sq(agent.position(), self.object).sqrt();
         }
         Snapshot {
             goal_px: distance_sq(self.goal, self.object).sqrt(),
@@ -139,7 +124,7 @@ impl World {
         let mut ir = sight.ir(object, c.object_radius_sq, c);
         for (j, other) in self.agents().iter().enumerate() {
             if j != i {
-                let seen = sight.ir(sight.to(position(*other)), c.agent_radius_sq, c);
+                let seen = sight.ir(sight.to(other.position()), c.agent_radius_sq, c);
                 ir = std::array::from_fn(|k| ir[k] | seen[k]);
             }
         }
@@ -265,7 +250,7 @@ impl World {
     fn drive_blocking(&mut self, i: usize, wheels: Wheels, push: f32) {
         let c = self.constants;
         let mut target = self.turn_and_step(i, wheels);
-        let mut blocked = self.others_press(i, position(self.agents[i]), target, c.pair_sq);
+        let mut blocked = self.others_press(i, self.agents[i].position(), target, c.pair_sq);
         let (dx, dy) = (
             self.object.x_px - target.x_px,
             self.object.y_px - target.y_px,
@@ -298,15 +283,8 @@ impl World {
     /// Whether a body going `from` → `to` would come closer than contact to an agent other than `i`, and closer than it was.
     fn others_press(&self, i: usize, from: Point, to: Point, contact_sq: f32) -> bool {
         self.agents().iter().enumerate().any(|(j, other)| {
-            let sq = distance_sq(to, position(*other));
-            j != i && sq < contact_sq && sq < distance_sq(from, position(*other))
+            let sq = distance_sq(to, other.position());
+            j != i && sq < contact_sq && sq < distance_sq(from, other.position())
         })
-    }
-}
-
-pub(crate) fn position(pose: Pose) -> Point {
-    Point {
-        x_px: pose.x_px,
-        y_px: pose.y_px,
     }
 }

@@ -2,15 +2,28 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-use crate::constants::HALF_SIDE_PX;
-use crate::preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
+use crate::preset::{Contact, Corner, Goals, HALF_SIDE_PX, Photo, Preset, Push, Start, Starts};
+use crate::trial::MAX_AGENTS;
+
+impl Serialize for Preset {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Written::from(self.clone()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Preset {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let written = Written::deserialize(deserializer)?;
+        Self::try_from(written).map_err(D::Error::custom)
+    }
+}
 
 /// The keys of a preset, each of which may be left out. Their order is that of [`Preset`].
 #[derive(Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct Written {
+struct Written {
     #[serde(skip_serializing_if = "Option::is_none")]
     base: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,7 +69,7 @@ struct WrittenStarts {
     #[serde(skip_serializing_if = "Option::is_none")]
     distance_px: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    corners: Option<[Corner; crate::MAX_AGENTS]>,
+    corners: Option<[Corner; MAX_AGENTS]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     heading: Option<Start>,
 }

@@ -173,7 +173,9 @@ fn tables_are_exchanged_while_robots_drive_and_malformed_ones_never() {
         "fitness_rule = \"literal\"",
         1,
     );
-    let spoilt = ["", "no table", &intact[..intact.len() / 2], &edited];
+    let elsewhere = evolved(Preset::N, 2, Sharing::Shared, 2).to_text();
+    let half = &intact[..intact.len() / 2];
+    let spoilt = ["", "no table", half, &edited, &elsewhere];
     for (count, text) in (1..).zip(spoilt) {
         std::fs::write(&path, text).expect("writable");
         agents.signal(Signal::HUP);
@@ -197,6 +199,33 @@ fn tables_are_exchanged_while_robots_drive_and_malformed_ones_never() {
     wait_for("the second table", || {
         (newest(&mut commands).table_hash == hash(&second)).then_some(())
     });
+}
+
+/// Robots stand still rather than to do on one field what was learned on another, unless somebody wants to see it.
+#[test]
+fn tables_of_another_field_are_refused() {
+    let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
+    let file = evolved(Preset::R3, 2, Sharing::Shared, 4);
+    let path = written(&folder, "table.toml", &file);
+    let field = host(&bus, "--lockstep --preset LB --goal 1");
+    let mut refused = agents(&bus, &[&path]);
+    assert_eq!(refused.wait().code(), Some(3), "{}", refused.log());
+    let said = refused.log();
+    assert!(
+        said.contains("their field was LB, needs the field of the tables, R3"),
+        "{said}"
+    );
+    assert!(reports(&field).is_empty(), "no robot moved");
+    let arguments = [
+        "agents",
+        "--any-field",
+        "--bus",
+        bus.as_str(),
+        "--table",
+        text(&path),
+    ];
+    let _driving = Process::start("ebts", &arguments);
+    assert_eq!(finished(field).len(), 1);
 }
 
 #[test]

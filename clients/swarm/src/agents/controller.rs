@@ -1,11 +1,22 @@
 //! Answers the field's frames on the bus.
 
+use field::Preset;
 use serde::Serialize;
-use shm_bus::{Bus, BusError, Publisher, Subscriber, writer_epoch};
+use shm_bus::{Bus, Publisher, Subscriber, writer_epoch};
 use shm_schemas::capacity::AGENTS;
 use shm_schemas::{AgentSensors, WheelCommands, service};
 
 use super::{Exchange, Lookup};
+use crate::error::{Error, Result};
+
+/// Which fields the tables may drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fields {
+    /// The one that they were evolved for.
+    TheirOwn,
+    /// Whatever is hosted, to see what they are worth elsewhere.
+    Any,
+}
 
 /// What a controller has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -25,6 +36,7 @@ pub struct TeamController {
     sensors: AgentSensors,
     commands: WheelCommands,
     lookup: Lookup,
+    fields: Fields,
     counts: Counts,
 }
 
@@ -33,7 +45,7 @@ impl TeamController {
     ///
     /// # Errors
     /// The bus cannot be used, or another process answers on it already.
-    pub fn open(bus: &Bus, lookup: Lookup) -> Result<Self, BusError> {
+    pub fn open(bus: &Bus, lookup: Lookup, fields: Fields) -> Result<Self> {
         let mut commands = WheelCommands::default();
         commands.stamp.writer_epoch = writer_epoch();
         Ok(Self {
@@ -42,6 +54,7 @@ impl TeamController {
             sensors: AgentSensors::default(),
             commands,
             lookup,
+            fields,
             counts: Counts::default(),
         })
     }
@@ -49,14 +62,18 @@ impl TeamController {
     /// Answers the newest frame, if one has come, by the tables on offer from this frame on. True if one had come.
     ///
     /// # Errors
-    /// The shared memory is damaged.
-    pub fn answer(&mut self, exchange: &Exchange) -> Result<bool, BusError> {
+    /// The field is not the one of the tables; the frame is not answered, so its robots stand still. Or the shared memory is
+    /// damaged.
+    pub fn answer(&mut self, exchange: &Exchange) -> Result<bool> {
         let before = self.sensors.stamp;
         if !self.subscriber.newest(&mut self.sensors)? {
             return Ok(false);
         }
         exchange.take(&mut self.lookup);
         let asked = &self.sensors;
+        if self.fields == Fields::TheirOwn && asked.field_hash != self.lookup.field_hash() {
+            return Err(other_field(asked.field_hash, self.lookup.field_hash()));
+        }
         if asked.stamp.writer_epoch == before.writer_epoch {
             let step = asked.stamp.sequence.saturating_sub(before.sequence);
             self.counts.lost += step.saturating_sub(1);
@@ -84,4 +101,24 @@ impl TeamController {
     pub fn counts(&self) -> Counts {
         self.counts
     }
+}
+
+fn other_field(field: u64, tables: u64) -> Error {
+    Error::refused(
+        "drive the robots",
+        format_args!("their field was {}", called(field)),
+        format_args!("the field of the tables, {}", called(tables)),
+        "host that one (atas-sim field --preset), take tables of this one, or say --any-field",
+    )
+}
+
+/// A field by the name of the preset that ships, or by its number.
+fn called(field_hash: u64) -> String {
+    let named = Preset::ALL
+        .into_iter()
+        .find(|preset| preset.fingerprint() == field_hash);
+    named.map_or_else(
+        || format!("one of its own ({field_hash:016x})"),
+        |preset| preset.name.into_owned(),
+    )
 }

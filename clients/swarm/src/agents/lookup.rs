@@ -12,6 +12,8 @@ pub struct Lookup {
     /// Per table, the output bits of every row of the field.
     outputs: Vec<[u32; ROWS]>,
     hash: u64,
+    /// Names the field of the tables; of files of several fields, that of the first.
+    field_hash: u64,
 }
 
 impl Lookup {
@@ -31,6 +33,7 @@ impl Lookup {
         Self {
             outputs: files.iter().flat_map(outputs).collect(),
             hash: u64::from_str_radix(&hash[..16], 16).unwrap_or(0),
+            field_hash: files.first().map_or(0, field_hash),
         }
     }
 
@@ -46,6 +49,12 @@ impl Lookup {
         self.hash
     }
 
+    /// Names the field that the tables were evolved for, see [`field::Preset::fingerprint`].
+    #[must_use]
+    pub fn field_hash(&self) -> u64 {
+        self.field_hash
+    }
+
     /// Per agent, the output bits (L1 lowest, then L2, R1, R2) for the row its sensors select: IR left is bit 0, then IR
     /// front, IR right, photo left, photo right. Agents take the tables in turn; of a row only the lowest five bits
     /// matter. As many agents as the shorter slice has.
@@ -55,6 +64,12 @@ impl Lookup {
             *output = table[*row as usize % ROWS];
         }
     }
+}
+
+/// Names the field that a file's tables were evolved for.
+#[must_use]
+pub fn field_hash(file: &TableFile) -> u64 {
+    file.condition.model.preset().fingerprint()
 }
 
 /// Per table of a file, the output bits of every row of the field.

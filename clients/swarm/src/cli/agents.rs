@@ -11,7 +11,7 @@ use shm_bus::{Bus, BusName, Realtime, now_ns};
 use signal_hook::consts::SIGHUP;
 use signal_hook::iterator::Signals;
 
-use ebts::agents::{Counts, Exchange, Lookup, TeamController};
+use ebts::agents::{Counts, Exchange, Fields, Lookup, TeamController, field_hash};
 use ebts::built_in;
 use ebts::error::{Error, Result};
 use std::path::Path;
@@ -32,6 +32,9 @@ pub(crate) struct AgentsArgs {
     /// SIGHUP reads the files again: intact ones are used from the next frame on, else the former ones stay in use.
     #[arg(long, required = true, value_name = "FILE")]
     table: Vec<String>,
+    /// Drive whatever field is hosted, also one that the tables were not evolved for.
+    #[arg(long)]
+    any_field: bool,
     /// Bus of the field.
     #[arg(long, env = BusName::ENV, default_value_t, value_name = "NAME")]
     bus: BusName,
@@ -87,12 +90,21 @@ pub(super) fn agents(args: AgentsArgs, format: Format) -> Result<()> {
     let stop = stop_flag()?;
     let signals = Signals::new([SIGHUP])
         .map_err(Error::io("watch signals for", Path::new("this process")))?;
-    let lookup = read(&args.table)?;
+    let fields = match args.any_field {
+        true => Fields::Any,
+        false => Fields::TheirOwn,
+    };
+    let lookup = read(&args.table, fields, None)?;
+    let only = Reading {
+        tables: args.table,
+        fields,
+        field_hash: lookup.field_hash(),
+    };
     let (hash, tables) = name(&lookup);
     let bus = Bus::open(&args.bus, "ebts-agents", Realtime::Yes)?;
-    let mut controller = TeamController::open(&bus, lookup)?;
+    let mut controller = TeamController::open(&bus, lookup, fields)?;
     Event::Ready { hash, tables }.tell(format);
-    let watcher = watch(signals, args.table, Arc::clone(&exchange), format);
+    let watcher = watch(signals, only, Arc::clone(&exchange), format);
     let served = serve(&mut controller, &exchange, &stop);
     watcher.close();
     Event::Ended(controller.counts()).tell(format);
@@ -117,14 +129,14 @@ fn serve(controller: &mut TeamController, exchange: &Exchange, stop: &AtomicBool
 /// Reads the tables again whenever SIGHUP comes, in a thread of its own, so that no frame waits for a disk.
 fn watch(
     mut signals: Signals,
-    tables: Vec<String>,
+    reading: Reading,
     exchange: Arc<Exchange>,
     format: Format,
 ) -> signal_hook::iterator::Handle {
     let handle = signals.handle();
     std::thread::spawn(move || {
         for _ in signals.forever() {
-            match read(&tables) {
+            match read(&reading.tables, reading.fields, Some(reading.field_hash)) {
                 Ok(lookup) => {
                     let (hash, tables) = name(&lookup);
                     exchange.offer(lookup);
@@ -140,10 +152,35 @@ fn watch(
     handle
 }
 
-/// Reads and checks every table.
-fn read(names: &[String]) -> Result<Lookup> {
+/// What SIGHUP reads again.
+struct Reading {
+    tables: Vec<String>,
+    fields: Fields,
+    /// Names the field of the tables in use.
+    field_hash: u64,
+}
+
+/// Reads and checks every table: all of one field, and of that of the tables in use.
+fn read(names: &[String], fields: Fields, in_use: Option<u64>) -> Result<Lookup> {
     let files = names.iter().map(|name| built_in::table(name));
-    Ok(Lookup::new(&files.collect::<Result<Vec<_>>>()?))
+    let files = files.collect::<Result<Vec<_>>>()?;
+    let expected = in_use.or(files.first().map(field_hash));
+    let other = files
+        .iter()
+        .zip(names)
+        .find(|(file, _)| Some(field_hash(file)) != expected);
+    match (fields, other) {
+        (Fields::TheirOwn, Some((file, name))) => Err(Error::refused(
+            format_args!("use table {name}"),
+            format_args!(
+                "its preset {} was another field than that of the other tables",
+                file.condition.model.preset().name
+            ),
+            "tables of one field",
+            "take tables evolved for the same preset, or say --any-field",
+        )),
+        _ => Ok(Lookup::new(&files)),
+    }
 }
 
 /// How the commands name the tables, and how many they are.

@@ -197,7 +197,7 @@ fn panel(
 
 fn describe(plan: &Plan, found: &[Found], figure: Option<&PathBuf>) -> String {
     let mut text = format!(
-        "preset {}, fitness rule {}: trials of four agents that deliver the object\n",
+        "preset {}, fitness rule {}: four agents deliver the object\n",
         plan.preset.name, plan.fitness_rule
     );
     for Found {

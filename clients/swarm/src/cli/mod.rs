@@ -9,6 +9,7 @@ mod manual;
 mod options;
 mod preset;
 mod report;
+mod slurm;
 mod sweep;
 
 use std::io::{ErrorKind, Write};
@@ -58,6 +59,8 @@ pub(crate) enum Command {
     Experiment(experiment::ExperimentArgs),
     /// Repeat an experiment for every combination of some values of a preset.
     Sweep(sweep::SweepArgs),
+    /// Write scripts that run an experiment in shards on a cluster: Slurm, Kubernetes, GNU parallel.
+    Slurm(slurm::SlurmArgs),
     /// Put the shards of an experiment together.
     Merge(experiment::MergeArgs),
     /// Say with statistics which findings of the paper an experiment shows; compare with baselines and held-out trials.
@@ -90,6 +93,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Command::Evolve(args) => evolve::evolve(args, format),
         Command::Experiment(args) => experiment::experiment(args, format),
         Command::Sweep(args) => sweep::sweep(args, format),
+        Command::Slurm(args) => slurm::slurm(args, format),
         Command::Merge(args) => experiment::merge(args, format),
         Command::Analyse(args) => analyse::analyse(args, format),
         Command::Compare(args) => analyse::compare(args, format),

@@ -257,7 +257,7 @@ impl UnderWay<'_> {
                 generations: self.plan.generations,
                 run: run.clone(),
             };
-            checkpoint.write(path)?;
+            checkpoint.write_unsynced(path)?;
         }
         Ok(())
     }

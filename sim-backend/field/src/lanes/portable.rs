@@ -4,8 +4,8 @@ use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 use super::{Ints, Lanes, Mask, TURN, Vector};
+use crate::arithmetic::clamp;
 use crate::heading::COSINE;
-use crate::world::clamp;
 
 const WIDTH: usize = 8;
 

@@ -1,0 +1,248 @@
+//! `ebts slurm`: scripts that run an experiment in shards on a cluster, for Slurm, Kubernetes and GNU parallel.
+//!
+//! Only text is written: the shards, their checkpoints and the merge are those of `ebts experiment` and `ebts merge`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser};
+use serde::Serialize;
+
+use ebts::error::{Error, Result};
+use ebts::files::write_atomically;
+
+use super::experiment::ExperimentArgs;
+use super::{Format, answer};
+
+const EXAMPLES: &str = "Example:
+  ebts slurm --shards 100 --out big -- fig14 --preset LB3 --seeds 10000
+  bash big/submit.sh                        # the array, and a merge that waits for it
+  cat big/shard-*/runs.jsonl | wc -l        # how many runs are finished";
+
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct SlurmArgs {
+    /// Parts, one array task each.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    shards: u32,
+    /// Threads of a task.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
+    /// Folder for the scripts and the runs, on a file system that all nodes see.
+    #[arg(long)]
+    out: PathBuf,
+    /// What ebts experiment is told, without --shard, --out and --threads.
+    #[arg(last = true, required = true, value_name = "EXPERIMENT")]
+    experiment: Vec<String>,
+}
+
+/// The arguments of an experiment on their own.
+#[derive(Parser)]
+#[command(name = "ebts experiment", disable_help_flag = true)]
+struct Experiment {
+    #[command(flatten)]
+    args: ExperimentArgs,
+}
+
+#[derive(Serialize)]
+struct Written {
+    scripts: Vec<PathBuf>,
+    runs: usize,
+}
+
+pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
+    let runs = check(&args.experiment)?;
+    std::fs::create_dir_all(&args.out).map_err(Error::io("create folder", &args.out))?;
+    // Tasks begin in folders of their own choice.
+    let out = args
+        .out
+        .canonicalize()
+        .map_err(Error::io("find folder", &args.out))?;
+    let program = std::env::current_exe().map_err(Error::io("find program", &args.out))?;
+    let words = args.experiment.iter().map(String::as_str);
+    let command: Vec<String> = [&*program.to_string_lossy(), "experiment"]
+        .into_iter()
+        .chain(words)
+        .map(quoted)
+        .collect();
+    let parts = Parts {
+        command: command.join(" "),
+        merge: format!("{} merge", command[0]),
+        out: quoted(&out.to_string_lossy()),
+        shards: args.shards,
+        threads: args.threads,
+    };
+    let mut scripts = Vec::new();
+    for (name, text) in [
+        ("shard.sh", parts.shard()),
+        ("array.sbatch", parts.array()),
+        ("merge.sbatch", parts.collect()),
+        ("submit.sh", parts.submit()),
+        ("parallel.sh", parts.parallel()),
+        ("job.yaml", parts.kubernetes()),
+    ] {
+        let path = args.out.join(name);
+        write_atomically(&path, text.as_bytes())?;
+        scripts.push(path);
+    }
+    let written = Written { scripts, runs };
+    answer(format, &written, || {
+        let out = args.out.display();
+        format!(
+            "{runs} runs in {} shards\nSlurm:         bash {out}/submit.sh\nGNU parallel:  bash {out}/parallel.sh\n\
+             Kubernetes:    kubectl apply -f {out}/job.yaml, then bash {out}/merge.sbatch\n\
+             progress:      cat {out}/shard-*/runs.jsonl | wc -l\n",
+            args.shards
+        )
+    })
+}
+
+/// Refuses what is no experiment here rather than on a hundred nodes; says how many runs it has.
+fn check(experiment: &[String]) -> Result<usize> {
+    let refuse = |was: String| {
+        let needs = "arguments of ebts experiment without --shard, --out and --threads";
+        Error::refused("write scripts", was, needs, "correct what stands after --")
+    };
+    if let Some(own) = experiment.iter().find(|word| {
+        ["--shard", "--out", "--threads"]
+            .iter()
+            .any(|own| word.split('=').next() == Some(own))
+    }) {
+        return Err(refuse(format!("{own} was given")));
+    }
+    let words = std::iter::once("ebts experiment").chain(experiment.iter().map(String::as_str));
+    let parsed = Experiment::try_parse_from(words).map_err(|error| {
+        let said = error.to_string();
+        refuse(said.lines().next().unwrap_or_default().to_owned())
+    })?;
+    let runs = parsed.args.runs;
+    Ok(runs.plan(runs.evolution.preset()?)?.jobs().len())
+}
+
+/// A word as a shell reads it back.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
+/// What the scripts are made of, quoted for a shell.
+struct Parts {
+    command: String,
+    merge: String,
+    out: String,
+    shards: u32,
+    threads: u32,
+}
+
+impl Parts {
+    /// One shard, wherever it runs. Begun again it goes on where it was.
+    fn shard(&self) -> String {
+        let Self {
+            command,
+            out,
+            shards,
+            threads,
+            ..
+        } = self;
+        format!(
+            "#!/usr/bin/env bash\n# usage: shard.sh NUMBER, from 1 to {shards}\nset -eu\n\
+             exec {command} --threads {threads} --shard \"$1/{shards}\" --out {out}/\"shard-$1\"\n"
+        )
+    }
+
+    /// Slurm warns a minute before it takes the node away; the shard then saves what is under way, and is queued again.
+    fn array(&self) -> String {
+        let Self {
+            out,
+            shards,
+            threads,
+            ..
+        } = self;
+        format!(
+            "#!/usr/bin/env bash\n#SBATCH --job-name=ebts\n#SBATCH --array=1-{shards}\n#SBATCH --cpus-per-task={threads}\n\
+             #SBATCH --requeue\n#SBATCH --open-mode=append\n#SBATCH --signal=B:TERM@60\n\
+             bash {out}/shard.sh \"$SLURM_ARRAY_TASK_ID\" &\nshard=$!\n\
+             stop() {{ kill -TERM \"$shard\"; wait \"$shard\"; scontrol requeue \"$SLURM_JOB_ID\"; exit 0; }}\n\
+             trap stop TERM\nwait \"$shard\"\n"
+        )
+    }
+
+    fn collect(&self) -> String {
+        let Self { merge, out, .. } = self;
+        format!(
+            "#!/usr/bin/env bash\n#SBATCH --job-name=ebts-merge\nset -eu\n{merge} {out}/whole {out}/shard-*/\n"
+        )
+    }
+
+    fn submit(&self) -> String {
+        let out = &self.out;
+        format!(
+            "#!/usr/bin/env bash\nset -eu\narray=$(sbatch --parsable {out}/array.sbatch)\n\
+             sbatch --dependency=afterok:\"$array\" {out}/merge.sbatch\n"
+        )
+    }
+
+    fn parallel(&self) -> String {
+        let Self { out, shards, .. } = self;
+        format!(
+            "#!/usr/bin/env bash\nset -eu\nseq {shards} | parallel --joblog {out}/parallel.log bash {out}/shard.sh {{}}\n\
+             bash {out}/merge.sbatch\n"
+        )
+    }
+
+    /// An indexed Job; the folder has to be a volume that all pods see, at the same place.
+    fn kubernetes(&self) -> String {
+        let Self {
+            out,
+            shards,
+            threads,
+            ..
+        } = self;
+        let script = format!("exec bash {out}/shard.sh $((JOB_COMPLETION_INDEX + 1))");
+        format!(
+            "apiVersion: batch/v1\nkind: Job\nmetadata:\n  name: ebts\nspec:\n  completionMode: Indexed\n  completions: {shards}\n  \
+             parallelism: {shards}\n  backoffLimitPerIndex: 6\n  template:\n    spec:\n      restartPolicy: Never\n      containers:\n        \
+             - name: ebts\n          image: ebts # an image with this program and the folder mounted at the same place\n          \
+             command: [bash, -c, {script:?}]\n          resources:\n            requests:\n              cpu: {threads}\n"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_read_back_from_a_shell() {
+        for (word, expected) in [
+            ("--seeds", "--seeds"),
+            ("", "''"),
+            ("a b", "'a b'"),
+            ("it's", r"'it'\''s'"),
+            ("$x;", "'$x;'"),
+        ] {
+            assert_eq!(quoted(word), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_no_experiment_is_refused_here() {
+        let check = |text: &str| {
+            let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
+            check(&words).map_err(|error| error.to_string())
+        };
+        assert_eq!(check("fig14 --seeds 10 --agents 2,3"), Ok(20));
+        for (text, expected) in [
+            ("fig15", "fig15"),
+            ("fig14 --out x", "--out was given"),
+            ("fig14 --shard=1/2", "--shard=1/2 was given"),
+            ("fig14 --preset R9", "neither a preset nor a file"),
+            ("fig14 --agents 5", "could not place 5 agents"),
+        ] {
+            let said = check(text).expect_err(text);
+            assert!(said.contains(expected), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! A number that names a field.
+
+use sha2::{Digest, Sha256};
+
+use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
+
+impl Preset {
+    /// Names the numbers of this field, whatever it is called: the first eight bytes of the SHA-256 over all of them, in the
+    /// order of a file, little-endian, words as their place in their list. Never 0.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = Sha256::new();
+        let mut add = |value: f32| hash.update(value.to_bits().to_le_bytes());
+        add(self.agent_radius_px);
+        add(self.object_radius_px);
+        add(self.medium_speed_px_per_frame);
+        add(self.starts.distance_px);
+        for corner in self.starts.corners {
+            add(match corner {
+                Corner::LeftTop => 0.0,
+                Corner::RightTop => 1.0,
+                Corner::LeftBottom => 2.0,
+                Corner::RightBottom => 3.0,
+            });
+        }
+        add(match self.starts.heading {
+            Start::ToCentre => 0.0,
+            Start::East => 1.0,
+        });
+        add(self.ir_range_px);
+        add(self.ir_angle_steps.into());
+        add(self.photo.angle_steps.into());
+        add(self.photo.half_angle_cosine);
+        add(self.object_light_px);
+        add(self.goal_light_px);
+        let (shape, distance) = match self.goals {
+            Goals::CirclePx(radius) => (0.0, radius),
+            Goals::SquarePx(half) => (1.0, half),
+        };
+        add(shape);
+        add(distance);
+        add(self.goal_radius_px);
+        let (law, numbers) = match self.push {
+            Push::Fitted { solo, team } => (0.0, [solo, team]),
+            Push::Friction(stall_forces) => (1.0, [stall_forces, 0.0]),
+        };
+        add(law);
+        numbers.into_iter().for_each(&mut add);
+        add(match self.contact {
+            Contact::Sliding => 0.0,
+            Contact::Blocking => 1.0,
+        });
+        add(self.half_side_px);
+        let digest = hash.finalize();
+        let first = digest
+            .first_chunk()
+            .map_or(0, |bytes| u64::from_le_bytes(*bytes));
+        first.max(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_field_has_a_name_of_its_own() {
+        let mut names = Preset::ALL.map(|preset| preset.fingerprint()).to_vec();
+        let corners = [1, 0, 2, 3].map(|k| Preset::R3.starts.corners[k]);
+        let mut other = Preset::R3;
+        other.starts.corners = corners;
+        names.push(other.fingerprint());
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Preset::ALL.len() + 1);
+        let renamed = Preset {
+            name: "mine".into(),
+            ..Preset::R3
+        };
+        assert_eq!(renamed.fingerprint(), Preset::R3.fingerprint());
+    }
+}
