@@ -211,7 +211,15 @@ fn the_bits_are_the_ones_on_record() {
                 0xa59c_ae03_a1c6_e5da,
             ],
         ),
-        ("LB3", [0; 4]),
+        (
+            "LB3",
+            [
+                0x778f_c4ff_9037_4116,
+                0x80aa_d9a2_8c96_30a3,
+                0xfd48_9db2_c861_f402,
+                0x3407_366e_37cf_54c7,
+            ],
+        ),
         (
             "paper",
             [
