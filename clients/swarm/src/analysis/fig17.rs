@@ -17,6 +17,12 @@ impl Case {
     /// Both, in the paper's order.
     pub const ALL: [Self; 2] = [Self::TwoCarry, Self::ThreeCarry];
 
+    /// As the paper counts.
+    #[must_use]
+    pub fn number(self) -> usize {
+        self.carriers() - 1
+    }
+
     fn carriers(self) -> usize {
         match self {
             Self::TwoCarry => 2,

@@ -190,7 +190,12 @@ fn panel(
     let genome = Genome::from_hex(condition.genome_bits(), &record.genome)?;
     let layout = condition.layouts()[example.goal - 1];
     Some(Panel {
-        title: format!("{case} (seed {}, goal {})", example.seed, example.goal),
+        title: format!(
+            "case {}: seed {}, goal {}",
+            case.number(),
+            example.seed,
+            example.goal
+        ),
         trace: trace(condition, condition.responses(&genome), &layout),
     })
 }

@@ -161,7 +161,11 @@ fn scale(chart: &mut Chart<'_, '_>, half: f32) -> Drawing {
     let bar = [(x, y), (x + SCALE_PX, y)];
     chart.draw_series([PathElement::new(bar, BLACK.stroke_width(2))])?;
     let label = format!("{SCALE_PX} px");
-    chart.draw_series([Text::new(label, (x, y + 0.08 * half), ("sans-serif", 11))])?;
+    chart.draw_series([Text::new(
+        label,
+        (x + SCALE_PX + 0.02 * half, y + 0.02 * half),
+        ("sans-serif", 11),
+    )])?;
     Ok(())
 }
 
