@@ -1,4 +1,4 @@
-//! Control requests: stop, recover, parameters.
+//! Control requests: recover, cancel, parameters.
 
 use std::time::{Duration, Instant};
 
@@ -10,16 +10,6 @@ use shm_schemas::{ControlOp, ControlOutcome, ControlReply};
 
 /// How long the end of a cancelled goal may take (ours: fifty statuses).
 const CONFIRMATION: Duration = Duration::from_secs(1);
-
-/// `atas estop`.
-pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
-    act(
-        bus,
-        ControlOp::ESTOP,
-        "stopped; `atas recover` re-arms",
-        output,
-    )
-}
 
 /// `atas recover`.
 pub(crate) fn recover(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  atas_console::arguments ─▶ main ─┬─ goals ─▶ send ────▶ a goal, followed to its end
+//!                                   ├─ estop ───────────▶ a stop, on a way of its own
 //!                                   ├─ status, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
 //!                                   ├─ recordings ──────▶ atas-recording
@@ -16,6 +17,7 @@
 
 mod control;
 mod doctor;
+mod estop;
 mod events;
 mod goals;
 mod lab;
@@ -44,7 +46,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Assemble(arguments) => goals::assemble(arguments, interrupt, output),
         Command::Task(arguments) => goals::task(arguments, interrupt, output),
         Command::Release(arguments) => goals::release(arguments, interrupt, output),
-        Command::Estop(bus) => control::estop(&bus.bus, output),
+        Command::Estop(bus) => estop::estop(&bus.bus, output),
         Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),
         Command::Status(arguments) => status::status(arguments, interrupt, output),

@@ -57,6 +57,7 @@ Exit codes:
     fn of_bus(error: &BusError) -> Self {
         match error {
             BusError::Absent { .. }
+            | BusError::OtherUser { .. }
             | BusError::NoServer { .. }
             | BusError::ServerGone { .. }
             | BusError::NoAnswer { .. } => Self::NoDaemon,
