@@ -60,7 +60,7 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     if found.exists() {
         return Some(found);
     }
-    eprintln!("not checked: {} is not there", found.display());
+    eprintln!("SKIPPED: {} is not there", found.display());
     None
 }
 

@@ -1,5 +1,5 @@
-//! A real sensor's bytes through the same daemon: a recorded OptoForce stream, fed through a pseudo-terminal in
-//! partial reads at the device's pace.
+//! A real sensor's bytes through the same daemon: an OptoForce stream, generated and, where it is at hand, recorded, fed
+//! through a pseudo-terminal in partial reads at the device's pace.
 
 use rustix::fd::OwnedFd;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -23,7 +23,7 @@ element_force_n = 2000.0
 touch_on_n = 19.8
 touch_off_n = 9.9
 ";
-const FRAMES: u64 = 34_374;
+/// Touches of either stream.
 const TOUCHES: u64 = 5;
 /// The device sends 1000 frames of 16 bytes a second.
 const BYTES_PER_S: f64 = 16_000.0;
@@ -57,13 +57,57 @@ fn feed(master: &OwnedFd, bytes: &[u8]) {
     }
 }
 
+/// Frames of a dome that is pressed five times for half a second, with noise; junk after every hundredth.
+fn generated() -> (Vec<u8>, u64) {
+    const FRAMES: u16 = 5_500;
+    let mut stream = Vec::new();
+    let mut noise = 1_u32;
+    let mut jitter = move || {
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (noise >> 30) as i16 - 1
+    };
+    for n in 0..FRAMES {
+        // The first half of every second is a press, after half a second of rest.
+        let phase = f64::from((n + 500) % 1000) / 500.0;
+        let press = if n >= 500 && phase < 1.0 {
+            (200.0 * (phase * std::f64::consts::PI).sin()) as i16
+        } else {
+            0
+        };
+        stream.extend(frame(n, [jitter(), jitter(), jitter() - press]));
+        if n % 100 == 99 {
+            stream.extend([0xAA, 0x07, 0x08, 0x0A, 0x55]);
+        }
+    }
+    (stream, FRAMES.into())
+}
+
+/// A data frame of one dome.
+fn frame(count: u16, forces: [i16; 3]) -> Vec<u8> {
+    let mut bytes = vec![0xAA, 0x07, 0x08, 0x0A];
+    let words = [count, 0].into_iter().chain(forces.map(i16::cast_unsigned));
+    bytes.extend(words.flat_map(u16::to_be_bytes));
+    let sum: u16 = bytes.iter().map(|&byte| u16::from(byte)).sum();
+    bytes.extend(sum.to_be_bytes());
+    bytes
+}
+
+#[test]
+fn a_stream_with_junk_reaches_the_daemon_without_loss_and_touches_five_times() {
+    let (stream, frames) = generated();
+    check(&stream, frames);
+}
+
 #[test]
 fn a_recorded_stream_reaches_the_daemon_without_loss_and_touches_five_times() {
+    if let Some(path) = shared("data/optoforce_wire/capture.bin") {
+        check(&std::fs::read(path).expect("readable"), 34_374);
+    }
+}
+
+/// Feeds the stream and counts what the daemon received and felt.
+fn check(stream: &[u8], frames: u64) {
     let _alone = alone();
-    let Some(path) = shared("data/optoforce_wire/capture.bin") else {
-        return;
-    };
-    let capture = std::fs::read(path).expect("readable");
     let bus = FreshBus::new("opto");
     let folder = tempfile::TempDir::new().expect("a folder");
     let config = folder.path().join("atas.toml");
@@ -107,15 +151,15 @@ fn a_recorded_stream_reaches_the_daemon_without_loss_and_touches_five_times() {
     wait_for("the sensor", || {
         sensors.newest(&mut report).expect("readable").then_some(())
     });
-    feed(&master, &capture);
+    feed(&master, stream);
     wait_for("every frame", || {
         statuses.newest(&mut status).expect("readable");
-        (status.hands[0].frames + status.hands[0].lost >= FRAMES).then_some(())
+        (status.hands[0].frames + status.hands[0].lost >= frames).then_some(())
     });
     let hand = status.hands[0];
     assert_eq!(
         (hand.frames, hand.lost, hand.touches[0]),
-        (FRAMES, 0, TOUCHES),
+        (frames, 0, TOUCHES),
         "{}",
         sensor.log()
     );

@@ -93,6 +93,9 @@ pub trait Driver: Send {
     fn counts(&self) -> ByteCounts;
 }
 
+/// Makes a driver from the arguments of its subcommand, or says what is wrong.
+pub type Make = fn(&ArgMatches, &Request) -> Result<Box<dyn Driver>, String>;
+
 /// One line of the list of sensors: everything that the rest of the process knows about a kind of device.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorType {
@@ -121,5 +124,5 @@ pub struct SensorType {
     /// Adds the sensor's own options.
     pub options: fn(Command) -> Command,
     /// Makes a driver from them, or says what is wrong.
-    pub driver: fn(&ArgMatches, &Request) -> Result<Box<dyn Driver>, String>,
+    pub driver: Make,
 }

@@ -11,7 +11,7 @@ pub mod papillarray;
 pub mod paxini;
 pub mod uskin;
 
-pub use driver::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+pub use driver::{Dialogue, Driver, Event, Make, Request, SensorType, Way, Zero};
 
 /// Every sensor that can be read.
 pub const SENSORS: [SensorType; 6] = [
