@@ -147,7 +147,7 @@ fn who_joins_later_gets_the_history() {
     let publisher = bus
         .publisher::<ModuleEvent>(MODULE_EVENT)
         .expect("publisher");
-    for tick in 0..100 {
+    for tick in 0..1100 {
         publisher
             .send(&ModuleEvent {
                 tick,
@@ -162,7 +162,7 @@ fn who_joins_later_gets_the_history() {
     let mut seen = Vec::new();
     late.drain(usize::MAX, |event| seen.push(event.tick))
         .expect("drained");
-    assert_eq!(seen, (36..100).collect::<Vec<_>>());
+    assert_eq!(seen, (76..1100).collect::<Vec<_>>());
 }
 
 #[test]
