@@ -1,7 +1,6 @@
 //! From a command line to a running daemon and back.
 
 use std::io;
-use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
 use atas_core::Controller;
@@ -12,10 +11,11 @@ use shm_schemas::StatusFlags;
 
 use crate::args::Args;
 use crate::config::{self, Config, ConfigError};
-use crate::link::Link;
+use crate::link::{self, SupervisorEnd, TickEnd};
 use crate::pacer::{FreePacer, LockStep, Pacer};
 use crate::panics::{self, TICK_THREAD};
 use crate::realtime::{self, Granted, Refused};
+use crate::stop_thread::StopThread;
 use crate::supervisor::{OpenError, Signals, Supervisor, SupervisorState, TickThreadEnded};
 use crate::tick::TickLoop;
 
@@ -77,7 +77,9 @@ impl Failure {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let source = args.source();
     let config = source.load()?;
-    let _owner = OwnerLock::take(&args.bus, ROLE)?;
+    let (version, bus, hash) = (env!("CARGO_PKG_VERSION"), &args.bus, config.hash());
+    tracing::info!(version, %bus, configuration = %source, hash = format_args!("{hash:016x}"), "starting");
+    let owner = OwnerLock::take(&args.bus, ROLE)?;
     let signals = Signals::install()?;
     panics::note_those_of_the_tick();
     let robot = config.robot_model()?;
@@ -87,11 +89,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Err(refused) = realtime::keep_awake(&config.realtime, &mut granted) {
         tracing::info!("{refused}");
     }
-    let link = Arc::new(if config.recording.stream {
-        Link::recording()
-    } else {
-        Link::default()
-    });
+    let stops = StopThread::start(&owner, &config.realtime)?;
+    let (tick_end, supervisor_end) = link::link(config.recording.stream, stops.signal());
     let start = Start {
         bus: args.bus.clone(),
         config: config.clone(),
@@ -99,24 +98,25 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         controller,
         granted,
     };
-    let (ticks, granted) = start.spawn(&link)?;
+    let (ticks, granted) = start.spawn(tick_end)?;
     let flags = flags(&granted, args.lockstep);
     let state = SupervisorState::new(source, config, robot, wiring, flags);
-    supervise(args, &link, state, signals, ticks).inspect(|()| tracing::info!("stopped"))
+    supervise(args, supervisor_end, state, signals, ticks).inspect(|()| tracing::info!("stopped"))
 }
 
 fn supervise(
     args: &Args,
-    link: &Arc<Link>,
+    link: SupervisorEnd,
     state: SupervisorState,
     signals: Signals,
     ticks: JoinHandle<()>,
 ) -> Result<(), Failure> {
+    let quit = link.quit_handle();
     let opened = Bus::open(&args.bus, ROLE, Deadline::No)
         .map_err(OpenError::from)
-        .and_then(|bus| Supervisor::open(bus, Arc::clone(link), state, signals));
+        .and_then(|bus| Supervisor::open(bus, link, state, signals));
     let supervised = opened.map(|mut supervisor| (supervisor.run(&ticks), supervisor));
-    link.quit();
+    quit.quit();
     // A panic of the tick thread is in `supervised`.
     let _joined = ticks.join();
     let (ended, mut supervisor) = supervised?;
@@ -164,9 +164,8 @@ struct Start {
 
 impl Start {
     /// Starts the tick thread and waits until it has its ports and its scheduling, or was refused.
-    fn spawn(self, link: &Arc<Link>) -> Result<(JoinHandle<()>, Granted), Failure> {
+    fn spawn(self, link: TickEnd) -> Result<(JoinHandle<()>, Granted), Failure> {
         let (send, receive) = bounded(1);
-        let link = Arc::clone(link);
         let ticks = Builder::new()
             .name(TICK_THREAD.to_owned())
             .stack_size(TICK_STACK_BYTES)
@@ -180,7 +179,7 @@ impl Start {
         }
     }
 
-    fn run(self, link: Arc<Link>, started: &Sender<Result<Granted, Failure>>) {
+    fn run(self, link: TickEnd, started: &Sender<Result<Granted, Failure>>) {
         // The receiver waits for exactly one message.
         match self.begin(link) {
             Ok((mut ticks, granted, _bus)) => {
@@ -194,7 +193,7 @@ impl Start {
         }
     }
 
-    fn begin(self, link: Arc<Link>) -> Result<(TickLoop, Granted, Bus), Failure> {
+    fn begin(self, link: TickEnd) -> Result<(TickLoop, Granted, Bus), Failure> {
         let Self {
             bus,
             config,

@@ -1,13 +1,14 @@
-//! The input_log: what every tick took in and gave out, on its way from the tick to a recorder.
+//! The input log: what every tick took in and gave out, on its way from the tick to a recorder.
 //!
 //! A fixed number of boxes goes round: the tick fills a blank one and passes it on, the supervisor publishes it and gives
 //! it back. Nothing is allocated, nothing waits; if the blanks are used up, parts are dropped, counted, and missing from
 //! the sequence, so that no reader can mistake the rest for the whole.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use atas_core::{Inputs, record};
-use crossbeam::queue::ArrayQueue;
+use rtrb::{Consumer, Producer, RingBuffer};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
 
@@ -20,40 +21,59 @@ const WAITING: usize = BOXES / 4;
 /// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
 const WARM: usize = 8;
 
-/// The input_log.
-#[derive(Debug)]
-pub struct InputLog {
-    /// Blank boxes that were used lately; taken first.
-    warm: ArrayQueue<Box<TickInputs>>,
-    spare: ArrayQueue<Box<TickInputs>>,
-    full: ArrayQueue<Box<TickInputs>>,
-    sequence: AtomicU64,
-    dropped: AtomicU64,
-}
-
-impl Default for InputLog {
-    fn default() -> Self {
-        let spare = ArrayQueue::new(BOXES);
-        while spare.push(Box::default()).is_ok() {}
-        Self {
-            warm: ArrayQueue::new(WARM),
-            spare,
-            full: ArrayQueue::new(BOXES),
-            sequence: AtomicU64::new(0),
-            dropped: AtomicU64::new(0),
-        }
-    }
-}
-
 /// The tick's end.
-impl InputLog {
+#[derive(Debug)]
+pub struct LogWriter {
+    /// Blank boxes that were used lately; taken first.
+    warm: Consumer<Box<TickInputs>>,
+    spare: Consumer<Box<TickInputs>>,
+    full: Producer<Box<TickInputs>>,
+    sequence: u64,
+    dropped: Arc<AtomicU64>,
+}
+
+/// The supervisor's end.
+#[derive(Debug)]
+pub struct LogReader {
+    warm: Producer<Box<TickInputs>>,
+    spare: Producer<Box<TickInputs>>,
+    full: Consumer<Box<TickInputs>>,
+    dropped: Arc<AtomicU64>,
+}
+
+/// A log with all its boxes blank.
+#[must_use]
+pub fn input_log() -> (LogWriter, LogReader) {
+    let (warm_in, warm) = RingBuffer::new(WARM);
+    let (mut spare_in, spare) = RingBuffer::new(BOXES);
+    let (full_in, full) = RingBuffer::new(BOXES);
+    while spare_in.push(Box::default()).is_ok() {}
+    let dropped = Arc::<AtomicU64>::default();
+    let writer = LogWriter {
+        warm,
+        spare,
+        full: full_in,
+        sequence: 0,
+        dropped: Arc::clone(&dropped),
+    };
+    let reader = LogReader {
+        warm: warm_in,
+        spare: spare_in,
+        full,
+        dropped,
+    };
+    (writer, reader)
+}
+
+impl LogWriter {
     /// Keeps what a tick took in, and the command that it gave out.
-    pub fn keep(&self, inputs: &Inputs<'_>, command: &JointCommand) {
+    pub fn keep(&mut self, inputs: &Inputs<'_>, command: &JointCommand) {
         let frames = inputs.frames.iter().map(|frames| frames.len());
         let parts = frames.max().unwrap_or(0).max(1);
-        let first = self.sequence.fetch_add(parts as u64, Ordering::Relaxed);
+        let first = self.sequence;
+        self.sequence += parts as u64;
         for part in 0..parts {
-            let Some(mut blank) = self.warm.pop().or_else(|| self.spare.pop()) else {
+            let Some(mut blank) = self.warm.pop().or_else(|_| self.spare.pop()).ok() else {
                 let lost = (parts - part) as u64;
                 self.dropped.fetch_add(lost, Ordering::Relaxed);
                 return;
@@ -65,33 +85,31 @@ impl InputLog {
             };
             (blank.part, blank.parts) = (part as u32, parts as u32);
             fill(&mut blank, inputs, part, command);
-            if let Err(blank) = self.full.push(blank) {
-                self.give_back(blank);
-            }
-        }
-    }
-}
-
-/// The supervisor's end.
-impl InputLog {
-    /// The next part; give it back after use.
-    #[must_use]
-    pub fn next(&self) -> Option<Box<TickInputs>> {
-        self.full.pop()
-    }
-
-    /// Makes a box blank again.
-    pub fn give_back(&self, used: Box<TickInputs>) {
-        if let Err(used) = self.warm.push(used) {
             // There is room for every box there is.
-            let _kept = self.spare.push(used);
+            let _kept = self.full.push(blank);
         }
     }
 
     /// Whether few parts wait. Time that stands still, as in lock-step, can wait until it is so; nothing is lost then.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        self.full.len() < WAITING
+        BOXES - self.full.slots() < WAITING
+    }
+}
+
+impl LogReader {
+    /// The next part; give it back after use.
+    #[must_use]
+    pub fn next(&mut self) -> Option<Box<TickInputs>> {
+        self.full.pop().ok()
+    }
+
+    /// Makes a box blank again.
+    pub fn give_back(&mut self, used: Box<TickInputs>) {
+        if let Err(rtrb::PushError::Full(used)) = self.warm.push(used) {
+            // There is room for every box there is.
+            let _kept = self.spare.push(used);
+        }
     }
 
     /// Parts dropped because no box was blank.
@@ -143,22 +161,22 @@ mod tests {
 
     #[test]
     fn a_used_box_carries_nothing_over() {
-        let input_log = InputLog::default();
+        let (mut log, mut reader) = input_log();
         let command = JointCommand::default();
         let frame = HandFrame {
             finger_count: 2,
             ..HandFrame::default()
         };
-        input_log.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
-        let first = input_log.next().expect("a part");
+        log.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
+        let first = reader.next().expect("a part");
         assert_eq!(
             (first.has_frame, first.order.kind),
             ([1, 0], OrderKind::RECOVER)
         );
         assert_eq!(first.frames[0], frame);
-        input_log.give_back(first);
-        input_log.keep(&inputs(1, &[], None), &command);
-        let mut second = input_log.next().expect("a part");
+        reader.give_back(first);
+        log.keep(&inputs(1, &[], None), &command);
+        let mut second = reader.next().expect("a part");
         assert_eq!((second.stamp.sequence, second.parts), (1, 1));
         (second.stamp, second.tick, second.parts) = (Stamp::default(), 0, 0);
         assert_eq!(*second, TickInputs::default());
@@ -166,50 +184,51 @@ mod tests {
 
     #[test]
     fn several_frames_are_several_parts() {
-        let input_log = InputLog::default();
+        let (mut log, mut reader) = input_log();
         let frame = |finger_count| HandFrame {
             finger_count,
             ..HandFrame::default()
         };
-        input_log.keep(
+        log.keep(
             &inputs(5, &[frame(1), frame(2), frame(3)], None),
             &JointCommand::default(),
         );
         for part in 0..3 {
-            let told = input_log.next().expect("a part");
+            let told = reader.next().expect("a part");
             assert_eq!((told.part, told.parts, told.tick), (part, 3, 5));
             assert_eq!(
                 (told.frames[0].finger_count, told.stamp.sequence),
                 (part + 1, u64::from(part))
             );
         }
-        assert!(input_log.next().is_none());
+        assert!(reader.next().is_none());
     }
 
     #[test]
     fn what_finds_no_blank_box_is_counted_and_missing_from_the_sequence() {
-        let input_log = InputLog::default();
+        let (mut log, mut reader) = input_log();
         for index in 0..BOXES as u64 + 3 {
-            input_log.keep(&inputs(index, &[], None), &JointCommand::default());
+            log.keep(&inputs(index, &[], None), &JointCommand::default());
         }
-        assert_eq!(input_log.dropped(), 3);
-        while let Some(part) = input_log.next() {
-            input_log.give_back(part);
+        assert_eq!(reader.dropped(), 3);
+        while let Some(part) = reader.next() {
+            reader.give_back(part);
         }
-        input_log.keep(&inputs(9, &[], None), &JointCommand::default());
-        let after = input_log.next().expect("a part");
+        log.keep(&inputs(9, &[], None), &JointCommand::default());
+        let after = reader.next().expect("a part");
         assert_eq!(after.stamp.sequence, BOXES as u64 + 3);
     }
 
     #[test]
     fn there_is_room_until_a_few_parts_wait() {
-        let input_log = InputLog::default();
+        let (mut log, mut reader) = input_log();
         for index in 0..WAITING as u64 {
-            assert!(input_log.has_room(), "{index}");
-            input_log.keep(&inputs(index, &[], None), &JointCommand::default());
+            assert!(log.has_room(), "{index}");
+            log.keep(&inputs(index, &[], None), &JointCommand::default());
         }
-        assert!(!input_log.has_room());
-        input_log.give_back(input_log.next().expect("a part"));
-        assert!(input_log.has_room());
+        assert!(!log.has_room());
+        let part = reader.next().expect("a part");
+        reader.give_back(part);
+        assert!(log.has_room());
     }
 }

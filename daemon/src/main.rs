@@ -1,56 +1,45 @@
 //! `atasd`, see the crate `atasd` and `atasd --help`.
-#![expect(
-    clippy::print_stdout,
-    reason = "the effective configuration and the tasks are what --check-config and --print-tasks are for"
-)]
 
-use std::io::IsTerminal;
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use atasd::args::{Args, LogFormat};
+use atasd::args::Args;
 use atasd::config::Tasks;
 use atasd::daemon::{self, Failure};
 use clap::Parser;
-use tracing_subscriber::EnvFilter;
-use tracing_subscriber::filter::LevelFilter;
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    log_to_stderr(args.log_format);
-    let ended = if args.print_tasks {
-        print!("{}", Tasks::built_in_text().trim_start());
-        Ok(())
-    } else if args.check_config {
-        check_config(&args)
-    } else {
-        daemon::run(&args)
+    let log = match atasd::log::start(args.log_format) {
+        Ok(log) => log,
+        // Without threads there is no daemon, and nobody to tell.
+        Err(_) => return ExitCode::FAILURE,
     };
-    match ended {
+    let code = match run(&args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             tracing::error!("{failure}");
             ExitCode::from(failure.exit_code())
         }
+    };
+    drop(log);
+    code
+}
+
+fn run(args: &Args) -> Result<(), Failure> {
+    if args.print_tasks {
+        print(Tasks::built_in_text().trim_start())
+    } else if args.check_config {
+        print(&args.source().load()?.text())
+    } else {
+        daemon::run(args)
     }
 }
 
-fn check_config(args: &Args) -> Result<(), Failure> {
-    print!("{}", args.source().load()?.text());
-    Ok(())
-}
-
-fn log_to_stderr(format: LogFormat) {
-    let filter = EnvFilter::builder()
-        .with_default_directive(LevelFilter::INFO.into())
-        .from_env_lossy();
-    let log = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr);
-    match format {
-        LogFormat::Human => log
-            .with_ansi(std::io::stderr().is_terminal())
-            .with_target(false)
-            .init(),
-        LogFormat::Json => log.json().init(),
+/// A reader that has seen enough is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    match io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
     }
 }

@@ -22,7 +22,7 @@ use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
 
-use crate::link::Link;
+use crate::link::TickEnd;
 use crate::ports::{InputPorts, STREAMS};
 
 /// What the ticks follow.
@@ -40,7 +40,7 @@ impl Pacer {
     pub fn wait(
         &mut self,
         ports: &mut InputPorts,
-        link: &Link,
+        link: &TickEnd,
         pursues_goal: bool,
         warm: impl FnOnce(&InputPorts),
     ) -> Option<TickStart> {

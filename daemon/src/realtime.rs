@@ -115,6 +115,14 @@ pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> 
     Ok(())
 }
 
+/// Makes the calling thread real-time as well, just below the ticks: it waits for the kernel nearly always, and must not
+/// wait for other work when it is needed. A refusal leaves it as it is.
+pub fn enter_below_the_tick(realtime: &Realtime) {
+    if realtime.mode != RealtimeMode::Off && realtime.priority > 1 {
+        let _ordinary = schedule_fifo(realtime.priority - 1);
+    }
+}
+
 /// Makes the tick thread an ordinary one again, because closing ports may compute for longer than a tick may.
 pub fn leave() {
     // Never refused: it asks for less. If it were, closing would only be hurried.

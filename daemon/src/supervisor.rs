@@ -1,6 +1,6 @@
 //! The non-real-time side: everything that may wait, allocate, log or fail without the robot noticing.
 //!
-//! Every 4 ms it takes what the ticks left ([`Link`]), publishes it, answers goals and control requests, cleans up
+//! Every 4 ms it takes what the ticks left ([`SupervisorEnd`]), publishes it, answers goals and control requests, cleans up
 //! after dead peers, feeds the service manager's watchdog, and looks at the signals.
 //!
 //! * **Invariants:** nothing here can hold up a tick. Every list is bounded. A goal hears exactly one final update.
@@ -20,15 +20,14 @@ pub use service::Signals;
 pub use state::SupervisorState;
 
 use std::io;
-use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use atas_core::Order;
-use shm_bus::{Bus, BusError};
+use shm_bus::{Bus, BusError, now_ns};
 use shm_schemas::{Cause, Reason};
 
-use crate::link::Link;
+use crate::link::{News, SupervisorEnd};
 use controls::ControlService;
 use event_log::EventLog;
 use flight::FlightRecorder;
@@ -52,7 +51,7 @@ const REST_TICKS: u32 = 5;
 #[derive(Debug)]
 pub struct Supervisor {
     bus: Bus,
-    link: Arc<Link>,
+    link: SupervisorEnd,
     state: SupervisorState,
     goals: GoalService,
     controls: ControlService,
@@ -88,7 +87,7 @@ impl Supervisor {
     /// [`OpenError`] if the bus or the operating system refuses.
     pub fn open(
         bus: Bus,
-        link: Arc<Link>,
+        link: SupervisorEnd,
         state: SupervisorState,
         signals: Signals,
     ) -> Result<Self, OpenError> {
@@ -149,6 +148,7 @@ impl Supervisor {
     }
 
     fn round(&mut self) {
+        self.link.supervise(now_ns());
         self.take_records();
         let Self {
             goals,
@@ -170,7 +170,7 @@ impl Supervisor {
             manager.ready();
         }
         manager.attend(state.ticks_seen);
-        self.telemetry.publish_status(&self.state, &self.link);
+        self.telemetry.publish_status(&self.state, &mut self.link);
     }
 
     fn take_records(&mut self) {
@@ -178,13 +178,15 @@ impl Supervisor {
             self.state.learn(&record);
             self.telemetry.publish_record(&record);
             self.flight.note(&record.report);
-            if let Some(update) = &record.goal_update {
-                self.goals.tell(update);
-            }
-            self.controls.settle(record.ticket);
             self.event_log.watch_record(&record);
             let stopped = self.signals.stop_requested() && record.at_rest;
             self.resting_ticks = if stopped { self.resting_ticks + 1 } else { 0 };
+        }
+        while let Some(news) = self.link.next_news() {
+            match news {
+                News::Taken(ticket) => self.controls.settle(ticket),
+                News::Goal(update) => self.goals.tell(&update),
+            }
         }
         while let Some(event) = self.link.next_event() {
             self.telemetry.publish_event(&event);

@@ -10,10 +10,9 @@ use robot_model::ROBOT_JOINTS;
 use shm_bus::{Bus, BusError, Publisher, now_ns};
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{JointCommand, TickReport, service};
-use std::sync::Arc;
 
 use crate::guard::{Guard, Step};
-use crate::link::{Link, TickRecord};
+use crate::link::{TickEnd, TickRecord, Ticketed};
 use crate::pacer::{Arrivals, Began, Pacer, TickStart};
 use crate::ports::{InputPorts, STREAMS};
 use crate::warm::DryTick;
@@ -35,7 +34,7 @@ pub struct TickLoop {
     last_tick: Tick,
     period_ns: u64,
     commands: Publisher<JointCommand>,
-    link: Arc<Link>,
+    link: TickEnd,
     watch: Stopwatch,
     counts: Counts,
 }
@@ -59,7 +58,7 @@ impl TickLoop {
         bus: &Bus,
         controller: Box<Controller>,
         pacer: Pacer,
-        link: Arc<Link>,
+        mut link: TickEnd,
         rate_hz: u32,
     ) -> Result<Self, BusError> {
         let commands = bus.publisher(service::JOINT_COMMAND)?;
@@ -88,7 +87,7 @@ impl TickLoop {
         })
     }
 
-    /// Ticks until [`Link::quit`].
+    /// Ticks until [`crate::link::Quit::quit`].
     pub fn run(&mut self) {
         while self.run_once() {}
     }
@@ -117,11 +116,13 @@ impl TickLoop {
         };
         watch.start();
         *last_tick = start.tick;
-        let order = link.take_order(start.settling);
+        let is_free = matches!(pacer, Pacer::Free(_));
+        let order = order_for(link, &start, is_free);
         let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.order));
         let step = guard.step(&inputs, |stage| watch.passed(stage as usize));
         watch.passed(REPORT);
         let sent = commands.send(step.command);
+        link.published();
         watch.passed(PUBLISH);
         counts.count(&start, sent.is_ok());
         let body_ns = watch.total_ns();
@@ -130,11 +131,11 @@ impl TickLoop {
             watch.passed(RECORDING);
         }
         let mut record = record_of(&step, &start, watch.stage_ns, body_ns);
-        record.ticket = order.map_or(0, |o| o.ticket);
         record.bus_failures = counts.unsent + ports.failures();
         record.phase_locked = pacer.learn(&start, arrivals(&record.report, ports));
-        let is_news = record.goal_update.is_some() || !step.events.is_empty();
-        link.leave(&record, step.events);
+        let is_news = step.goal_update.is_some() || !step.events.is_empty();
+        let ticket = order.map_or(0, |order| order.ticket);
+        link.leave(&record, ticket, step.goal_update, step.events);
         if is_news || counts.ticks.is_multiple_of(counts.status_every) {
             link.leave_snapshot(&counts.complete(guard.status(start.tick.now_ns), &start));
         }
@@ -143,6 +144,19 @@ impl TickLoop {
         }
         true
     }
+}
+
+/// What the supervisor or a stop wants of this tick; in free-running time a silent supervisor makes the robot hold.
+fn order_for(link: &mut TickEnd, start: &TickStart, is_free: bool) -> Option<Ticketed> {
+    let order = link.take_order(start.settling);
+    if order.is_some() || !is_free {
+        return order;
+    }
+    let reason = link.supervision(start.tick.now_ns);
+    reason.is_some().then_some(Ticketed {
+        ticket: 0,
+        order: Order::Hold(reason),
+    })
 }
 
 impl Counts {
@@ -181,8 +195,6 @@ fn record_of(
     };
     TickRecord {
         report,
-        goal_update: step.goal_update.copied(),
-        ticket: 0,
         body_ns,
         frame_age_ns,
         at_rest: step.command.velocity_rad_s.iter().all(|v| *v == 0.0),

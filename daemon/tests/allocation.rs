@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use atas_core::{Controller, Goal, Order, Settings, Wiring};
 use atasd::figures::Figures;
-use atasd::link::Link;
+use atasd::link::link;
 use atasd::pacer::{LockStep, Pacer};
 use atasd::tick::TickLoop;
 use robot_model::RobotModel;
@@ -73,16 +73,16 @@ fn grasp() -> Order {
 
 #[test]
 fn a_tick_allocates_once_per_published_command() {
-    print_figures("not recording", &pursue(Link::default()));
+    print_figures("not recording", &pursue(false));
 }
 
 #[test]
 fn recording_allocates_nothing_more() {
-    print_figures("recording", &pursue(Link::recording()));
+    print_figures("recording", &pursue(true));
 }
 
 /// Ticks in pursuit of a goal, each of which must allocate once.
-fn pursue(link: Link) -> Costs {
+fn pursue(recording: bool) -> Costs {
     let name = FreshBus::new("alloc");
     let mut world = World::on(&name);
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
@@ -92,11 +92,11 @@ fn pursue(link: Link) -> Costs {
         Settings::default(),
     ));
     let bus = Bus::open(&name, "atasd", Realtime::Yes).expect("the bus opens");
-    let link = Arc::new(link);
+    let (tick_end, mut supervisor) = link(recording, Arc::default());
     let pacer = Pacer::LockStep(LockStep::new());
     let mut ticks =
-        TickLoop::open(&bus, controller, pacer, Arc::clone(&link), 1000).expect("the ports open");
-    assert!(link.order(grasp()).is_some());
+        TickLoop::open(&bus, controller, pacer, tick_end, 1000).expect("the ports open");
+    assert!(supervisor.order(grasp()).is_some());
     let mut costs = Costs {
         figures: Figures::new().expect("valid bounds"),
         recording_ns: Vec::new(),
@@ -107,9 +107,11 @@ fn pursue(link: Link) -> Costs {
         assert!(ticks.run_once());
         let allocations = ALLOCATIONS.get() - before;
         world.listen();
-        let record = link.next_record().expect("every tick leaves a record");
-        while link.next_event().is_some() {}
-        if let Some(input_log) = link.input_log() {
+        let record = supervisor
+            .next_record()
+            .expect("every tick leaves a record");
+        while supervisor.next_event().is_some() {}
+        if let Some(input_log) = supervisor.input_log() {
             let part = input_log.next().expect("every tick leaves a part");
             assert_eq!(part.command.crc32, record.report.command_crc32);
             input_log.give_back(part);

@@ -94,6 +94,8 @@ code! {
         ESTOP = 42, "estop";
         /// The daemon is shutting down.
         SHUTDOWN = 43, "shutdown";
+        /// The daemon's supervisor, which takes orders and tells users, has been silent.
+        SUPERVISOR_SILENT = 44, "supervisor-silent";
         /// The object needs more force than its stiffness bears (`grasp.compression_m`).
         TOO_SOFT = 50, "too-soft";
         /// The hand was found gripping something; it keeps it and watches it.

@@ -35,6 +35,8 @@ code! {
         CONFIGURE = 7, "configure";
         /// Take the reading of the hand with this `index` as zero force.
         BIAS = 8, "bias";
+        /// Hold in this tick for `reason`.
+        HOLD = 9, "hold";
     }
 }
 

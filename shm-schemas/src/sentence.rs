@@ -328,6 +328,10 @@ impl Reason {
             }
             Cause::ESTOP => f.write_str("stopped by `atas estop`; `atas recover` re-arms"),
             Cause::SHUTDOWN => f.write_str("the daemon is shutting down"),
+            Cause::SUPERVISOR_SILENT => write!(
+                f,
+                "the daemon's supervisor has been silent for {value:.1} s, allowed {limit:.1} s"
+            ),
             _ => self.write_unknown(f),
         }
     }

@@ -12,7 +12,8 @@ use std::time::Duration;
 use atas_core::goal::Goal;
 use atas_core::{Controller, Order, Settings, Wiring};
 use atas_evaluation::offline::grasp_goal;
-use atasd::link::{Link, TickRecord};
+use atasd::input_log::LogReader;
+use atasd::link::{SupervisorEnd, TickRecord, link};
 use atasd::pacer::{LockStep, Pacer};
 use atasd::tick::TickLoop;
 use robot_model::{RobotModel, Side};
@@ -37,7 +38,7 @@ pub struct Loopback {
     joints: Publisher<JointState>,
     commands: Subscriber<JointCommand>,
     ticks: TickLoop,
-    link: Arc<Link>,
+    link: SupervisorEnd,
     _drain: Option<Drain>,
     _buses: [Bus; 2],
     _name: FreshBus,
@@ -57,22 +58,12 @@ impl Loopback {
         let open = |role| Bus::open(&name, role, Realtime::Yes).expect("a bus");
         let (robot_side, daemon_side) = (open("robot"), open("daemon"));
         let controller = Controller::new(&robot, Wiring::default(), Settings::default());
-        let link = Arc::new(if recording {
-            Link::recording()
-        } else {
-            Link::default()
-        });
+        let (tick_end, mut link) = link(recording, Arc::default());
         let goal = grasp_goal(&hint, Side::Right, LIFT_M, HOLD_S);
         let goal = Goal::resolve(&goal, &[]).expect("built in");
         link.order(Order::Start(goal)).expect("room for an order");
         let pacer = Pacer::LockStep(LockStep::new());
-        let ticks = TickLoop::open(
-            &daemon_side,
-            Box::new(controller),
-            pacer,
-            Arc::clone(&link),
-            1000,
-        );
+        let ticks = TickLoop::open(&daemon_side, Box::new(controller), pacer, tick_end, 1000);
         Self {
             world: World::new(&robot, &scene, 1).expect("a world"),
             sensed: Sensed::default(),
@@ -83,7 +74,7 @@ impl Loopback {
                 .subscriber(service::JOINT_COMMAND)
                 .expect("a port"),
             ticks: ticks.expect("the ports open"),
-            _drain: recording.then(|| Drain::start(&name, Arc::clone(&link))),
+            _drain: link.take_input_log().map(|log| Drain::start(&name, log)),
             link,
             _buses: [robot_side, daemon_side],
             _name: name,
@@ -145,18 +136,17 @@ struct Drain {
 }
 
 impl Drain {
-    fn start(name: &BusName, link: Arc<Link>) -> Self {
+    fn start(name: &BusName, mut log: LogReader) -> Self {
         let (name, ends) = (name.clone(), Arc::new(AtomicBool::new(false)));
         let ended = Arc::clone(&ends);
         let thread = std::thread::spawn(move || {
             let bus = Bus::open(&name, "drain", Realtime::No).expect("a bus");
             let inputs = bus.publisher::<TickInputs>(service::TICK_INPUTS);
             let inputs = inputs.expect("a port");
-            let input_log = link.input_log().expect("a link that records");
             while !ended.load(Ordering::Relaxed) {
-                while let Some(part) = input_log.next() {
+                while let Some(part) = log.next() {
                     inputs.send(&part).expect("sent");
-                    input_log.give_back(part);
+                    log.give_back(part);
                 }
                 std::thread::sleep(ROUND);
             }

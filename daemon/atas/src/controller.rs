@@ -41,6 +41,7 @@ pub struct Controller {
     tick: Tick,
     stall_watch: StallWatch,
     stall: Reason,
+    told_to_hold: Reason,
     step_s: f64,
     /// The robot was just anchored: a hand that presses already has something in it.
     looks_for_grip: bool,
@@ -68,6 +69,7 @@ impl Controller {
             tick: Tick::default(),
             stall_watch: StallWatch::new(wiring.tick_s),
             stall: Reason::default(),
+            told_to_hold: Reason::default(),
             // Motion advances by one period per tick: a late tick does not jerk, and a missed one is not caught up.
             step_s: wiring.tick_s,
             looks_for_grip: false,
@@ -192,6 +194,7 @@ impl Controller {
     fn begin(&mut self, tick: Tick) {
         self.stall = self.stall_watch.begin(tick, self.settings.safety.stall_s);
         self.tick = tick;
+        self.told_to_hold = Reason::default();
         self.outputs.events.begin(tick);
         self.outputs.goal_update = None;
     }
@@ -203,6 +206,7 @@ impl Controller {
             Some(Order::Cancel { goal_id }) => self.end_if(*goal_id, false, Cause::CANCELLED),
             Some(Order::ClientGone { goal_id }) => self.end_if(*goal_id, true, Cause::CLIENT_GONE),
             Some(Order::Stop(reason)) => self.stop(*reason),
+            Some(Order::Hold(reason)) => self.told_to_hold = *reason,
             Some(Order::Recover) => self.recover(),
             Some(Order::SetParameter { index, value }) => match PARAMETERS.get(*index) {
                 Some(parameter) if parameter.is_safety() && !self.stands() => {

@@ -42,6 +42,8 @@ pub enum Order {
     },
     /// Stop and latch, for the given reason (`atas estop`, shutdown, a fault that the wiring saw).
     Stop(Reason),
+    /// Hold in this tick, for the given reason; the wiring says it again as long as it lasts.
+    Hold(Reason),
     /// Leave SAFE_STOP if its cause is gone.
     Recover,
     /// Set the parameter with this index of [`crate::settings::PARAMETERS`]; checked before by the supervisor.

@@ -141,6 +141,10 @@ pub fn write_order(order: Option<&Order>) -> OrderRecord {
             record.reason = *reason;
             OrderKind::STOP
         }
+        Some(Order::Hold(reason)) => {
+            record.reason = *reason;
+            OrderKind::HOLD
+        }
         Some(Order::Recover) => OrderKind::RECOVER,
         Some(Order::SetParameter { index, value }) => {
             (record.index, record.value) = (index_word(*index), *value);
@@ -176,6 +180,7 @@ pub fn read_order(record: &OrderRecord) -> Result<Option<Order>, Unreadable> {
         OrderKind::CANCEL => Order::Cancel { goal_id },
         OrderKind::CLIENT_GONE => Order::ClientGone { goal_id },
         OrderKind::STOP => Order::Stop(record.reason),
+        OrderKind::HOLD => Order::Hold(record.reason),
         OrderKind::RECOVER => Order::Recover,
         OrderKind::SET_PARAMETER => Order::SetParameter {
             index,

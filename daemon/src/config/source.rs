@@ -21,6 +21,27 @@ pub struct Source {
     pub flags: Vec<String>,
 }
 
+impl std::fmt::Display for Source {
+    /// What was asked for, for the log.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.files.is_empty() {
+            write!(f, "{SYSTEM_FILE} and {SYSTEM_FOLDER}, where they exist")?;
+        }
+        for (index, file) in self.files.iter().enumerate() {
+            write!(
+                f,
+                "{}{}",
+                if index == 0 { "" } else { ", " },
+                file.display()
+            )?;
+        }
+        match self.flags.len() {
+            0 => Ok(()),
+            flags => write!(f, "; {flags} on the command line"),
+        }
+    }
+}
+
 impl Source {
     /// Reads, merges and checks.
     ///

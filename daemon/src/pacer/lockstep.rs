@@ -5,7 +5,7 @@ use std::time::Duration;
 use atas_core::Tick;
 
 use super::TickStart;
-use crate::link::Link;
+use crate::link::TickEnd;
 use crate::ports::InputPorts;
 
 /// Ticks at the start, and after a recovery, in which the world settles and no goal is taken. Long enough for the mode
@@ -43,7 +43,7 @@ impl LockStep {
     pub fn wait(
         &mut self,
         ports: &mut InputPorts,
-        link: &Link,
+        link: &TickEnd,
         pursues_goal: bool,
     ) -> Option<TickStart> {
         let mut polls = 0;

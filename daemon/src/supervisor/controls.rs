@@ -10,7 +10,7 @@ use shm_schemas::{
 };
 
 use super::SupervisorState;
-use crate::link::Link;
+use crate::link::SupervisorEnd;
 
 /// Requests that one round looks at.
 const REQUESTS_PER_ROUND: usize = 16;
@@ -47,7 +47,7 @@ impl ControlService {
     }
 
     /// Takes requests and answers what needs no tick.
-    pub(super) fn serve(&mut self, state: &mut SupervisorState, link: &Link) {
+    pub(super) fn serve(&mut self, state: &mut SupervisorState, link: &mut SupervisorEnd) {
         for _ in 0..REQUESTS_PER_ROUND {
             let call = match self.server.poll() {
                 Ok(Some(call)) => call,
@@ -101,7 +101,11 @@ fn send(call: ControlCall, mut reply: ControlReply) {
     let _heard = call.reply(&reply);
 }
 
-fn answer(request: &ControlRequest, state: &mut SupervisorState, link: &Link) -> Answer {
+fn answer(
+    request: &ControlRequest,
+    state: &mut SupervisorState,
+    link: &mut SupervisorEnd,
+) -> Answer {
     let ordered = match request.op {
         ControlOp::ESTOP => order(Order::Stop(Reason::of(Cause::ESTOP)), link),
         ControlOp::RECOVER => recover(state, link),
@@ -125,7 +129,7 @@ fn answer(request: &ControlRequest, state: &mut SupervisorState, link: &Link) ->
     }
 }
 
-fn cancel(request: &ControlRequest, link: &Link) -> Result<u64, String> {
+fn cancel(request: &ControlRequest, link: &mut SupervisorEnd) -> Result<u64, String> {
     let name = request.name.as_str();
     let goal_id = name
         .parse()
@@ -133,12 +137,12 @@ fn cancel(request: &ControlRequest, link: &Link) -> Result<u64, String> {
     order(Order::Cancel { goal_id }, link)
 }
 
-fn order(order: Order, link: &Link) -> Result<u64, String> {
+fn order(order: Order, link: &mut SupervisorEnd) -> Result<u64, String> {
     link.order(order)
         .ok_or_else(|| "the queue of orders is full; try again".to_owned())
 }
 
-fn recover(state: &SupervisorState, link: &Link) -> Result<u64, String> {
+fn recover(state: &SupervisorState, link: &mut SupervisorEnd) -> Result<u64, String> {
     match state.mode {
         Mode::SAFE_STOP => order(Order::Recover, link),
         Mode::FAULT => {
@@ -150,7 +154,11 @@ fn recover(state: &SupervisorState, link: &Link) -> Result<u64, String> {
     }
 }
 
-fn bias(request: &ControlRequest, state: &SupervisorState, link: &Link) -> Result<u64, String> {
+fn bias(
+    request: &ControlRequest,
+    state: &SupervisorState,
+    link: &mut SupervisorEnd,
+) -> Result<u64, String> {
     let Some(hand) = (0..Hand::BOTH.len()).find(|hand| *hand as f64 == request.value) else {
         return Err(format!(
             "could not take the bias of hand {}, needs 0 (left) or 1 (right)",
@@ -187,7 +195,7 @@ fn list(request: &ControlRequest, state: &SupervisorState) -> ControlReply {
     }
 }
 
-fn set(request: &ControlRequest, state: &mut SupervisorState, link: &Link) -> Answer {
+fn set(request: &ControlRequest, state: &mut SupervisorState, link: &mut SupervisorEnd) -> Answer {
     let (index, parameter) = match find(request) {
         Ok(found) => found,
         Err(why) => return Answer::Now(unknown(&why)),

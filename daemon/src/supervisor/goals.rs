@@ -5,7 +5,7 @@ use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
 use super::SupervisorState;
-use crate::link::Link;
+use crate::link::SupervisorEnd;
 
 /// New goals that one round looks at; a flood waits in its clients' buffers. Each check takes some 2 ms.
 const GOALS_PER_ROUND: usize = 8;
@@ -36,7 +36,7 @@ impl GoalService {
     }
 
     /// Takes new goals, passes on cancels, notices clients that went away.
-    pub(super) fn serve(&mut self, state: &SupervisorState, link: &Link) {
+    pub(super) fn serve(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         for _ in 0..GOALS_PER_ROUND {
             match self.server.poll() {
                 Ok(Some(client)) => self.receive(client, state, link),
@@ -60,7 +60,7 @@ impl GoalService {
         self.open.retain(|goal| !goal.ended);
     }
 
-    fn receive(&mut self, client: ActiveGoal, state: &SupervisorState, link: &Link) {
+    fn receive(&mut self, client: ActiveGoal, state: &SupervisorState, link: &mut SupervisorEnd) {
         // The client can write to this memory: what is checked must be what is used.
         let request = *client.request();
         match self.admit(&request, state, link) {
@@ -84,7 +84,7 @@ impl GoalService {
         &self,
         request: &GoalRequest,
         state: &SupervisorState,
-        link: &Link,
+        link: &mut SupervisorEnd,
     ) -> Result<(), Reason> {
         let goal = check::check(request, &state.circumstances())?;
         let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
@@ -98,7 +98,7 @@ impl GoalService {
 
 impl OpenGoal {
     /// Passes on what the client did; `false` if it went away. What finds no room is tried again in the next round.
-    fn attend(&mut self, link: &Link) -> bool {
+    fn attend(&mut self, link: &mut SupervisorEnd) -> bool {
         let goal_id = self.id;
         if !self.client.client_alive() {
             return link.order(Order::ClientGone { goal_id }).is_none();

@@ -6,7 +6,7 @@ use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
 
 use super::SupervisorState;
 use crate::config::BUILT_IN;
-use crate::input_log::InputLog;
+use crate::input_log::LogReader;
 
 /// The publishers, open only while recording is switched on.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ impl RecordStream {
     }
 
     /// Publishes the parts that wait, and lets recorders that came late have the header.
-    pub(super) fn publish(&self, input_log: &InputLog) {
+    pub(super) fn publish(&self, input_log: &mut LogReader) {
         while let Some(part) = input_log.next() {
             super::telemetry::report_failure(self.inputs.send(&part));
             input_log.give_back(part);

@@ -6,7 +6,7 @@ use robot_model::{ROBOT_JOINTS, RobotModel};
 use shm_schemas::{Mode, StatusFlags};
 
 use crate::config::{Config, Source};
-use crate::link::{Link, TickRecord};
+use crate::link::{SupervisorEnd, TickRecord};
 
 /// What the parts of the supervisor share.
 #[derive(Debug)]
@@ -92,7 +92,7 @@ impl SupervisorState {
         &mut self,
         index: usize,
         value: f64,
-        link: &Link,
+        link: &mut SupervisorEnd,
     ) -> Result<u64, String> {
         let mut settings = self.config.settings();
         let parameter = &atas_core::settings::PARAMETERS[index];
@@ -105,7 +105,7 @@ impl SupervisorState {
 
     /// Reads the configuration again. Either everything changes, the settings in one tick, or nothing does. A goal that was
     /// taken keeps its task.
-    pub(super) fn reload(&mut self, link: &Link) -> Result<u64, String> {
+    pub(super) fn reload(&mut self, link: &mut SupervisorEnd) -> Result<u64, String> {
         let config = self.source.load().map_err(|e| e.to_string())?;
         let fixed = self.config.fixed_differences(&config);
         if !fixed.is_empty() {
@@ -118,7 +118,12 @@ impl SupervisorState {
         self.adopt(config, order, link)
     }
 
-    fn adopt(&mut self, config: Config, order: Order, link: &Link) -> Result<u64, String> {
+    fn adopt(
+        &mut self,
+        config: Config,
+        order: Order,
+        link: &mut SupervisorEnd,
+    ) -> Result<u64, String> {
         config.check().map_err(|e| e.to_string())?;
         let ticket = link
             .order(order)

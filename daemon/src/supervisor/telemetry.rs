@@ -7,7 +7,7 @@ use shm_schemas::{ModuleEvent, Status, Text, TickReport, service};
 
 use super::SupervisorState;
 use crate::figures::Figures;
-use crate::link::{Link, TickRecord};
+use crate::link::{SupervisorEnd, TickRecord};
 
 /// Period of the status.
 const STATUS_EVERY: Duration = Duration::from_millis(20);
@@ -49,7 +49,7 @@ impl Telemetry {
     }
 
     /// Publishes the status if it is due.
-    pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &Link) {
+    pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
         }

@@ -216,6 +216,10 @@ fn table() -> Vec<(Reason, &'static str)> {
             limit(Cause::SHUTDOWN, 0.0, 0.0, 0),
             "the daemon is shutting down",
         ),
+        (
+            limit(Cause::SUPERVISOR_SILENT, 0.8, 0.5, 0),
+            "the daemon's supervisor has been silent for 0.8 s, allowed 0.5 s",
+        ),
     ]
 }
 

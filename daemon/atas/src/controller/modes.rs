@@ -52,6 +52,7 @@ impl Controller {
             } else {
                 Reason::default()
             },
+            self.told_to_hold,
             self.hands[0].hold_reason(self.tick, &self.settings),
             self.hands[1].hold_reason(self.tick, &self.settings),
             self.joints.hold_reason(self.tick, &self.settings.intake),

@@ -66,6 +66,7 @@ fn any_order() -> impl Strategy<Value = Order> {
         1 => (5..9_u64).prop_map(|goal_id| Order::Cancel { goal_id }),
         1 => (5..9_u64).prop_map(|goal_id| Order::ClientGone { goal_id }),
         1 => Just(Order::Stop(Reason::of(Cause::ESTOP))),
+        1 => Just(Order::Hold(Reason::limit(Cause::SUPERVISOR_SILENT, 0.8, 0.5))),
         3 => Just(Order::Recover),
         1 => (any::<usize>(), any_value()).prop_map(|(i, value)| Order::SetParameter { index: i % 80, value }),
         1 => (0..4_usize).prop_map(|hand| Order::Bias { hand }),

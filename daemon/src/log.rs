@@ -1,0 +1,213 @@
+//! Lines for people and for the journal, without ever waiting for who reads them.
+//!
+//! ```text
+//!  any thread ── line ─▶ bounded queue ─▶ writer thread ─▶ standard error
+//! ```
+//!
+//! * **In:** what `tracing` says. **Out:** lines on standard error.
+//! * **Invariants:** a reader that does not read, a full disk or a closed pipe costs lines, never time and never the
+//!   process. Lost lines are counted, and the next line that gets through says how many.
+//! * **Absent on purpose:** the tick. It leaves records, which the supervisor turns into lines. A ready-made appender would
+//!   do, but its thread has a stack of 2 MiB, which the daemon would have to lock.
+
+use std::io::{self, IsTerminal as _, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::fmt::MakeWriter;
+
+use crate::args::LogFormat;
+
+/// Lines that wait: some seconds of a daemon in trouble. Ours.
+const LINES: usize = 512;
+/// Stack of the writer thread, bytes: it is locked memory.
+const STACK_BYTES: usize = 64 << 10;
+/// How long the end of the process waits for the last lines to be read.
+const LAST_LINES_WITHIN: Duration = Duration::from_millis(200);
+/// How often it looks whether they have been.
+const POLL: Duration = Duration::from_millis(1);
+
+/// Keeps the log going; when it is dropped, the last lines are written, if somebody reads them.
+#[derive(Debug)]
+pub struct Log {
+    lines: Option<Sender<Vec<u8>>>,
+    writer: JoinHandle<()>,
+}
+
+/// Begins to log. Call once per process.
+///
+/// # Errors
+/// [`io::Error`] if the writer thread cannot start.
+pub fn start(format: LogFormat) -> io::Result<Log> {
+    let (send, receive) = bounded(LINES);
+    let lost = Arc::<AtomicU64>::default();
+    let counted = Arc::clone(&lost);
+    let writer = Builder::new()
+        .name("atasd-log".to_owned())
+        .stack_size(STACK_BYTES)
+        .spawn(move || write_all(&receive, &counted, &mut io::stderr()))?;
+    let queue = Queue {
+        lines: send.clone(),
+        lost,
+    };
+    let filter = EnvFilter::builder()
+        .with_default_directive(LevelFilter::INFO.into())
+        .from_env_lossy();
+    let log = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(queue);
+    match format {
+        LogFormat::Human => log
+            .with_ansi(io::stderr().is_terminal())
+            .with_target(false)
+            .init(),
+        LogFormat::Json => log.json().init(),
+    }
+    Ok(Log {
+        lines: Some(send),
+        writer,
+    })
+}
+
+impl Drop for Log {
+    fn drop(&mut self) {
+        let Some(lines) = self.lines.take() else {
+            return;
+        };
+        let begin = Instant::now();
+        // An empty line means that all before it are written. A queue that is full has a reader that does not read.
+        if lines.try_send(Vec::new()).is_ok() {
+            while !self.writer.is_finished() && begin.elapsed() < LAST_LINES_WITHIN {
+                std::thread::sleep(POLL);
+            }
+        }
+    }
+}
+
+/// Makes a line per event.
+#[derive(Clone, Debug)]
+struct Queue {
+    lines: Sender<Vec<u8>>,
+    lost: Arc<AtomicU64>,
+}
+
+impl<'a> MakeWriter<'a> for Queue {
+    type Writer = Line<'a>;
+
+    fn make_writer(&'a self) -> Line<'a> {
+        Line {
+            queue: self,
+            text: Vec::new(),
+        }
+    }
+}
+
+/// One line, queued when it is complete.
+struct Line<'a> {
+    queue: &'a Queue,
+    text: Vec<u8>,
+}
+
+impl Write for Line<'_> {
+    fn write(&mut self, part: &[u8]) -> io::Result<usize> {
+        self.text.extend_from_slice(part);
+        Ok(part.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Drop for Line<'_> {
+    fn drop(&mut self) {
+        let text = std::mem::take(&mut self.text);
+        if !text.is_empty() && self.queue.lines.try_send(text).is_err() {
+            self.queue.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Writes lines until an empty one comes. What cannot be written is lost and counted.
+fn write_all(lines: &Receiver<Vec<u8>>, lost: &AtomicU64, out: &mut impl Write) {
+    for line in lines {
+        if line.is_empty() {
+            return;
+        }
+        let before = lost.swap(0, Ordering::Relaxed);
+        if before > 0 {
+            let told = writeln!(out, "{before} lines of the log were lost: nobody read them");
+            if told.is_err() {
+                lost.fetch_add(before, Ordering::Relaxed);
+            }
+        }
+        if out.write_all(&line).is_err() {
+            lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pipe whose reader comes and goes.
+    struct Pipe {
+        refuses: usize,
+        text: Vec<u8>,
+    }
+
+    impl Write for Pipe {
+        fn write(&mut self, part: &[u8]) -> io::Result<usize> {
+            if self.refuses > 0 {
+                self.refuses -= 1;
+                return Err(io::ErrorKind::BrokenPipe.into());
+            }
+            self.text.write(part)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_pipe_that_breaks_costs_lines_that_are_counted() {
+        let (send, receive) = bounded(8);
+        for line in ["one\n", "two\n", "three\n", ""] {
+            send.send(line.into()).expect("room");
+        }
+        let lost = AtomicU64::new(0);
+        let mut pipe = Pipe {
+            refuses: 1,
+            text: Vec::new(),
+        };
+        write_all(&receive, &lost, &mut pipe);
+        let text = String::from_utf8(pipe.text).expect("text");
+        assert_eq!(
+            text,
+            "1 lines of the log were lost: nobody read them\ntwo\nthree\n"
+        );
+    }
+
+    #[test]
+    fn a_queue_that_is_full_loses_lines_and_does_not_wait() {
+        let (lines, _unread) = bounded(2);
+        let queue = Queue {
+            lines,
+            lost: Arc::default(),
+        };
+        for _ in 0..5 {
+            queue
+                .make_writer()
+                .write_all(b"line\n")
+                .expect("never fails");
+        }
+        assert_eq!(queue.lost.load(Ordering::Relaxed), 3);
+    }
+}
