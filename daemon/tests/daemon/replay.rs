@@ -79,7 +79,7 @@ fn grasp(goal_id: u64) -> GoalRequest {
 
 /// Patient enough for a loaded machine, so that the goal runs for a while.
 const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n\
-     [tasks.nod]\nacting = [{ step = \"there\", motion = \"reach\", site = \"above\", modules = [\"carry\"], until = \"arrived\", \
+     [tasks.nod]\nacting = [{ step = \"there\", motion = \"reach\", waypoint = \"above\", modules = [\"carry\"], transition = \"arrived\", \
      timeout_s = 20.0 }]\n";
 
 /// Lets time go by: two frames and joint states per millisecond, so that many ticks take several.

@@ -1,0 +1,52 @@
+//! Who reads the log, or does not, has no hold on the robot.
+
+use std::fs::OpenOptions;
+use std::process::{Command, Stdio};
+
+use rustix::process::Signal;
+use shm_bus::FreshBus;
+use shm_schemas::{ControlOp, ControlOutcome, Mode};
+
+use crate::support::{Daemon, World};
+
+/// On a busy machine the world is late; that is not what is tested here.
+const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
+/// Requests, each with a line in the log: several times what a pipe holds.
+const REQUESTS: usize = 2_000;
+
+fn check(what: &str, stderr: impl FnOnce(&mut Command)) {
+    let bus = FreshBus::new(what);
+    let mut world = World::on(&bus);
+    let more = |command: &mut Command| {
+        command.env("RUST_LOG", "debug");
+        stderr(command);
+    };
+    let mut daemon = Daemon::start_with(&bus, PATIENT, &[], more);
+    world.until_mode(Mode::READY);
+    for _ in 0..REQUESTS {
+        let reply = world.control(ControlOp::PARAM_GET, "grasp.dr_n", 0.0);
+        assert_eq!(reply.outcome, ControlOutcome::DONE, "{what}");
+    }
+    world.until_mode(Mode::READY);
+    let stopped = world.control(ControlOp::ESTOP, "", 0.0);
+    assert_eq!(stopped.outcome, ControlOutcome::DONE, "{what}");
+    world.until_mode(Mode::SAFE_STOP);
+    daemon.signal(Signal::TERM);
+    assert!(daemon.wait().success(), "{what}");
+}
+
+#[test]
+fn a_log_that_nobody_reads_freezes_nothing() {
+    // The pipe's other end stays open in the daemon's handle, and is never read.
+    check("unread", |command| {
+        command.stderr(Stdio::piped());
+    });
+}
+
+#[test]
+fn a_log_on_a_full_disk_ends_nothing() {
+    check("full", |command| {
+        let full = OpenOptions::new().write(true).open("/dev/full");
+        command.stderr(full.expect("the kernel's full device"));
+    });
+}

@@ -1,0 +1,54 @@
+//! Stops on the way of their own: they reach the robot whatever the bus is in.
+
+use std::time::Duration;
+
+use shm_bus::{BusError, FreshBus, stop};
+use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StopOutcome};
+
+use crate::support::{Daemon, World};
+
+/// On a busy machine the world is late; that is not what is tested here.
+const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
+const WITHIN: Duration = Duration::from_secs(2);
+
+#[test]
+fn a_stop_is_in_the_commands_when_it_is_answered() {
+    let bus = FreshBus::new("stops");
+    let mut world = World::on(&bus);
+    let daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    for _ in 0..20 {
+        world.until_mode(Mode::READY);
+        let answer = stop::request(&bus, "a test", WITHIN).expect("answered");
+        assert_eq!(
+            (answer.outcome, answer.pid),
+            (StopOutcome::STOPPED, daemon.pid())
+        );
+        assert_eq!(world.until_mode(Mode::SAFE_STOP).reason.cause, Cause::ESTOP);
+        let recovered = world.control(ControlOp::RECOVER, "", 0.0);
+        assert_eq!(recovered.outcome, ControlOutcome::DONE);
+    }
+}
+
+#[test]
+fn every_control_client_taken_leaves_the_stop_its_way() {
+    let bus = FreshBus::new("crowded");
+    let mut world = World::on(&bus);
+    let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    world.until_mode(Mode::READY);
+    let clients: Vec<_> = std::iter::from_fn(|| world.bus.control_client().ok()).collect();
+    assert!(clients.len() > 8 && world.bus.control_client().is_err());
+    let answer = stop::request(&bus, "a test", WITHIN).expect("answered");
+    assert_eq!(answer.outcome, StopOutcome::STOPPED);
+    assert_eq!(world.until_mode(Mode::SAFE_STOP).reason.cause, Cause::ESTOP);
+}
+
+#[test]
+fn a_daemon_that_ended_is_not_waited_for() {
+    let bus = FreshBus::new("ended");
+    let mut world = World::on(&bus);
+    let daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    world.until_mode(Mode::READY);
+    drop(daemon);
+    let nobody = stop::request(&bus, "a test", WITHIN).expect_err("no daemon");
+    assert!(matches!(nobody, BusError::NoServer { .. }), "{nobody}");
+}
