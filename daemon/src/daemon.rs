@@ -6,7 +6,7 @@ use std::thread::{Builder, JoinHandle};
 use atas_core::Controller;
 use crossbeam::channel::{Sender, bounded};
 use robot_model::ModelError;
-use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, writer_epoch};
+use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, stop, writer_epoch};
 use shm_schemas::StatusFlags;
 
 use crate::args::Args;
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Err(refused) = realtime::keep_awake(&config.realtime, &mut granted) {
         tracing::info!("{refused}");
     }
-    let stops = StopThread::start(&owner, &config.realtime)?;
+    let stops = StopThread::start(stop::Listener::open(&owner)?, &config.realtime)?;
     let (tick_end, supervisor_end) = link::link(config.recording.stream, stops.signal());
     let start = Start {
         bus: args.bus.clone(),

@@ -6,14 +6,13 @@
 //!   the bounded queue of the log and cannot hold it up.
 //! * **Absent on purpose:** recovering. That is asked for on the control service.
 
+use std::io;
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use shm_bus::OwnerLock;
 use shm_bus::stop::{Heard, Listener, Signal};
 
 use crate::config::Realtime;
-use crate::daemon::Failure;
 use crate::realtime;
 
 /// Stack of the thread, bytes: it is locked memory.
@@ -27,9 +26,9 @@ pub(crate) struct StopThread {
 }
 
 impl StopThread {
-    /// Opens the stop socket of the bus and begins to listen.
-    pub(crate) fn start(owner: &OwnerLock, realtime: &Realtime) -> Result<Self, Failure> {
-        let listener = Arc::new(Listener::open(owner)?);
+    /// Begins to listen.
+    pub(crate) fn start(listener: Listener, realtime: &Realtime) -> io::Result<Self> {
+        let listener = Arc::new(listener);
         let (server, realtime) = (Arc::clone(&listener), realtime.clone());
         let serve = move || {
             realtime::enter_below_the_tick(&realtime);

@@ -50,7 +50,8 @@ impl Usual {
     pub fn nominal(self, hand: Hand) -> Nominal {
         let side = if hand == Hand::LEFT { 1.0 } else { -1.0 };
         let at = |[x_m, out_m, z_m]: [f64; 3], yaw_rad, width_m| Target {
-            at_m: [x_m, side * out_m, z_m],
+            // What lies in the middle has no side, and no minus sign either.
+            at_m: [x_m, side * out_m + 0.0, z_m],
             yaw_rad,
             width_m,
         };

@@ -165,10 +165,6 @@ fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
     interrupt(child.id());
     let code = child.wait().expect("a child").code();
     assert!(matches!(code, Some(130 | 0)), "{code:?}");
-    if code == Some(130) {
-        let under_way = std::fs::read_dir(folder.join("cut/under-way")).expect("a folder");
-        assert!(under_way.count() > 0, "runs under way are saved");
-    }
     // A power cut may leave half a line behind.
     let mut torn = std::fs::read(&runs).expect("runs");
     torn.extend_from_slice(b"{\"agents\":4,\"se");
