@@ -291,12 +291,60 @@ fn lists() {
         "{objects}"
     );
     assert!(listed("faults").contains("payloads are lost with this probability"));
+    assert!(listed("completions bash").contains("--format"));
+    let rows: Vec<serde_json::Value> = listed("objects --format json")
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("one JSON object per line"))
+        .collect();
+    let wood = rows.iter().find(|row| row["name"] == "wood").expect("wood");
+    let shape = sim_backend::Object::built_in("wood")
+        .expect("built in")
+        .shape;
+    assert_eq!(wood["width_m"].as_f64(), Some(shape.width_m()));
+    assert!(wood.get("crush_n").is_none(), "nothing crushes it");
+}
+
+#[test]
+fn every_command_has_a_manual_page_and_an_example() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().display().to_string();
+    let output = atas_sim(&format!("man {path}"))
+        .output()
+        .expect("it starts");
+    assert!(output.status.success(), "{output:?}");
+    for command in ["run", "field", "objects", "faults", "completions", "man"] {
+        let page = folder.path().join(format!("atas-sim-{command}.1"));
+        assert!(page.exists(), "{page:?}");
+        let output = atas_sim(&format!("{command} --help"))
+            .output()
+            .expect("it starts");
+        let help = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(help.contains("Example"), "{command}: {help}");
+    }
+}
+
+/// Regression: a list that did not fit on the disk ended with code 0.
+#[test]
+fn a_full_disk_is_told_with_the_documented_code() {
+    for what in ["objects", "faults", "completions bash"] {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let output = atas_sim(what)
+            .stdout(full.expect("Linux has it"))
+            .output()
+            .expect("it starts");
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{what}: {told}");
+        assert!(
+            told.contains("could not write to standard output"),
+            "{told}"
+        );
+    }
 }
 
 /// As in `atas-sim faults | head -1`.
 #[test]
 fn a_closed_pipe_is_no_failure() {
-    for what in ["objects", "faults"] {
+    for what in ["objects", "faults", "completions zsh"] {
         let mut child = atas_sim(what).spawn().expect("atas-sim starts");
         drop(child.stdout.take());
         let output = child.wait_with_output().expect("it ends");

@@ -9,7 +9,7 @@ use sim_backend::Scene;
 use sim_backend::faults::Fault;
 
 use crate::failure::Failure;
-use crate::field_host::FieldArgs;
+use crate::field_host::{FieldArgs, Format};
 use crate::scene_args::SceneArgs;
 
 /// A simulated two-hand robot with tactile fingertips before a table of objects.
@@ -27,13 +27,40 @@ pub(crate) enum Command {
     /// Host the swarm's field: publish what its robots sense, obey `ebts agents`, say what became of every goal.
     Field(FieldArgs),
     /// List the built-in objects.
-    Objects,
+    #[command(after_help = "Examples:\n  atas-sim objects\n  atas-sim objects --format json")]
+    Objects {
+        /// How they are printed.
+        #[arg(long, value_enum, default_value = "human")]
+        format: Format,
+    },
     /// List the faults that `run --fault` can inject.
+    #[command(after_help = "Example:\n  atas-sim faults")]
     Faults,
+    /// Print completions for a shell.
+    #[command(
+        after_help = "Example:\n  atas-sim completions bash > /etc/bash_completion.d/atas-sim"
+    )]
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages into a folder.
+    #[command(after_help = "Example:\n  atas-sim man /usr/local/share/man/man1")]
+    Man {
+        /// The folder; it is made.
+        folder: PathBuf,
+    },
 }
 
+const RUN_EXAMPLES: &str = "\
+Examples:
+  atas-sim run --object wood
+  atas-sim run --scene assembly --vary --seed 7
+  atas-sim run --object bottle@0.3,-0.1,45 --lockstep --duration 20 --fault drop=0.3@2+0.5:right
+";
+
 #[derive(Debug, Args)]
-#[command(after_help = Failure::EXIT_CODES)]
+#[command(after_help = format!("{RUN_EXAMPLES}\n{}", Failure::EXIT_CODES))]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     scene: SceneArgs,

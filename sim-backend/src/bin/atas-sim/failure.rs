@@ -29,6 +29,13 @@ pub(crate) enum Failure {
     Team(#[from] field::TeamSizeError),
     #[error(transparent)]
     Swarm(#[from] sim_backend::swarm::SwarmError),
+    #[error("could not write to standard output because of: {0}")]
+    Output(std::io::Error),
+    #[error("could not write manual pages into {folder:?} because of: {source}")]
+    Manual {
+        folder: std::path::PathBuf,
+        source: std::io::Error,
+    },
     #[error("could not watch for SIGINT and SIGTERM because of: {0}")]
     Signals(std::io::Error),
 }
@@ -38,14 +45,14 @@ impl Failure {
     pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0  ended as asked: by --duration, after the last trial, by SIGINT or SIGTERM
-  1  the world could not be simulated any further
+  1  the world could not be simulated any further, or the output not written; a closed pipe is no failure
   2  wrong usage: command line, object, scene, fault, robot, preset or team
   3  the bus could not be used
 Log: standard error, filtered by RUST_LOG (default info).";
 
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
-            Self::World(_) | Self::Signals(_) => 1,
+            Self::World(_) | Self::Signals(_) | Self::Output(_) | Self::Manual { .. } => 1,
             Self::Object(_) | Self::Scene(_) | Self::Usage(_) | Self::Robot(_) => 2,
             Self::Preset { .. } | Self::Field(_) | Self::Team(_) | Self::Swarm(_) => 2,
             Self::Bus(_) => 3,

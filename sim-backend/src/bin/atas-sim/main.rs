@@ -8,6 +8,7 @@ mod args;
 mod failure;
 mod field_host;
 mod free_run;
+mod lists;
 mod lockstep;
 mod realtime;
 mod scene_args;
@@ -22,8 +23,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Parser;
 use robot_model::RobotModel;
 use shm_bus::Bus;
-use sim_backend::faults::FaultKind;
-use sim_backend::{Object, Scene, World};
+use sim_backend::{Scene, World};
 use tracing_subscriber::EnvFilter;
 
 use args::{Cli, Command, RunArgs};
@@ -40,11 +40,10 @@ fn main() -> ExitCode {
             start_log();
             field_host::run(&args)
         }
-        Command::Objects => list_objects(),
-        Command::Faults => {
-            list_faults();
-            Ok(())
-        }
+        Command::Objects { format } => lists::objects(format),
+        Command::Faults => lists::faults(),
+        Command::Completions { shell } => lists::completions(shell),
+        Command::Man { folder } => lists::manual(&folder),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -106,62 +105,6 @@ fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
-fn list_objects() -> Result<(), Failure> {
-    let mut lines = vec![format!(
-        "{:18} {:>7} {:>8} {:>8} {:>13} {:>8}",
-        "name", "mass kg", "friction", "needed N", "stiffness N/m", "crush N"
-    )];
-    for name in Object::names().chain(Object::part_names()) {
-        let object = Object::built_in(name)?;
-        let (mass_kg, friction, needed_n) = (object.mass_kg, object.friction, object.needed_n());
-        let or_none = |value: f64| {
-            if value.is_finite() {
-                value.to_string()
-            } else {
-                "-".to_owned()
-            }
-        };
-        let (stiffness, crush) = (or_none(object.stiffness_n_m), or_none(object.crush_n));
-        lines.push(format!(
-            "{name:18} {mass_kg:7} {friction:8} {needed_n:8.2} {stiffness:>13} {crush:>8}"
-        ));
-    }
-    print(&lines);
-    Ok(())
-}
-
-fn list_faults() {
-    let mut lines = vec![
-        "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, for example drop=0.3@2+0.5:right"
-            .to_owned(),
-        format!(
-            "{:10} {:>7}  {:26}  what happens",
-            "kind", "usually", "targets"
-        ),
-    ];
-    for fault in FaultKind::all() {
-        let takes_value = fault.range != [0.0, 0.0];
-        let usually = if takes_value {
-            format!("{:?}", fault.value)
-        } else {
-            String::new()
-        };
-        lines.push(format!(
-            "{:10} {usually:>7}  {:26}  {}",
-            fault.name,
-            fault.targets(),
-            fault.about
-        ));
-    }
-    print(&lines);
-}
-
-/// Writes lines to standard output. A reader that has seen enough closes it; that is no failure.
-fn print(lines: &[String]) {
-    let mut stdout = io::stdout().lock();
-    let _ = lines.iter().try_for_each(|line| writeln!(stdout, "{line}"));
-}
-
 fn start_log() {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
     let colours = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
@@ -169,5 +112,7 @@ fn start_log() {
         .with_env_filter(filter)
         .with_writer(io::stderr)
         .with_ansi(colours)
+        // What cannot be logged cannot be complained of there either.
+        .log_internal_errors(false)
         .init();
 }

@@ -10,8 +10,14 @@ use sim_backend::swarm::{GOALS, SwarmSettings};
 use super::report::Format;
 use crate::failure::Failure;
 
+const EXAMPLES: &str = "\
+Examples:
+  atas-sim field --goal 3 --trials 2
+  atas-sim field --lockstep --agents 4 --format json
+";
+
 #[derive(Debug, Args)]
-#[command(after_help = Failure::EXIT_CODES)]
+#[command(after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
 pub(crate) struct FieldArgs {
     /// Field: R3, N, LB, LB2, paper, or a TOML file with every number of a preset.
     #[arg(long, default_value = "R3")]

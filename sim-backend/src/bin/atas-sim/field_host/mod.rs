@@ -19,6 +19,7 @@ use crate::free_run::sleep_until;
 use crate::wait::Wait;
 pub(crate) use args::FieldArgs;
 use ports::Ports;
+pub(crate) use report::Format;
 use report::Reporter;
 
 /// Hosts the field until all trials are over or a signal comes.
@@ -39,8 +40,7 @@ pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
     } else {
         host.at_rate(args.period_ns())?
     };
-    host.reporter.end(late_periods);
-    Ok(())
+    host.reporter.end(late_periods)
 }
 
 /// The swarm with its connections.
@@ -77,7 +77,7 @@ impl Host<'_> {
                 .ports
                 .answer()?
                 .map_or(Answer::Missing, Answer::Commands);
-            self.reporter.note(self.swarm.advance(answer));
+            self.reporter.note(self.swarm.advance(answer))?;
         }
         Ok(late_periods)
     }
@@ -89,7 +89,7 @@ impl Host<'_> {
         while !self.stop.load(Ordering::Relaxed) {
             if let Some(commands) = self.ports.answer()? {
                 let ended = self.swarm.advance(Answer::Commands(commands));
-                self.reporter.note(ended);
+                self.reporter.note(ended)?;
                 return Ok(true);
             }
             wait.pause(|| self.ports.greet())?;

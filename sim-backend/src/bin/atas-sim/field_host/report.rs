@@ -3,12 +3,14 @@
 use clap::ValueEnum;
 use sim_backend::swarm::TrialReport;
 
+use crate::failure::Failure;
+
 /// How results are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
     /// For people.
     Human,
-    /// For programs: one JSON object per trial and line.
+    /// For programs: one JSON object per line.
     Json,
 }
 
@@ -33,23 +35,26 @@ impl Reporter {
     }
 
     /// Prints a trial that has just ended.
-    pub(super) fn note(&mut self, ended: Option<TrialReport>) {
-        let Some(report) = ended else { return };
+    pub(super) fn note(&mut self, ended: Option<TrialReport>) -> Result<(), Failure> {
+        let Some(report) = ended else {
+            return Ok(());
+        };
         let line = match self.format {
             // Numbers and strings always have a JSON form.
             Format::Json => serde_json::to_string(&report).unwrap_or_default(),
             Format::Human if self.trials == 0 => format!("{HEADER}\n{}", sentence(&report)),
             Format::Human => sentence(&report),
         };
-        crate::print(&[line]);
+        crate::lists::print(&[line])?;
         self.trials += 1;
         self.fitness += report.points[0];
         self.solved += usize::from(field::solved(report.points[0]));
         self.missed_frames += report.missed_frames + report.refused_frames;
+        Ok(())
     }
 
     /// Says what it came to in all; the log has it for programs too.
-    pub(super) fn end(&self, late_periods: u64) {
+    pub(super) fn end(&self, late_periods: u64) -> Result<(), Failure> {
         let Self {
             trials,
             fitness,
@@ -58,12 +63,13 @@ impl Reporter {
             ..
         } = self;
         if self.format == Format::Human && *trials > 0 {
-            crate::print(&[format!(
+            crate::lists::print(&[format!(
                 "fitness {fitness:.1} of {}, {solved} of {trials} goals solved, {missed_frames} frames without an answer",
                 100 * trials
-            )]);
+            )])?;
         }
         tracing::info!(trials, missed_frames, late_periods, "field closed");
+        Ok(())
     }
 }
 

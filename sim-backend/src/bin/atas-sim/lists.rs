@@ -1,0 +1,153 @@
+//! Lists and texts on standard output: the built-in objects, the faults, completions, manual pages.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+
+use clap::CommandFactory;
+use serde::Serialize;
+use sim_backend::Object;
+use sim_backend::faults::FaultKind;
+
+use crate::args::Cli;
+use crate::failure::Failure;
+use crate::field_host::Format;
+
+/// What programs are told of an object; an absent value means rigid, or crushed by nothing.
+#[derive(Serialize)]
+struct ObjectRow {
+    name: String,
+    mass_kg: f64,
+    width_m: f64,
+    height_m: f64,
+    friction: f64,
+    needed_n: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stiffness_n_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    crush_n: Option<f64>,
+}
+
+impl ObjectRow {
+    fn of(object: Object) -> Self {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        Self {
+            mass_kg: object.mass_kg,
+            width_m: object.shape.width_m(),
+            height_m: 2.0 * object.shape.half_height_m(),
+            friction: object.friction,
+            needed_n: object.needed_n(),
+            stiffness_n_m: finite(object.stiffness_n_m),
+            crush_n: finite(object.crush_n),
+            name: object.name,
+        }
+    }
+
+    fn line(&self) -> String {
+        let or_none = |value: Option<f64>| value.map_or("-".to_owned(), |value| value.to_string());
+        let Self {
+            name,
+            mass_kg,
+            friction,
+            needed_n,
+            ..
+        } = self;
+        let (width_mm, height_mm) = (1e3 * self.width_m, 1e3 * self.height_m);
+        let (stiffness, crush) = (or_none(self.stiffness_n_m), or_none(self.crush_n));
+        format!(
+            "{name:16} {mass_kg:7} {width_mm:8.0} {height_mm:9.0} {friction:8} {needed_n:8.2} {stiffness:>9} {crush:>7}"
+        )
+    }
+}
+
+/// Lists the built-in objects and parts.
+pub(crate) fn objects(format: Format) -> Result<(), Failure> {
+    let names = Object::names().chain(Object::part_names());
+    let rows: Result<Vec<_>, _> = names
+        .map(|name| Object::built_in(name).map(ObjectRow::of))
+        .collect();
+    let rows = rows?;
+    match format {
+        // Numbers and strings always have a JSON form.
+        Format::Json => print(
+            &rows
+                .iter()
+                .map(|row| serde_json::to_string(row).unwrap_or_default())
+                .collect::<Vec<_>>(),
+        ),
+        Format::Human => {
+            let header = format!(
+                "{:16} {:>7} {:>8} {:>9} {:>8} {:>8} {:>9} {:>7}",
+                "name",
+                "mass kg",
+                "width mm",
+                "height mm",
+                "friction",
+                "needed N",
+                "stiff N/m",
+                "crush N"
+            );
+            let lines = rows.iter().map(ObjectRow::line);
+            print(&core::iter::once(header).chain(lines).collect::<Vec<_>>())
+        }
+    }
+}
+
+/// Lists the faults.
+pub(crate) fn faults() -> Result<(), Failure> {
+    let mut lines = vec![
+        "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, for example drop=0.3@2+0.5:right"
+            .to_owned(),
+        format!(
+            "{:10} {:>7}  {:26}  what happens",
+            "kind", "usually", "targets"
+        ),
+    ];
+    for fault in FaultKind::all() {
+        let takes_value = fault.range != [0.0, 0.0];
+        let usually = if takes_value {
+            format!("{:?}", fault.value)
+        } else {
+            String::new()
+        };
+        lines.push(format!(
+            "{:10} {usually:>7}  {:26}  {}",
+            fault.name,
+            fault.targets(),
+            fault.about
+        ));
+    }
+    print(&lines)
+}
+
+/// Prints completions.
+pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
+    // Into memory first: clap's generator panics where a pipe is closed or a disk is full.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "atas-sim", &mut script);
+    write(&script)
+}
+
+/// Writes one manual page for the program and one for each subcommand.
+pub(crate) fn manual(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(Cli::command(), folder))
+        .map_err(|source| Failure::Manual {
+            folder: folder.to_owned(),
+            source,
+        })
+}
+
+/// Writes lines to standard output.
+pub(crate) fn print(lines: &[String]) -> Result<(), Failure> {
+    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    write(text.as_bytes())
+}
+
+/// A reader that has seen enough closes the pipe; that is no failure. A full disk is one.
+fn write(bytes: &[u8]) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(error)),
+        _ => Ok(()),
+    }
+}
