@@ -281,7 +281,9 @@ fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
     let rig = Rig::plain("pick-place --object heavy-block");
     let (code, end, stderr) = rig.ask("pick-place");
     assert_eq!((code, &end["state"]), (4, &"refused".into()), "{stderr}");
-    let error: Value = serde_json::from_str(&stderr).expect("an error as JSON");
+    // The progress comes before it.
+    let last = stderr.lines().last().unwrap_or_default();
+    let error: Value = serde_json::from_str(last).expect("an error as JSON");
     assert_eq!(error["exit"], 4, "{error}");
     let (_, status, _) = rig.ask("status");
     assert_eq!(status["goal"]["state"], "refused", "{status}");
