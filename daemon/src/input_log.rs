@@ -100,7 +100,7 @@ impl LogWriter {
 impl LogReader {
     /// The next part; give it back after use.
     #[must_use]
-    pub fn next(&mut self) -> Option<Box<TickInputs>> {
+    pub fn next_part(&mut self) -> Option<Box<TickInputs>> {
         self.full.pop().ok()
     }
 
@@ -168,7 +168,7 @@ mod tests {
             ..HandFrame::default()
         };
         log.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
-        let first = reader.next().expect("a part");
+        let first = reader.next_part().expect("a part");
         assert_eq!(
             (first.has_frame, first.order.kind),
             ([1, 0], OrderKind::RECOVER)
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(first.frames[0], frame);
         reader.give_back(first);
         log.keep(&inputs(1, &[], None), &command);
-        let mut second = reader.next().expect("a part");
+        let mut second = reader.next_part().expect("a part");
         assert_eq!((second.stamp.sequence, second.parts), (1, 1));
         (second.stamp, second.tick, second.parts) = (Stamp::default(), 0, 0);
         assert_eq!(*second, TickInputs::default());
@@ -194,14 +194,14 @@ mod tests {
             &JointCommand::default(),
         );
         for part in 0..3 {
-            let told = reader.next().expect("a part");
+            let told = reader.next_part().expect("a part");
             assert_eq!((told.part, told.parts, told.tick), (part, 3, 5));
             assert_eq!(
                 (told.frames[0].finger_count, told.stamp.sequence),
                 (part + 1, u64::from(part))
             );
         }
-        assert!(reader.next().is_none());
+        assert!(reader.next_part().is_none());
     }
 
     #[test]
@@ -211,11 +211,11 @@ mod tests {
             log.keep(&inputs(index, &[], None), &JointCommand::default());
         }
         assert_eq!(reader.dropped(), 3);
-        while let Some(part) = reader.next() {
+        while let Some(part) = reader.next_part() {
             reader.give_back(part);
         }
         log.keep(&inputs(9, &[], None), &JointCommand::default());
-        let after = reader.next().expect("a part");
+        let after = reader.next_part().expect("a part");
         assert_eq!(after.stamp.sequence, BOXES as u64 + 3);
     }
 
@@ -227,7 +227,7 @@ mod tests {
             log.keep(&inputs(index, &[], None), &JointCommand::default());
         }
         assert!(!log.has_room());
-        let part = reader.next().expect("a part");
+        let part = reader.next_part().expect("a part");
         reader.give_back(part);
         assert!(log.has_room());
     }

@@ -112,7 +112,7 @@ fn pursue(recording: bool) -> Costs {
             .expect("every tick leaves a record");
         while supervisor.next_event().is_some() {}
         if let Some(input_log) = supervisor.input_log() {
-            let part = input_log.next().expect("every tick leaves a part");
+            let part = input_log.next_part().expect("every tick leaves a part");
             assert_eq!(part.command.crc32, record.report.command_crc32);
             input_log.give_back(part);
         }

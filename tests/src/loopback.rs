@@ -144,7 +144,7 @@ impl Drain {
             let inputs = bus.publisher::<TickInputs>(service::TICK_INPUTS);
             let inputs = inputs.expect("a port");
             while !ended.load(Ordering::Relaxed) {
-                while let Some(part) = log.next() {
+                while let Some(part) = log.next_part() {
                     inputs.send(&part).expect("sent");
                     log.give_back(part);
                 }

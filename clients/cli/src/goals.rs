@@ -137,7 +137,6 @@ fn target(
         at_m: place_m(usual, place, usual.at_m[2]),
         yaw_rad: yaw_deg.map_or(usual.yaw_rad, f64::to_radians),
         width_m: width_mm.map_or(usual.width_m, |width_mm| width_mm * 1e-3),
-        ..*usual
     }
 }
 

@@ -28,7 +28,7 @@ impl RecordStream {
 
     /// Publishes the parts that wait, and lets recorders that came late have the header.
     pub(super) fn publish(&self, input_log: &mut LogReader) {
-        while let Some(part) = input_log.next() {
+        while let Some(part) = input_log.next_part() {
             super::telemetry::report_failure(self.inputs.send(&part));
             input_log.give_back(part);
         }

@@ -1,6 +1,6 @@
 //! The program modules of the paper (section II, Fig. 4): one file each, in parallel, without priority.
 //!
-//! In: what the hand feels ([`Percept`]) and what it is about ([`Context`]). Out: one [`Proposal`] per module. Every
+//! In: what the hand feels ([`crate::perception::Percept`]) and what it is about ([`Context`]). Out: one [`Proposal`] per module. Every
 //! module says from sensor information whether it is active and what it would do; none knows of another, and the order
 //! of the list means nothing ([`crate::arbitration`] merges by rules that do not depend on it). That is what separates
 //! ATAS from subsumption.

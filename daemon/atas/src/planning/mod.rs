@@ -1,7 +1,7 @@
 //! Planning: where the steps of a goal take a hand.
 //!
 //! In: a checked goal and the pose in which a hand stands. Out: the poses that its waypoints stand for ([`Waypoints`]) and
-//! the path of each motion ([`path_of`]). The runner asks when a step begins; the check of a goal asks before anything
+//! the path of each motion (`path_of`). The runner asks when a step begins; the check of a goal asks before anything
 //! moves, so both see the same way.
 //!
 //! Absent on purpose: forces, time and obstacles.
