@@ -35,7 +35,7 @@ pub enum Pacer {
 }
 
 impl Pacer {
-    /// Waits for the next tick and takes in what has come by then. `None` when the loop shall end. Where there is time
+    /// Waits for the next tick. `None` when the loop shall end. Where there is time
     /// between waking up and the tick, `warm` is called once, to bring into the caches what the tick will need.
     pub fn wait(
         &mut self,
@@ -59,8 +59,7 @@ impl Pacer {
     }
 }
 
-/// Time set aside between waking up and the spin for warming the caches, ns: a dry tick takes about as long as a real one
-/// (measured: 10 to 15 µs when cold). Ours.
+/// What warming the caches takes, ns: a dry tick takes about as long as a real one (measured: 10 to 15 µs when cold). Ours.
 const WARM_NS: u64 = 15_000;
 /// The wait for what is late ends at this fraction of a period at the latest, whatever is configured: the tick itself
 /// needs the rest. Ours.
@@ -120,13 +119,14 @@ impl FreePacer {
         let awaited = self
             .phase
             .map_or_else(Awaited::default, |phase| phase.awaited(deadline_ns));
-        let warm_ns = WARM_NS.min(self.margin.max_ns());
-        let awake_ns = deadline_ns.saturating_sub(self.margin.ns() + warm_ns);
+        // Where wake-ups are punctual the margin is short, and would leave no time to warm up.
+        let early_ns = self.margin.ns().max(WARM_NS.min(self.margin.max_ns()));
+        let awake_ns = deadline_ns.saturating_sub(early_ns);
         if now_ns() < awake_ns {
             sleep_until(awake_ns);
             self.margin.observe(now_ns().saturating_sub(awake_ns));
         }
-        if now_ns() + warm_ns < deadline_ns {
+        if now_ns() + WARM_NS < deadline_ns {
             warm(ports);
         }
         ports.begin();
@@ -134,7 +134,6 @@ impl FreePacer {
             look_until(ports, &awaited, deadline_ns, self.patience_ns)
         } else {
             let now = spin_until(deadline_ns);
-            ports.look();
             (now, Began::AtDeadline, now.saturating_sub(deadline_ns))
         };
         schedule.begin(now, began, late_ns)
@@ -142,29 +141,35 @@ impl FreePacer {
 }
 
 /// Looks until what is awaited has come, or until the latest moment. Returns when that was, why it ended, and by how much
-/// it missed its moment.
+/// it missed its moment. What comes is left where it is: to take it in is the tick's work.
 fn look_until(
     ports: &mut InputPorts,
     awaited: &Awaited,
     deadline_ns: u64,
     patience_ns: u64,
 ) -> (u64, Began, u64) {
+    // What waits already may be of the frame before; what comes from now on is new.
+    ports.look();
+    let missing = awaited.missing(&ports.captured_ns());
+    let mut looked_ns = now_ns();
+    if missing == [false; STREAMS] {
+        return (
+            looked_ns,
+            Began::FoundWaiting,
+            looked_ns.saturating_sub(deadline_ns),
+        );
+    }
     let latest_ns = deadline_ns + patience_ns;
-    let mut looked_ns = None;
     loop {
-        ports.look();
+        let has_come = ports.have_news(&missing);
         let now = now_ns();
-        if awaited.have_come(&ports.captured_ns()) {
-            let (began, moment_ns) = match looked_ns {
-                None => (Began::FoundWaiting, deadline_ns),
-                Some(looked_ns) => (Began::OnArrival, looked_ns),
-            };
-            return (now, began, now.saturating_sub(moment_ns));
+        if has_come {
+            return (now, Began::OnArrival, now - looked_ns);
         }
         if now >= latest_ns {
             return (now, Began::InVain, now - latest_ns);
         }
-        looked_ns = Some(now);
+        looked_ns = now;
         std::hint::spin_loop();
     }
 }

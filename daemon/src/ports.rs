@@ -54,15 +54,20 @@ impl InputPorts {
     /// Takes in what has come since the last look, hands before joints, as they are sent. At most [`FRAMES_PER_TICK`]
     /// frames of each hand fit between two calls of [`InputPorts::begin`].
     pub fn look(&mut self) {
-        self.look_for_frames();
-        self.look_for_joints();
-    }
-
-    /// Takes in the frames alone.
-    pub fn look_for_frames(&mut self) {
         for hand in &mut self.hands {
             self.failures += u64::from(hand.take().is_err());
         }
+        self.look_for_joints();
+    }
+
+    /// Whether something waits in each of these streams. Asked in the reverse of the order in which they are sent, so that
+    /// as long as the last one has not come nothing else is looked at.
+    #[must_use]
+    pub fn have_news(&self, streams: &[bool; STREAMS]) -> bool {
+        let [left, right] = self.hands.each_ref().map(|hand| &hand.port);
+        (!streams[2] || self.joints.has_news())
+            && (!streams[1] || right.has_news())
+            && (!streams[0] || left.has_news())
     }
 
     /// Takes in the newest joint state alone; `false` if none has come since [`InputPorts::begin`].

@@ -115,6 +115,7 @@ impl TickLoop {
             return false;
         };
         watch.start();
+        ports.look();
         *last_tick = start.tick;
         let is_free = matches!(pacer, Pacer::Free(_));
         let order = order_for(link, &start, is_free);

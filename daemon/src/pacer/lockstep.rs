@@ -52,8 +52,6 @@ impl LockStep {
             let settling = self.index < self.settled_at;
             let has_work = settling || pursues_goal || link.has_orders();
             if has_work && link.has_room() && ports.look_for_joints() {
-                // Frames are sent before the joint state that they belong to: they are here.
-                ports.look_for_frames();
                 return Some(self.begin(ports.joints_captured_ns(), settling));
             }
             polls += 1;

@@ -87,11 +87,12 @@ impl Awaited {
         self.least_captured_ns.iter().any(Option::is_some)
     }
 
-    /// Whether all of it has come, by the newest stamps.
+    /// The streams of which it has not come, by the newest stamps.
     #[must_use]
-    pub fn have_come(&self, captured_ns: &[u64; STREAMS]) -> bool {
-        let mut streams = self.least_captured_ns.iter().zip(captured_ns);
-        streams.all(|(least, newest)| least.is_none_or(|least| *newest >= least))
+    pub fn missing(&self, captured_ns: &[u64; STREAMS]) -> [bool; STREAMS] {
+        core::array::from_fn(|stream| {
+            self.least_captured_ns[stream].is_some_and(|least| captured_ns[stream] < least)
+        })
     }
 }
 

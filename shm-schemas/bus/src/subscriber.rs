@@ -97,6 +97,13 @@ impl<T: Payload> Subscriber<T> {
         Ok(max)
     }
 
+    /// Whether a payload waits, without taking it. A writer that cannot be read has nothing to offer. Never waits, never
+    /// allocates.
+    #[must_use]
+    pub fn has_news(&self) -> bool {
+        self.port.has_samples().unwrap_or(false)
+    }
+
     /// Most payloads that can wait.
     fn capacity(&self) -> usize {
         self.stream.buffer * self.stream.publishers

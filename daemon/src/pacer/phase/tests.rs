@@ -92,7 +92,8 @@ impl Scene {
         let first_look_ns = self.deadline_ns - MARGIN_NS;
         let known = (self.newest_ns, 0);
         let mut came = std::iter::once(&known).chain(&self.frames);
-        let found = came.find(|(stamp_ns, _)| awaited.have_come(&[0, *stamp_ns, *stamp_ns]));
+        let found = came
+            .find(|(stamp_ns, _)| awaited.missing(&[0, *stamp_ns, *stamp_ns]) == [false; STREAMS]);
         match found {
             Some((_, at)) if *at <= first_look_ns => (first_look_ns, Began::FoundWaiting),
             Some((_, at)) if *at <= latest_ns => (*at, Began::OnArrival),
