@@ -50,6 +50,21 @@ impl Pacer {
         }
     }
 
+    /// Takes in what the tick shall use. In lock-step the joint state is in already: the tick's time is its own, and a newer
+    /// one is the next tick's.
+    pub fn take_in(&self, ports: &mut InputPorts) {
+        match self {
+            Self::Free(_) => ports.look(),
+            Self::LockStep(_) => ports.look_for_frames(),
+        }
+    }
+
+    /// Whether the ticks follow the clock.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        matches!(self, Self::Free(_))
+    }
+
     /// Learns from a tick when the next one should begin; `true` if the ticks are locked to the frames.
     pub fn learn(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> bool {
         match self {
@@ -61,6 +76,9 @@ impl Pacer {
 
 /// What warming the caches takes, ns: a dry tick takes about as long as a real one (measured: 10 to 15 µs when cold). Ours.
 const WARM_NS: u64 = 15_000;
+/// Least time between waking up and a deadline where the spin's cap allows it, ns: warming, and the latency of a punctual
+/// wake-up before it. Ours.
+const EARLY_NS: u64 = WARM_NS + 5_000;
 /// The wait for what is late ends at this fraction of a period at the latest, whatever is configured: the tick itself
 /// needs the rest. Ours.
 const PATIENCE_PERIODS: u64 = 4;
@@ -120,7 +138,7 @@ impl FreePacer {
             .phase
             .map_or_else(Awaited::default, |phase| phase.awaited(deadline_ns));
         // Where wake-ups are punctual the margin is short, and would leave no time to warm up.
-        let early_ns = self.margin.ns().max(WARM_NS.min(self.margin.max_ns()));
+        let early_ns = self.margin.ns().max(EARLY_NS.min(self.margin.max_ns()));
         let awake_ns = deadline_ns.saturating_sub(early_ns);
         if now_ns() < awake_ns {
             sleep_until(awake_ns);

@@ -54,10 +54,15 @@ impl InputPorts {
     /// Takes in what has come since the last look, hands before joints, as they are sent. At most [`FRAMES_PER_TICK`]
     /// frames of each hand fit between two calls of [`InputPorts::begin`].
     pub fn look(&mut self) {
+        self.look_for_frames();
+        self.look_for_joints();
+    }
+
+    /// Takes in the frames alone.
+    pub fn look_for_frames(&mut self) {
         for hand in &mut self.hands {
             self.failures += u64::from(hand.take().is_err());
         }
-        self.look_for_joints();
     }
 
     /// Whether something waits in each of these streams. Asked in the reverse of the order in which they are sent, so that

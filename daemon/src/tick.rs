@@ -115,10 +115,9 @@ impl TickLoop {
             return false;
         };
         watch.start();
-        ports.look();
+        pacer.take_in(ports);
         *last_tick = start.tick;
-        let is_free = matches!(pacer, Pacer::Free(_));
-        let order = order_for(link, &start, is_free);
+        let order = order_for(link, &start, pacer.is_free());
         let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.order));
         let step = guard.step(&inputs, |stage| watch.passed(stage as usize));
         watch.passed(REPORT);

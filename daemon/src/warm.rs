@@ -86,6 +86,7 @@ impl DryTick {
             let stamp = &mut self.joints.stamp;
             stamp.sequence = stamp.sequence.wrapping_add(1);
             stamp.captured_ns = stamp.captured_ns.saturating_add(period_ns);
+            self.joints.seal();
             self.has_joints = true;
         }
     }

@@ -1,14 +1,12 @@
 //! `atas estop`: on the way that nothing else can occupy.
 //!
-//! No bus is joined, no lock taken, nothing cleaned up first ([`shm_bus::stop`]). Only where no daemon listens on that way,
-//! the ordinary control request is tried before the error is told.
+//! No bus is joined, no lock taken, nothing cleaned up first ([`shm_bus::stop`]).
 
 use std::time::Duration;
 
-use atas_client::Session;
 use atas_console::Output;
 use serde_json::json;
-use shm_bus::{BusError, BusName, stop};
+use shm_bus::{BusName, stop};
 use shm_schemas::{ControlOp, StopOutcome};
 
 /// How long the daemon may take to answer. Ours: an answer takes one tick, and twenty milliseconds without one.
@@ -16,11 +14,7 @@ const ANSWER: Duration = Duration::from_millis(800);
 
 /// Stops the robot, and says whether a tick took it.
 pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
-    let outcome = match stop::request(bus, "atas estop", ANSWER) {
-        Ok(answer) => answer.outcome,
-        Err(nobody @ BusError::NoServer { .. }) => by_control(bus).ok_or(nobody)?,
-        Err(error) => return Err(error.into()),
-    };
+    let outcome = stop::request(bus, "atas estop", ANSWER)?.outcome;
     if output.is_json() {
         return output.json(&json!({
             "op": ControlOp::ESTOP.name(),
@@ -39,10 +33,4 @@ fn sentence(outcome: StopOutcome) -> &'static str {
         "the daemon has the stop, but no tick has come since; it stops with its next tick (in lock-step, with the next \
          frame). See `atas status`"
     }
-}
-
-fn by_control(bus: &BusName) -> Option<StopOutcome> {
-    let session = Session::existing(bus).ok()?;
-    let done = session.demand(ControlOp::ESTOP, 0.0, "");
-    done.ok().map(|_| StopOutcome::STOPPED)
 }

@@ -115,6 +115,7 @@ fn flags(flags: u32) -> String {
         (StatusFlags::REALTIME, "real-time scheduling"),
         (StatusFlags::MEMORY_LOCKED, "memory locked"),
         (StatusFlags::PHASE_LOCKED, "phase-locked"),
+        (StatusFlags::KEPT_AWAKE, "cores kept awake"),
         (
             StatusFlags::DEGRADED,
             "DEGRADED: real-time scheduling or memory locking was refused",

@@ -7,7 +7,7 @@ use shm_schemas::{
     Hand, Mode, Status,
 };
 
-use crate::support::{Daemon, PATIENCE, World, wait_for};
+use crate::support::{Daemon, PATIENCE, PATIENT, World, wait_for};
 
 const PERIOD_NS: u64 = 1_000_000;
 
@@ -266,9 +266,8 @@ fn a_flood_of_goals_is_bounded_and_a_stop_gets_through() {
 fn parameters_are_read_listed_and_set_within_their_range() {
     let bus = FreshBus::new("params");
     let mut world = World::on(&bus);
-    // On a busy machine the world is late, and zero is only taken by a robot that is ready.
-    let patient = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
-    let _daemon = Daemon::start_with(&bus, patient, &[], |_| ());
+    // Zero is only taken by a robot that is ready.
+    let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
     world.until_mode(Mode::READY);
     let before = world.until("a status", |s| s.ticks > 0).config_hash;
     let mut ask = |op, name, value| {

@@ -6,10 +6,7 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StatusFlags, TickReport, service};
 
-use crate::support::{Daemon, World, wait_for};
-
-/// Patient enough for a loaded machine: what is tested here is not how soon.
-const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
+use crate::support::{Daemon, PATIENT, World, wait_for};
 
 fn check_refused(config: &str, flags: &[&str], code: i32, said: &str) {
     let bus = FreshBus::new("refused");

@@ -7,10 +7,8 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use shm_schemas::{ControlOp, ControlOutcome, Mode};
 
-use crate::support::{Daemon, World};
+use crate::support::{Daemon, PATIENT, World};
 
-/// On a busy machine the world is late; that is not what is tested here.
-const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
 /// Requests, each with a line in the log: several times what a pipe holds.
 const REQUESTS: usize = 2_000;
 

@@ -5,10 +5,8 @@ use std::time::Duration;
 use shm_bus::{BusError, FreshBus, stop};
 use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StopOutcome};
 
-use crate::support::{Daemon, World};
+use crate::support::{Daemon, PATIENT, World};
 
-/// On a busy machine the world is late; that is not what is tested here.
-const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
 const WITHIN: Duration = Duration::from_secs(2);
 
 #[test]

@@ -16,6 +16,10 @@ use tempfile::TempDir;
 /// Long enough for any machine; nothing is measured against it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 
+/// A configuration for tests in which the world may be late: a machine is busy, and that is not what they test.
+pub(crate) const PATIENT: &str =
+    "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
+
 /// A daemon process. Killed when dropped, and then its log is shown if the test failed.
 pub(crate) struct Daemon {
     child: Child,
