@@ -296,7 +296,7 @@ settings! {
         following_per_speed_s = 0.03 in 0.0..1.0;
         /// How long the following error must be too large until SAFE_STOP, s.
         following_s = 0.01 in 0.001..1.0;
-        /// How long a command stays valid, s.
+        /// How long a command stays valid, s; at least 1.5 periods of the tick.
         valid_s = 0.005 in 0.001..0.1;
         /// How long a goal may pause in HOLD before it fails, s.
         pause_s = 0.5 in 0.0..60.0;

@@ -25,6 +25,14 @@ const PRIORITY_MAX: u32 = 98;
 /// Beyond this, spinning costs more than a tenth of a core (measured: 9 % at 100 µs and 1 kHz).
 const SPIN_MAX_US: u32 = 100;
 
+/// Longest spin, periods: the rest is for the tick itself and for sleeping, without which a real-time thread starves the
+/// machine. Ours.
+const SPIN_MAX_PERIODS: f64 = 0.5;
+
+/// Shortest life of a command, periods: with less, a command expires at the robot before a slightly late one replaces
+/// it. Ours.
+const VALID_MIN_PERIODS: f64 = 1.5;
+
 /// As old as a frame may be before the robot holds (`intake.hold_age_s` by default).
 const PHASE_OFFSET_MAX_US: u32 = 5_000;
 
@@ -211,14 +219,33 @@ pub(super) fn holds(name: &str, config: &Config) -> bool {
     }
 }
 
-/// Parameters that contradict another one: `(key, value, what it needs)`.
+/// Values that contradict another one: `(key, value, what it needs)`.
 pub(super) fn contradictions(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
     let settings = config.settings();
-    ORDERED.iter().filter_map(move |&(lower, upper)| {
+    let ordered = ORDERED.iter().filter_map(move |&(lower, upper)| {
         let value = |name| find(name).map_or(f64::NAN, |p| (p.get)(&settings));
         let (below, above) = (value(lower), value(upper));
         (below > above).then(|| (lower, below, format!("at most {upper}, which is {above}")))
-    })
+    });
+    ordered.chain(timing(config))
+}
+
+/// Times that the tick rate does not allow.
+fn timing(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
+    let rate_hz = f64::from(config.realtime.rate_hz);
+    let (spin_us, valid_s) = (f64::from(config.realtime.spin_us), config.safety.valid_s);
+    let spin_max_us = SPIN_MAX_PERIODS * 1e6 / rate_hz;
+    let valid_min_s = VALID_MIN_PERIODS / rate_hz;
+    let at = format!("of a period at realtime.rate_hz = {rate_hz}");
+    let spins = (spin_us > spin_max_us).then(|| {
+        let needs = format!("at most {spin_max_us}, {SPIN_MAX_PERIODS} {at}");
+        ("realtime.spin_us", spin_us, needs)
+    });
+    let expires = (valid_s < valid_min_s).then(|| {
+        let needs = format!("at least {valid_min_s}, {VALID_MIN_PERIODS} {at}");
+        ("safety.valid_s", valid_s, needs)
+    });
+    spins.into_iter().chain(expires)
 }
 
 /// The key or section that was probably meant: the same key of another section, or else the likeliest spelling.

@@ -158,6 +158,14 @@ fn what_is_wrong_is_said() {
         "[grasp]\nslip_off = 0.6\nslip_on = 0.5\nrelax_below = 0.4\n",
         "0.toml:2: grasp.slip_off is 0.6, needs at most grasp.slip_on, which is 0.5",
     );
+    check(
+        "[realtime]\nrate_hz = 10000\nspin_us = 60\n",
+        "0.toml:3: realtime.spin_us is 60, needs at most 50, 0.5 of a period at realtime.rate_hz = 10000",
+    );
+    check(
+        "[realtime]\nrate_hz = 200\n",
+        "safety.valid_s is 0.005 by default, needs at least 0.0075, 1.5 of a period at realtime.rate_hz = 200",
+    );
     let default = Config::default().perception.touch_off_n;
     check(
         "[perception]\ntouch_on_n = 0.001\n",

@@ -8,10 +8,8 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use shm_schemas::{Mode, StatusFlags};
 
-use crate::support::{Daemon, World};
+use crate::support::{Daemon, PATIENT, World};
 
-/// Patient enough for a loaded machine and a traced process.
-const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
 /// Sleeps in which the tick thread gets to know its peers and touches everything once.
 const WARM_UP: usize = 100;
 /// Ticks that are looked at.
@@ -66,7 +64,11 @@ fn a_tick_makes_no_system_call_but_its_sleep() {
     // -D: the daemon stays our child, strace is its grandchild.
     let strace = ["strace", "-D", "-f", "-qq", "-o", &out];
     // Slow enough for a traced process; recording, because its part of the tick must be as quiet.
-    let flags = ["--set", "realtime.rate_hz=200", "--record-stream"];
+    let flags = [
+        "--set=realtime.rate_hz=200",
+        "--set=safety.valid_s=0.02",
+        "--record-stream",
+    ];
     let mut daemon = Daemon::start_under(&strace, &bus, PATIENT, &flags, |_| ());
     let begin = world.until_mode(Mode::READY).ticks;
     world.until("ticks", |s| s.ticks > begin + WARM_UP as u64 + TICKS / 2);

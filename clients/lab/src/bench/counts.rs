@@ -26,7 +26,7 @@ const WITHIN: Duration = Duration::from_secs(120);
 /// The function in which instructions are counted.
 const TICK_FUNCTION: &str = "--toggle-collect=*production_tick*";
 /// Slow enough for a traced process on a loaded machine.
-const TRACED: [&str; 8] = [
+const TRACED: [&str; 10] = [
     "--set",
     "realtime.rate_hz=200",
     "--set",
@@ -35,6 +35,8 @@ const TRACED: [&str; 8] = [
     "intake.reject_age_s=5.0",
     "--set",
     "safety.stall_s=1.0",
+    "--set",
+    "safety.valid_s=0.02",
 ];
 /// Sleeps in which the traced tick thread gets to know its peers and touches everything once.
 const WARM_UP: usize = 100;
