@@ -44,6 +44,7 @@ mod shape;
 mod support;
 pub mod swarm;
 mod thread;
+mod torsion;
 mod vibration;
 mod world;
 mod world_object;
@@ -54,7 +55,8 @@ pub use drive::LATENCY_MS;
 pub use object::{Neck, Object, ObjectError};
 pub use plant::servo_stiffness_n_m_rad;
 pub use scene::{
-    ErrorKind, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError, home_rad,
+    ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,
+    home_rad,
 };
 pub use shape::Shape;
 pub use support::Plate;

@@ -14,10 +14,12 @@ use crate::object::Object;
 use crate::shape::Shape;
 use crate::support::Plate;
 
+mod error_spec;
 mod errors;
 mod family;
 mod tasks;
 
+pub use error_spec::ErrorSpecError;
 pub use errors::{ErrorKind, Errors};
 
 /// Objects in one scene, the capacity of [`shm_schemas::WorldTruth`].

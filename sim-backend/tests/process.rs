@@ -273,6 +273,12 @@ fn refusals() {
         2,
         "the sensor rate in hertz was 2000, needs 1 to 1000",
     );
+    check("run --errors moon".into(), 2, "no error is named \"moon\"");
+    check(
+        "run --errors crosstalk=90".into(),
+        2,
+        "the crosstalk was 0.9",
+    );
     check("run --fault melt@1".into(), 2, "needs one of drop");
     check("run --robot /no/such.urdf".into(), 2, "/no/such.urdf");
     check("fly".into(), 2, "unrecognized subcommand");
@@ -291,6 +297,13 @@ fn lists() {
         "{objects}"
     );
     assert!(listed("faults").contains("payloads are lost with this probability"));
+    let errors = listed("errors");
+    for kind in &sim_backend::Errors::KINDS {
+        assert!(
+            errors.contains(kind.name) && errors.contains(kind.about),
+            "{errors}"
+        );
+    }
     assert!(listed("completions bash").contains("--format"));
     let rows: Vec<serde_json::Value> = listed("objects --format json")
         .lines()
@@ -312,7 +325,15 @@ fn every_command_has_a_manual_page_and_an_example() {
         .output()
         .expect("it starts");
     assert!(output.status.success(), "{output:?}");
-    for command in ["run", "field", "objects", "faults", "completions", "man"] {
+    for command in [
+        "run",
+        "field",
+        "objects",
+        "faults",
+        "errors",
+        "completions",
+        "man",
+    ] {
         let page = folder.path().join(format!("atas-sim-{command}.1"));
         assert!(page.exists(), "{page:?}");
         let output = atas_sim(&format!("{command} --help"))
@@ -326,7 +347,7 @@ fn every_command_has_a_manual_page_and_an_example() {
 /// Regression: a list that did not fit on the disk ended with code 0.
 #[test]
 fn a_full_disk_is_told_with_the_documented_code() {
-    for what in ["objects", "faults", "completions bash"] {
+    for what in ["objects", "faults", "errors", "completions bash"] {
         let full = std::fs::File::options().write(true).open("/dev/full");
         let output = atas_sim(what)
             .stdout(full.expect("Linux has it"))

@@ -1,14 +1,48 @@
 //! Under which conditions a task is tried.
 
 use serde::Serialize;
+use sim_backend::Errors;
 
-/// How good the sensors are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How good the sensors are, and how far the rest is from what the controller was made for.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
     /// Scale of the fingertip sensors' noise.
     pub noise: Noise,
     /// Frames per second of the fingertip sensors.
     pub rate_hz: u32,
+    /// Errors of robot, skins, objects, and of what a client is told.
+    pub errors: Named,
+}
+
+/// Errors with the name under which they are reported.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// As a user would ask for them: `none`, `crosstalk`, `position=2,yaw=5`.
+    pub name: String,
+    /// The errors.
+    pub errors: Errors,
+}
+
+impl Named {
+    /// None.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            name: "none".to_owned(),
+            errors: Errors::NONE,
+        }
+    }
+}
+
+impl core::str::FromStr for Named {
+    type Err = sim_backend::ErrorSpecError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self {
+            name: text.to_owned(),
+            errors: text.parse()?,
+        })
+    }
 }
 
 /// A scale of noise.

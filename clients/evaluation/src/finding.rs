@@ -97,7 +97,7 @@ pub(super) fn judge(
         Task::Grasp => Finding::Grasp(grasped(trial, load)),
         Task::PickPlace => Finding::PickPlace(Placing::of(end, truth, to_m, progress.let_go_ns())),
         Task::Screw => Finding::Screw(Screwing::of(end, truth)),
-        Task::Assembly => Finding::Assembly(Assembly::of(end, truth)),
+        Task::Assembly => Finding::Assembly(Assembly::of(end, &trial.start, truth)),
     }
 }
 

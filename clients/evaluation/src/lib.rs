@@ -28,7 +28,7 @@ mod statistics;
 mod task;
 mod trial;
 
-pub use condition::{Condition, Noise};
+pub use condition::{Condition, Named, Noise};
 pub use finding::{Finding, Grasped};
 pub use plan::Plan;
 pub use policy::GripPolicy;

@@ -31,25 +31,12 @@ pub struct OfflineRun {
 pub struct Trial {
     /// The last update that the client would have received.
     pub end: GoalUpdate,
+    /// The world before it.
+    pub start: WorldTruth,
     /// The world at the end.
     pub truth: WorldTruth,
     /// Simulated time, s.
     pub simulated_s: f64,
-}
-
-impl Trial {
-    /// A trial that never moved, because the goal was refused or time ran out.
-    fn ended(state: GoalState, reason: Reason, truth: WorldTruth, simulated_s: f64) -> Self {
-        Self {
-            end: GoalUpdate {
-                state,
-                reason,
-                ..GoalUpdate::default()
-            },
-            truth,
-            simulated_s,
-        }
-    }
 }
 
 impl OfflineRun {
@@ -126,46 +113,53 @@ impl OfflineRun {
         outputs
     }
 
-    /// Pursues a goal to its end, at most `limit_s` of simulated time; `watch` sees every tick.
+    /// Pursues a goal to its end, at most `limit_s` of simulated time; `watch` sees every tick. A goal that the controller
+    /// rejects ends before anything moves.
     pub fn run(
         &mut self,
         goal: &GoalRequest,
         limit_s: f64,
         mut watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
-        let now = self
-            .controller
-            .circumstances(&self.robot, self.task.as_slice());
+        let (first, start) = (self.index, self.world.truth());
+        let end = self.pursue(goal, limit_s, &mut watch);
+        Trial {
+            end,
+            start,
+            truth: self.world.truth(),
+            simulated_s: (self.index - first) as f64 * TICK_NS as f64 * 1e-9,
+        }
+    }
+
+    /// The goal's last update.
+    fn pursue(
+        &mut self,
+        goal: &GoalRequest,
+        limit_s: f64,
+        watch: &mut impl FnMut(&Outputs, &World),
+    ) -> GoalUpdate {
+        let ended = |state, reason| GoalUpdate {
+            state,
+            reason,
+            ..GoalUpdate::default()
+        };
+        let task = self.task.as_slice();
+        let now = self.controller.circumstances(&self.robot, task);
         let checked = match atas_core::check::check(goal, &now) {
             Ok(checked) => checked,
-            Err(reason) => {
-                return Trial::ended(GoalState::REJECTED, reason, self.world.truth(), 0.0);
-            }
+            Err(reason) => return ended(GoalState::REJECTED, reason),
         };
-        let first = self.index;
-        let limit_ticks = (limit_s * 1e9) as u64 / TICK_NS;
         let mut order = Some(Order::Start(checked));
-        while self.index - first < limit_ticks {
+        for _ in 0..(limit_s * 1e9) as u64 / TICK_NS {
             let outputs = *self.step(order.take().as_ref());
             watch(&outputs, &self.world);
-            if let Some(end) = outputs
-                .goal_update
-                .filter(|u| u.goal_id == goal.goal_id && u.state.is_final())
-            {
-                return Trial {
-                    end,
-                    truth: self.world.truth(),
-                    simulated_s: self.seconds(first),
-                };
+            let is_end = |u: &GoalUpdate| u.goal_id == goal.goal_id && u.state.is_final();
+            if let Some(end) = outputs.goal_update.filter(is_end) {
+                return end;
             }
         }
         let reason = Reason::limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);
-        Trial::ended(
-            GoalState::FAILED,
-            reason,
-            self.world.truth(),
-            self.seconds(first),
-        )
+        ended(GoalState::FAILED, reason)
     }
 
     /// The world, for judges.
@@ -178,10 +172,6 @@ impl OfflineRun {
     #[must_use]
     pub fn controller(&self) -> &Controller {
         &self.controller
-    }
-
-    fn seconds(&self, first: u64) -> f64 {
-        (self.index - first) as f64 * TICK_NS as f64 * 1e-9
     }
 }
 

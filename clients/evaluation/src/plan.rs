@@ -29,7 +29,7 @@ pub struct Plan {
 }
 
 /// One trial of a plan.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Job {
     /// Index of the object.
     pub(crate) object: usize,
@@ -50,9 +50,12 @@ impl Plan {
 
     /// Every law with its condition: ours under all of them, then the baselines under the first.
     pub(crate) fn series(&self) -> Vec<(GripPolicy, Condition)> {
-        let ours = self.conditions.iter().map(|c| (GripPolicy::Ours, *c));
+        let ours = self
+            .conditions
+            .iter()
+            .map(|c| (GripPolicy::Ours, c.clone()));
         let first = self.conditions.first();
-        let baselines = first.map(|c| self.baselines.iter().map(|law| (*law, *c)));
+        let baselines = first.map(|c| self.baselines.iter().map(|law| (*law, c.clone())));
         ours.chain(baselines.into_iter().flatten()).collect()
     }
 
@@ -67,7 +70,7 @@ impl Plan {
                 object,
                 number,
                 law: *law,
-                condition: *condition,
+                condition: condition.clone(),
             })
         };
         (0..self.trials).flat_map(trial).collect()

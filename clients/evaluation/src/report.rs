@@ -36,6 +36,8 @@ pub struct Report {
     pub noise: Noise,
     /// Frames per second of the sensors under the first condition.
     pub rate_hz: u32,
+    /// Errors under the first condition, by name.
+    pub errors: String,
     /// The same per family of objects.
     pub families: Vec<Family>,
     /// Our modules under every condition.
@@ -122,6 +124,8 @@ pub struct Row {
     pub noise: Noise,
     /// Frames per second of the sensors.
     pub rate_hz: u32,
+    /// Errors, by name.
+    pub errors: String,
     /// Its trials.
     #[serde(flatten)]
     pub tally: Tally,
@@ -148,7 +152,11 @@ impl Report {
     pub(super) fn of(plan: &Plan, series: &[Vec<Record>], wall_s: f64) -> Self {
         let (ours, theirs) = series.split_at(plan.conditions.len());
         let first: Vec<&Record> = ours[0].iter().collect();
-        let Condition { noise, rate_hz } = plan.conditions[0];
+        let Condition {
+            noise,
+            rate_hz,
+            errors,
+        } = &plan.conditions[0];
         let sum = |value: fn(&Record) -> f64| ours.iter().flatten().map(value).sum::<f64>();
         let rows = plan.conditions.iter().zip(ours);
         let baseline_rows: Vec<Baseline> = plan
@@ -166,8 +174,9 @@ impl Report {
             realtime_factor: sum(|r| r.simulated_s) / sum(|r| r.cpu_s),
             wall_s,
             seeds: plan.trials.div_ceil(plan.objects.len() as u64),
-            noise,
-            rate_hz,
+            noise: *noise,
+            rate_hz: *rate_hz,
+            errors: errors.name.clone(),
             families: (0..plan.objects.len())
                 .map(|object| Family::of(plan, &first, object))
                 .collect(),
@@ -232,6 +241,7 @@ impl Row {
         Self {
             noise: condition.noise,
             rate_hz: condition.rate_hz,
+            errors: condition.errors.name.clone(),
             tally: Tally::of(&records),
             physics: Physics::of(&records),
         }

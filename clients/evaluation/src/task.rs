@@ -6,7 +6,7 @@ use robot_model::Side;
 use shm_schemas::GoalRequest;
 use sim_backend::{GraspHint, Object, ObjectError, Scene};
 
-use crate::condition::{Condition, Noise};
+use crate::condition::{Condition, Named, Noise};
 use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
 
@@ -63,7 +63,11 @@ impl Task {
     /// The conditions that the issue asks for: noise × 1 and × 2 of the grasp, × 1 to 2 of the others, then held sensors.
     #[must_use]
     pub fn conditions(self) -> Vec<Condition> {
-        let condition = |noise, rate_hz| Condition { noise, rate_hz };
+        let condition = |noise, rate_hz| Condition {
+            noise,
+            rate_hz,
+            errors: Named::none(),
+        };
         let [full_hz, held_hz, slow_hz] = RATES_HZ;
         let usual = match self {
             Self::Grasp => Noise::Scale(NOISE[0]),

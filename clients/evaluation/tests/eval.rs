@@ -118,13 +118,12 @@ fn json_fields_are_a_contract() {
     let tally = "trials success ci95 failures medians largest";
     let physics = "feasible infeasible borderline f2_ratio_median f2_ratio_deviation";
     let shape = |own: &str| sorted(&format!("{own} {tally} {physics}"));
-    let own =
-        "task baselines realtime_factor wall_s seeds noise rate_hz families rows baseline_rows";
+    let own = "task baselines realtime_factor wall_s seeds noise rate_hz errors families rows baseline_rows";
     assert_eq!(keys(&value), shape(own));
     assert_eq!(keys(&value["feasible"]), feasible);
     assert_eq!(keys(&value["infeasible"]), infeasible);
     assert_eq!(keys(&value["families"][0]), shape("object"));
-    assert_eq!(keys(&value["rows"][0]), shape("noise rate_hz"));
+    assert_eq!(keys(&value["rows"][0]), shape("noise rate_hz errors"));
     assert_eq!(keys(&value["baseline_rows"][0]), shape("baseline"));
     assert_eq!(keys(&value["baselines"]), "fixed_force slip_reactive");
     assert!(

@@ -36,6 +36,10 @@ pub struct Evaluation {
     /// Frames per second of the fingertip sensors [default: 1000, 100 and 30]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rate_hz: Option<u32>,
+    /// Errors of robot, skins and objects, and of what the controller is told: all, none, or names separated by commas, each
+    /// with an amount if it shall not be the usual one, as in `crosstalk,position=2,yaw=5` (`atas-sim errors` lists them) [default: none]
+    #[arg(long, value_name = "NAME[=AMOUNT]")]
+    pub errors: Option<String>,
     /// Built-in objects or files, separated by commas; for screwing and assembly, caps [default: every built-in one that fits]
     #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
     pub objects: Vec<String>,

@@ -6,7 +6,7 @@
 
 use shm_schemas::{GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 
-use super::{ended, harmed, unless};
+use super::{ended, harmed, moved_in_hand, unless};
 
 /// Farthest that an object may stand from its place, horizontally, m (issue).
 const OFF_M: f64 = 0.005;
@@ -56,7 +56,8 @@ impl Placing {
             .or_else(|| unless(parting_s.is_finite(), "never released"))
             .or_else(|| unless(above_m <= ABOVE_M, "released early"))
             .or_else(|| unless(latency_s <= LATENCY_S, "released late"))
-            .or_else(|| unless(off_m <= OFF_M, "off its place"));
+            .or_else(|| unless(off_m <= OFF_M, "off its place"))
+            .or_else(|| moved_in_hand(object));
         Self {
             failure,
             off_m,

@@ -2,10 +2,7 @@
 
 use shm_schemas::{Cause, GoalUpdate, WorldTruth};
 
-use super::{ended, harmed, unless};
-
-/// How tight a closed cap is, times the friction of its thread (issue).
-const TIGHT: [f64; 2] = [1.3, 2.5];
+use super::{ended, harmed, loose, moved_in_hand, unless};
 
 /// What became of a screwing.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +24,8 @@ impl Screwing {
         let failure = harmed(cap)
             .or_else(|| never(end))
             .or_else(|| ended(end))
-            .or_else(|| unless(cap.cap_engaged != 0, "off its thread"))
-            .or_else(|| unless(tightness >= TIGHT[0], "early"))
-            .or_else(|| unless(tightness <= TIGHT[1], "too tight"));
+            .or_else(|| loose(cap))
+            .or_else(|| moved_in_hand(cap));
         Self {
             failure,
             tightness,

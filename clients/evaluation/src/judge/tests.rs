@@ -79,6 +79,16 @@ fn placings() {
         ..object
     };
     check(done(), harmed, Some(108), Some("dropped"));
+    let slipped = ObjectTruth {
+        slip_in_hand_m: 0.0031,
+        ..object
+    };
+    check(done(), slipped, Some(108), Some("slipped in the hand"));
+    let turned = ObjectTruth {
+        turn_in_hand_rad: 0.18,
+        ..object
+    };
+    check(done(), turned, Some(108), Some("turned in the hand"));
     let heavy = end(GoalState::REFUSED, Cause::TOO_HEAVY, "leave");
     check(heavy, object, Some(108), Some("refused: too-heavy"));
     let stayed = ObjectTruth {
@@ -128,22 +138,48 @@ fn screwings() {
     check(held, cap(2.0), Some("failed: busy"));
 }
 
+/// An upright object that has turned about its axis.
+fn turned_by(deg: f64) -> ObjectTruth {
+    let half_rad = deg.to_radians() / 2.0;
+    ObjectTruth {
+        orientation: [half_rad.cos(), 0.0, 0.0, half_rad.sin()],
+        ..ObjectTruth::default()
+    }
+}
+
 #[test]
 fn assemblies() {
     let check = |cap: ObjectTruth, bottle: ObjectTruth, expected: Option<&str>| {
-        let assembly = Assembly::of(&done(), &world(cap, bottle));
+        let start = world(ObjectTruth::default(), turned_by(10.0));
+        let assembly = Assembly::of(&done(), &start, &world(cap, bottle));
         assert_eq!(assembly.failure.as_deref(), expected, "{assembly:?}");
     };
     let bottle = ObjectTruth {
         table_n: 3.0,
-        ..ObjectTruth::default()
+        ..turned_by(10.0)
     };
     check(cap(2.0), bottle, None);
+    check(cap(1.299), bottle, Some("cap early"));
+    check(cap(2.501), bottle, Some("cap too tight"));
+    let by = |deg| ObjectTruth {
+        table_n: 3.0,
+        ..turned_by(deg)
+    };
+    check(cap(2.0), by(19.9), None);
+    check(cap(2.0), by(0.1), None);
+    check(cap(2.0), by(20.1), Some("bottle turned in the hand"));
+    check(cap(2.0), by(-0.1), Some("bottle turned in the hand"));
+    check(cap(2.0), by(f64::NAN), Some("bottle turned in the hand"));
+    let slid = ObjectTruth {
+        slip_in_hand_m: 0.004,
+        ..cap(2.0)
+    };
+    check(slid, bottle, Some("cap slipped in the hand"));
     let tilted = |tilt_rad: f64| ObjectTruth { tilt_rad, ..bottle };
     check(cap(2.0), tilted(-0.03), None);
     check(cap(2.0), tilted(0.04), Some("bottle not standing"));
     check(cap(2.0), tilted(f64::NAN), Some("bottle not standing"));
-    let lifted = ObjectTruth::default();
+    let lifted = turned_by(10.0);
     check(cap(2.0), lifted, Some("bottle not standing"));
     let spilt = ObjectTruth { spilt: 1, ..bottle };
     check(cap(2.0), spilt, Some("bottle spilt"));
@@ -154,7 +190,7 @@ fn assemblies() {
     check(dropped, bottle, Some("cap dropped"));
     let open = ObjectTruth {
         cap_closed: 0,
-        ..cap(1.0)
+        ..cap(2.0)
     };
     check(open, bottle, Some("cap not closed"));
     check(ObjectTruth::default(), bottle, Some("cap off its thread"));

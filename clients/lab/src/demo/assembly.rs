@@ -50,7 +50,7 @@ impl Scenario for Assembly {
     }
 
     fn judge(&self, seen: &Seen) -> Judged {
-        let assembly = judge::Assembly::of(seen.progress.last(), &seen.truth);
+        let assembly = judge::Assembly::of(seen.progress.last(), &seen.start, &seen.truth);
         let mut figures = turning(seen, assembly.tightness);
         let [cap, bottle, ..] = &seen.truth.objects;
         figures.push(Figure::new(

@@ -135,6 +135,7 @@ impl Observer {
         Seen {
             punctuality: Punctuality::between(ends, ticks),
             progress,
+            start: first,
             truth: self.now,
             attempt: self.attempt,
             turns: self.turns.count,

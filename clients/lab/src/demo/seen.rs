@@ -11,6 +11,8 @@ pub(super) const SIDE: Side = Side::Right;
 /// What was seen of a run.
 pub(super) struct Seen {
     pub(super) progress: GoalProgress,
+    /// The truth before the goal.
+    pub(super) start: WorldTruth,
     /// The truth at the end.
     pub(super) truth: WorldTruth,
     /// The truth when the hand last tried, before it backed out of a refused object.

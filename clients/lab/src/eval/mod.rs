@@ -6,7 +6,7 @@ use std::io::IsTerminal;
 
 use atas_console::arguments::{Eval, Evaluation};
 use atas_console::{Ended, Exit, Interrupt, Output};
-use atas_evaluation::{Condition, GripPolicy, Noise, Plan, Task};
+use atas_evaluation::{Condition, GripPolicy, Named, Noise, Plan, Task};
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_backend::{Object, ObjectError};
 
@@ -53,23 +53,34 @@ fn plan(eval: &Eval) -> anyhow::Result<Plan> {
         trials: arguments.seeds.map_or(arguments.trials, of_each),
         objects,
         first_seed: arguments.first_seed,
-        conditions: conditions(task, arguments),
+        conditions: conditions(task, arguments)?,
         baselines: baselines(task, arguments),
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     })
 }
 
-/// The one condition that was asked for, or the task's usual ones.
-fn conditions(task: Task, arguments: &Evaluation) -> Vec<Condition> {
-    let usual = task.conditions();
-    if arguments.noise.is_none() && arguments.rate_hz.is_none() {
-        return usual;
+/// The one condition that was asked for, or the task's usual ones; all with the errors asked for.
+fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Condition>> {
+    let errors = match &arguments.errors {
+        Some(text) => text.parse().map_err(|error| {
+            Ended::with(
+                Exit::Usage,
+                format!("could not use --errors because {error}"),
+            )
+        })?,
+        None => Named::none(),
+    };
+    let mut conditions = task.conditions();
+    if arguments.noise.is_some() || arguments.rate_hz.is_some() {
+        conditions.truncate(1);
     }
-    vec![Condition {
-        noise: arguments.noise.map_or(usual[0].noise, Noise::Scale),
-        rate_hz: arguments.rate_hz.unwrap_or(usual[0].rate_hz),
-    }]
+    for condition in &mut conditions {
+        condition.noise = arguments.noise.map_or(condition.noise, Noise::Scale);
+        condition.rate_hz = arguments.rate_hz.unwrap_or(condition.rate_hz);
+        condition.errors = errors.clone();
+    }
+    Ok(conditions)
 }
 
 fn baselines(task: Task, arguments: &Evaluation) -> Vec<GripPolicy> {

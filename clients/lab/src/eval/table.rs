@@ -36,7 +36,15 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
         );
     }
     for row in &report.rows {
-        let name = format!("all, noise × {}, {} Hz", noise(row.noise), row.rate_hz);
+        let errors = match row.errors.as_str() {
+            "none" => String::new(),
+            errors => format!(", errors {errors}"),
+        };
+        let name = format!(
+            "all, noise × {}, {} Hz{errors}",
+            noise(row.noise),
+            row.rate_hz
+        );
         add(name, &row.tally, row.physics.as_ref());
     }
     for row in &report.baseline_rows {

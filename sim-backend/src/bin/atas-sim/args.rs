@@ -36,6 +36,9 @@ pub(crate) enum Command {
     /// List the faults that `run --fault` can inject.
     #[command(after_help = "Example:\n  atas-sim faults")]
     Faults,
+    /// List the errors that `run --errors` and `atas eval --errors` can draw.
+    #[command(after_help = "Example:\n  atas-sim errors")]
+    Errors,
     /// Print completions for a shell.
     #[command(
         after_help = "Example:\n  atas-sim completions bash > /etc/bash_completion.d/atas-sim"
@@ -56,6 +59,7 @@ const RUN_EXAMPLES: &str = "\
 Examples:
   atas-sim run --object wood
   atas-sim run --scene assembly --vary --seed 7
+  atas-sim run --object wood --errors crosstalk=3,centre-of-mass
   atas-sim run --object bottle@0.3,-0.1,45 --lockstep --duration 20 --fault drop=0.3@2+0.5:right
 ";
 

@@ -1,12 +1,12 @@
-//! Lists and texts on standard output: the built-in objects, the faults, completions, manual pages.
+//! Lists and texts on standard output: the built-in objects, the faults, the errors, completions, manual pages.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
 use clap::CommandFactory;
 use serde::Serialize;
-use sim_backend::Object;
 use sim_backend::faults::FaultKind;
+use sim_backend::{Errors, Object};
 
 use crate::args::Cli;
 use crate::failure::Failure;
@@ -116,6 +116,20 @@ pub(crate) fn faults() -> Result<(), Failure> {
             fault.about
         ));
     }
+    print(&lines)
+}
+
+/// Lists the errors.
+pub(crate) fn errors() -> Result<(), Failure> {
+    let mut lines = vec![
+        "all, none, or NAME[=AMOUNT] separated by commas, for example crosstalk=3,yaw or all=0.5"
+            .to_owned(),
+        format!("{:15} {:>6}  usual amount", "name", "unit"),
+    ];
+    let line = |kind: &sim_backend::ErrorKind| {
+        format!("{:15} {:>6}  {}", kind.name, kind.unit(), kind.about)
+    };
+    lines.extend(Errors::KINDS.iter().map(line));
     print(&lines)
 }
 

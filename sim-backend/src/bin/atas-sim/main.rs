@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         }
         Command::Objects { format } => lists::objects(format),
         Command::Faults => lists::faults(),
+        Command::Errors => lists::errors(),
         Command::Completions { shell } => lists::completions(shell),
         Command::Man { folder } => lists::manual(&folder),
     };

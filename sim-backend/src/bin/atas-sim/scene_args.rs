@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use robot_model::Side;
-use sim_backend::{Object, Placed, Scene};
+use sim_backend::{Errors, Object, Placed, Scene};
 
 use crate::failure::Failure;
 
@@ -28,6 +28,10 @@ pub(crate) struct SceneArgs {
     /// Draw the objects' true properties and poses, and the place's height, from their families, by the seed.
     #[arg(long)]
     vary: bool,
+    /// Errors of robot, skins and objects, and of what a client is told: all, or names with amounts, separated by commas;
+    /// `atas-sim errors` lists them.
+    #[arg(long, value_name = "NAME[=AMOUNT]", default_value = "none")]
+    errors: Errors,
     /// Scale of the fingertip sensors' noise.
     #[arg(long, default_value_t = 1.0)]
     noise: f64,
@@ -105,7 +109,8 @@ impl SceneArgs {
             sensor_rate_hz: [self.rate_hz; 2],
             ..self.nominal()?
         };
-        Ok(if self.vary { scene.varied(seed) } else { scene })
+        let scene = if self.vary { scene.varied(seed) } else { scene };
+        Ok(scene.with_errors(&self.errors, seed))
     }
 
     fn nominal(&self) -> Result<Scene, Failure> {

@@ -1,0 +1,127 @@
+//! What physics allows: the forces that decide whether an object can be held.
+
+use atas_core::settings;
+use atas_core::thresholds::Thresholds;
+use sim_backend::Object;
+
+/// An object is borderline if the force it needs is within this share of F_2. Measured with `atas eval grasp --seeds 25`:
+/// of soft objects the stiffness probe finds F_2 too high by 5 to 9 %, with a standard deviation of 4 %.
+const BORDERLINE_SHARE: f64 = 0.15;
+
+/// The forces that decide whether an object can be held. All per finger, N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Normal force that carries it by friction: m·g / (2·μ), with the true static friction.
+    pub needed_n: f64,
+    /// Normal force that carries it without letting it turn between the fingers ([`Object::steady_n`]).
+    pub steady_n: f64,
+    /// Normal force that crushes it.
+    pub crush_n: f64,
+    /// Most that the hand may press with (`grasp.f2_max_n`), whatever the object.
+    pub press_n: f64,
+    /// F_2 that the law in force gives for its true stiffness.
+    pub f2_n: f64,
+}
+
+impl Load {
+    /// Of a true object before a hand with these settings.
+    #[must_use]
+    pub fn of(object: &Object, grasp: &settings::Grasp) -> Self {
+        Self {
+            needed_n: object.needed_n(),
+            steady_n: object.steady_n(),
+            crush_n: object.crush_n,
+            press_n: grasp.f2_max_n,
+            f2_n: Thresholds::for_stiffness(object.stiffness_n_m, grasp).f2_n,
+        }
+    }
+
+    /// Feasible under the paper's rule: the force it needs is below F_2, and does not crush it. Every object is one or the
+    /// other by this plain definition, borderline or not.
+    #[must_use]
+    pub fn is_feasible(&self) -> bool {
+        self.needed_n < self.f2_n && self.needed_n < self.crush_n
+    }
+
+    /// Feasible by physics alone, whatever law governs the grip: what holds it steady neither crushes it nor is more than
+    /// the hand can press.
+    #[must_use]
+    pub fn is_physically_feasible(&self) -> bool {
+        self.steady_n < self.crush_n && self.steady_n < self.press_n
+    }
+
+    /// Borderline: so near to F_2 that the measured stiffness may rightly decide either way. Reported beside the counts,
+    /// never taken out of them.
+    #[must_use]
+    pub fn is_borderline(&self) -> bool {
+        (self.needed_n / self.f2_n - 1.0).abs() < BORDERLINE_SHARE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn feasibility_under_the_rule() {
+        let check = |needed_n, crush_n, f2_n, feasible, borderline| {
+            let load = Load {
+                needed_n,
+                steady_n: needed_n,
+                crush_n,
+                press_n: 8.0,
+                f2_n,
+            };
+            assert_eq!(
+                (load.is_feasible(), load.is_borderline()),
+                (feasible, borderline),
+                "{load:?}"
+            );
+        };
+        check(2.9, f64::INFINITY, 8.0, true, false);
+        check(18.4, f64::INFINITY, 8.0, false, false);
+        check(1.47, 1.5, 0.75, false, false);
+        check(0.25, 1.5, 0.75, true, false);
+        check(1.6, 1.5, 8.0, false, false);
+        check(7.9, f64::INFINITY, 8.0, true, true);
+        check(8.0, f64::INFINITY, 8.0, false, true);
+        check(f64::NAN, f64::INFINITY, 8.0, false, false);
+    }
+
+    #[test]
+    fn feasibility_by_physics_knows_no_f2() {
+        let check = |steady_n, crush_n, feasible| {
+            let load = Load {
+                needed_n: 1.0,
+                steady_n,
+                crush_n,
+                press_n: 8.0,
+                f2_n: 0.7,
+            };
+            assert_eq!(load.is_physically_feasible(), feasible, "{load:?}");
+        };
+        check(1.47, 1.5, true);
+        check(1.5, 1.5, false);
+        check(7.9, f64::INFINITY, true);
+        check(8.0, f64::INFINITY, false);
+        check(f64::NAN, f64::INFINITY, false);
+    }
+
+    #[test]
+    fn the_law_is_taken_at_the_true_stiffness() {
+        let grasp = settings::Grasp::default();
+        let f2_n = |name: &str| {
+            let object = Object::built_in(name).expect("built in");
+            Load::of(&object, &grasp).f2_n
+        };
+        assert!((f2_n("wood") - 8.0).abs() < 1e-12, "rigid: the upper bound");
+        assert!(
+            (f2_n("paper-box") - 0.75).abs() < 1e-12,
+            "0.5 mm × 1500 N/m"
+        );
+        assert!(
+            (f2_n("sponge") - 0.7).abs() < 1e-12,
+            "soft: the lower bound"
+        );
+    }
+}

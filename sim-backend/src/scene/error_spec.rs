@@ -1,0 +1,197 @@
+//! Errors as users name them: `crosstalk`, `all`, `position=2,yaw=5`, `all=0.5`.
+//!
+//! A kind of error may be given an amount, in the unit of its kind; without one it has its size in [`Errors::KINDS`].
+//! `all` is every kind at once, its amount a factor on all sizes; `none` is none. Several are separated by commas.
+
+use core::f64::consts::PI;
+use core::str::FromStr;
+
+use super::{ErrorKind, Errors};
+
+/// How users give the amount of one kind of error.
+struct Field {
+    name: &'static str,
+    /// The unit of the amount.
+    unit: &'static str,
+    /// That unit in the unit of the field.
+    per_unit: f64,
+    of: fn(&mut Errors) -> &mut f64,
+}
+
+const fn field(
+    name: &'static str,
+    unit: &'static str,
+    per_unit: f64,
+    of: fn(&mut Errors) -> &mut f64,
+) -> Field {
+    Field {
+        name,
+        unit,
+        per_unit,
+        of,
+    }
+}
+
+impl Field {
+    /// Its size in [`Errors::ALL`].
+    fn size(&self) -> f64 {
+        let mut all = Errors::ALL;
+        *(self.of)(&mut all)
+    }
+}
+
+/// One line per kind, by its name in [`Errors::KINDS`].
+const FIELDS: [Field; Errors::KINDS.len()] = [
+    field("servo", "%", 0.01, |e| &mut e.servo_stiffness),
+    field("links", "mm", 1e-3, |e| &mut e.link_m),
+    field("tips", "%", 0.01, |e| &mut e.tip_stiffness),
+    field("crosstalk", "%", 0.01, |e| &mut e.crosstalk),
+    field("bias", "mN", 1e-3, |e| &mut e.bias_n),
+    field("gain", "%", 0.01, |e| &mut e.gain),
+    field("centre-of-mass", "mm", 1e-3, |e| &mut e.centre_of_mass_m),
+    field("position", "mm", 1e-3, |e| &mut e.position_m),
+    field("yaw", "°", PI / 180.0, |e| &mut e.yaw_rad),
+    field("told-width", "mm", 1e-3, |e| &mut e.told_width_m),
+    field("height", "mm", 1e-3, |e| &mut e.height_m),
+];
+
+/// Why a text names no errors.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum ErrorSpecError {
+    /// No kind of error has this name.
+    #[error("no error is named {name:?}; needs all, none, or some of {known}")]
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// The names there are, with their units.
+        known: String,
+    },
+    /// What follows the `=` is no amount.
+    #[error("the amount of {name} was {amount:?}, needs a number of {unit} from 0")]
+    Amount {
+        /// The kind.
+        name: String,
+        /// What was given.
+        amount: String,
+        /// The unit of its amount.
+        unit: &'static str,
+    },
+}
+
+impl ErrorKind {
+    /// The unit of the amount that a user may give.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        let field = FIELDS.iter().find(|field| field.name == self.name);
+        field.map_or("", |field| field.unit)
+    }
+}
+
+impl FromStr for Errors {
+    type Err = ErrorSpecError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let mut errors = Self::NONE;
+        for part in text.split(',') {
+            let (name, amount) = match part.split_once('=') {
+                Some((name, amount)) => (name.trim(), Some(amount.trim())),
+                None => (part.trim(), None),
+            };
+            errors.set(name, amount)?;
+        }
+        Ok(errors)
+    }
+}
+
+impl Errors {
+    /// Sets the errors of one name.
+    fn set(&mut self, name: &str, amount: Option<&str>) -> Result<(), ErrorSpecError> {
+        let amount = |unit| {
+            let number = |text: &str| {
+                text.parse()
+                    .ok()
+                    .filter(|x: &f64| x.is_finite() && *x >= 0.0)
+            };
+            amount.map(|text| {
+                number(text).ok_or_else(|| ErrorSpecError::Amount {
+                    name: name.to_owned(),
+                    amount: text.to_owned(),
+                    unit,
+                })
+            })
+        };
+        match name {
+            "none" => *self = Self::NONE,
+            "all" => {
+                let factor = amount("times the stated sizes").transpose()?.unwrap_or(1.0);
+                for field in &FIELDS {
+                    *(field.of)(self) = factor * field.size();
+                }
+            }
+            _ => {
+                let field = FIELDS.iter().find(|field| field.name == name);
+                let field = field.ok_or_else(|| unknown(name))?;
+                let given = amount(field.unit).transpose()?;
+                *(field.of)(self) = given.map_or(field.size(), |amount| amount * field.per_unit);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn unknown(name: &str) -> ErrorSpecError {
+    let known = FIELDS.iter().map(|f| format!("{} ({})", f.name, f.unit));
+    ErrorSpecError::Unknown {
+        name: name.to_owned(),
+        known: known.collect::<Vec<_>>().join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_its_line() {
+        for (field, kind) in FIELDS.iter().zip(&Errors::KINDS) {
+            assert_eq!(field.name, kind.name);
+            assert_eq!(kind.name.parse(), Ok(kind.errors), "{}", kind.name);
+        }
+    }
+
+    #[test]
+    fn errors_by_name_and_amount() {
+        let check = |text: &str, expected: Errors| assert_eq!(text.parse(), Ok(expected), "{text}");
+        check("none", Errors::NONE);
+        check("all", Errors::ALL);
+        check("all,none", Errors::NONE);
+        check(
+            "position=2, gain",
+            Errors {
+                position_m: 0.002,
+                gain: 0.10,
+                ..Errors::NONE
+            },
+        );
+        let text = "all=0.5,crosstalk=5,height=0";
+        let errors: Errors = text.parse().expect("known names");
+        assert_eq!((errors.crosstalk, errors.bias_n), (0.05, 0.0025));
+        assert_eq!(errors.height_m, 0.0);
+        let degrees: Errors = "yaw=15".parse().expect("a known name");
+        assert!((degrees.yaw_rad - Errors::ALL.yaw_rad).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_no_error_is_named() {
+        let check = |text: &str, part: &str| {
+            let refused = text.parse::<Errors>().expect_err(text).to_string();
+            assert!(refused.contains(part), "{text}: {refused}");
+        };
+        check("moon", "crosstalk (%)");
+        check("", "no error is named \"\"");
+        check("gain=-1", "needs a number of % from 0");
+        check("gain=NaN", "needs a number");
+        check("position=5mm", "\"5mm\"");
+        check("all=", "times the stated sizes");
+    }
+}

@@ -1,0 +1,75 @@
+//! How hard two fingertips must press so that an object neither slides nor turns between them.
+//!
+//! Gravity pulls at the centre of mass. If it lies beside the grip, a fingertip carries a moment m about its normal besides
+//! its share t of the weight. What friction bears of both together is bounded by the limit surface (Howe and Cutkosky 1996,
+//! an ellipsoid): (t / (μ·f))² + (m / (μ·f·r))² ≤ 1, where r is the lever of friction. The skin is a Winkler foundation of
+//! stiffness k on a sphere of radius R: at the force f = π·k·R·d² it is indented by d, the patch has the radius
+//! a = √(2·R·d), the pressure falls with the square of the distance from its middle, and so r = 8/15·a.
+
+use core::f64::consts::PI;
+
+use crate::object::Object;
+use crate::pad::FOUNDATION_N_M3;
+use shm_schemas::layout::DOME_RADIUS_M;
+
+/// Lever of friction over the patch's radius, for a pressure that falls with the square of the distance.
+const LEVER: f64 = 8.0 / 15.0;
+/// Steps of the search: each halves the interval.
+const STEPS: usize = 60;
+
+impl Object {
+    /// Force that each of two fingers must press with to carry it without letting it turn, N: more than
+    /// [`Object::needed_n`] if its centre of mass lies beside the closing axis.
+    #[must_use]
+    pub fn steady_n(&self) -> f64 {
+        let needed_n = self.needed_n();
+        let moment_n_m = needed_n * self.friction * self.centre_of_mass_m.y.abs();
+        if moment_n_m == 0.0 {
+            return needed_n;
+        }
+        let holds = |force_n: f64| {
+            let slides = needed_n / force_n;
+            let turns = moment_n_m / (self.friction * force_n * lever_m(force_n));
+            slides * slides + turns * turns <= 1.0
+        };
+        let (mut below_n, mut above_n) = (needed_n, 2.0 * needed_n);
+        while !holds(above_n) {
+            (below_n, above_n) = (above_n, 2.0 * above_n);
+        }
+        for _ in 0..STEPS {
+            let middle_n = (below_n + above_n) / 2.0;
+            if holds(middle_n) {
+                above_n = middle_n;
+            } else {
+                below_n = middle_n;
+            }
+        }
+        above_n
+    }
+}
+
+/// Lever of friction under a normal force, m.
+pub(crate) fn lever_m(force_n: f64) -> f64 {
+    let depth_m = libm::sqrt(force_n / (PI * FOUNDATION_N_M3 * DOME_RADIUS_M));
+    LEVER * libm::sqrt(2.0 * DOME_RADIUS_M * depth_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_hangs_beside_the_grip_needs_more() {
+        let mut object = Object::built_in("wood").expect("built in");
+        let check = |object: &Object, expected: f64| {
+            let ratio = object.steady_n() / object.needed_n();
+            assert!((ratio - expected).abs() < 0.005, "{ratio}");
+        };
+        check(&object, 1.0);
+        object.centre_of_mass_m.x = 0.005;
+        check(&object, 1.0);
+        // Worked out by hand: at 6.13 N the patch's radius is 5.1 mm, so friction's lever is 2.7 mm.
+        object.centre_of_mass_m.y = -0.005;
+        check(&object, 2.085);
+    }
+}
