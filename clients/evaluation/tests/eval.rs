@@ -14,7 +14,7 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
         objects: objects.iter().map(object).collect(),
         trials: 2 * objects.len() as u64,
         first_seed: 1,
-        conditions: vec![task.conditions()[0]],
+        conditions: vec![task.conditions().swap_remove(0)],
         baselines: Vec::new(),
         threads,
         settings: atas_core::Settings::default(),
