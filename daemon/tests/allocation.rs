@@ -6,11 +6,10 @@
 #[expect(dead_code, reason = "only the scripted world is needed here")]
 mod support;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::io::Write as _;
 use std::sync::Arc;
 
+use allocation_counter::measure;
 use atas_core::{Controller, Goal, Order, Settings, Wiring};
 use atasd::figures::Figures;
 use atasd::link::link;
@@ -28,35 +27,6 @@ const WARM_UP: u64 = 200;
 const PERIOD_NS: u64 = 1_000_000;
 /// Place of the recording in [`shm_schemas::TickReport::stage_ns`].
 const RECORDING: usize = 7;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call is passed on to the system's allocator unchanged; counting touches a thread-local number only.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn grasp() -> Order {
     let request = GoalRequest {
@@ -103,9 +73,7 @@ fn pursue(recording: bool) -> Costs {
     };
     for index in 0..WARM_UP + TICKS {
         world.publish((index + 1) * PERIOD_NS);
-        let before = ALLOCATIONS.get();
-        assert!(ticks.run_once());
-        let allocations = ALLOCATIONS.get() - before;
+        let allocations = measure(|| assert!(ticks.run_once())).count_total;
         world.listen();
         let record = supervisor
             .next_record()

@@ -2,38 +2,11 @@
 
 mod common;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use allocation_counter::measure;
 use common::Script;
 use robot_model::Side;
 use sim_backend::faults::Injector;
 use sim_backend::{Object, Scene};
-
-/// The system's allocator, counting the calls of each thread.
-struct Counting;
-
-thread_local! {
-    static CALLS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is passed on unchanged to the system's allocator; counting touches a constant-initialised
-// thread-local only, which allocates nothing itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        CALLS.set(CALLS.get() + 1);
-        // SAFETY: the caller keeps the contract of `GlobalAlloc::alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `GlobalAlloc::dealloc`.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_tick_allocates_nothing() {
@@ -50,15 +23,16 @@ fn allocates_nothing(scene: Scene) {
     let (mut injector, mut delivered) = (Injector::new(&faults, 1), 0);
     // The tables of the noise are made at the first draw.
     script.tick();
-    let before = CALLS.get();
-    script.close_to(6.0);
-    script.lift(0.0005);
-    for _ in 0..100 {
-        injector.pass(script.world.tick(), &script.sensed, |_| delivered += 1);
-        script.tick();
-    }
+    let cost = measure(|| {
+        script.close_to(6.0);
+        script.lift(0.0005);
+        for _ in 0..100 {
+            injector.pass(script.world.tick(), &script.sensed, |_| delivered += 1);
+            script.tick();
+        }
+    });
     assert_eq!(
-        CALLS.get() - before,
+        cost.count_total,
         0,
         "allocations in {} ticks",
         script.world.tick()

@@ -1,48 +1,11 @@
 //! Answering a frame allocates once, inside the transport, also when tables are exchanged; looking tables up never does.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use allocation_counter::measure;
 use ebts::agents::{Exchange, Fields, Lookup, TeamController, field_hash};
 use ebts::built_in;
 use shm_bus::{Bus, FreshBus, Realtime, now_ns};
 use shm_schemas::capacity::AGENTS;
 use shm_schemas::{AgentSensors, WheelCommands, service};
-
-thread_local! {
-    /// Allocations and releases of this thread.
-    static COUNTS: Cell<[u64; 2]> = const { Cell::new([0; 2]) };
-}
-
-struct Counting;
-
-fn count(which: usize) {
-    // At the end of a thread there is nobody left to count for.
-    let _ = COUNTS.try_with(|counts| {
-        let mut now = counts.get();
-        now[which] += 1;
-        counts.set(now);
-    });
-}
-
-// SAFETY: every call is passed on unchanged to the system's allocator, which fulfils the contract; counting touches only a
-// thread-local that needs no allocation.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(0);
-        // SAFETY: the caller's promise about `layout` is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        count(1);
-        // SAFETY: the pointer came from `alloc` above, with this layout.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_frame_costs_the_transports_one_allocation_and_no_other() {
@@ -65,7 +28,7 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
         field_hash: field_hash(&file),
         ..AgentSensors::default()
     };
-    let (mut spent, mut hashes) = ([0; 2], Vec::with_capacity(4));
+    let (mut allocations, mut kept, mut hashes) = (0, 0, Vec::with_capacity(4));
     let mut next = Some(second);
     for frame in 0..FRAMES {
         if frame == FRAMES / 2 {
@@ -77,24 +40,21 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
         sensors.stamp.sequence = frame;
         sensors.stamp.captured_ns = now_ns();
         publisher.send(&sensors).expect("sent");
-        let before = COUNTS.get();
-        let answered = controller.answer(&exchange).expect("the bus works");
-        let after = COUNTS.get();
+        let mut answered = false;
+        let cost = measure(|| answered = controller.answer(&exchange).expect("the bus works"));
         assert!(answered && answers.newest(&mut answer).expect("the bus works"));
         assert_eq!(answer.frame, frame);
         hashes.push(answer.table_hash);
         hashes.dedup();
         // The peers map each other's memory with the first frame.
         if frame > 0 {
-            spent = [
-                spent[0] + after[0] - before[0],
-                spent[1] + after[1] - before[1],
-            ];
+            allocations += cost.count_total;
+            kept += cost.count_current;
         }
     }
     assert_eq!(
-        spent,
-        [FRAMES - 1; 2],
+        (allocations, kept),
+        (FRAMES - 1, 0),
         "one allocation and one release a frame"
     );
     assert_eq!(

@@ -1,42 +1,12 @@
 //! What sending and receiving allocate: the tick depends on it.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use allocation_counter::measure;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::HandFrame;
 use shm_schemas::service::HAND_FRAME;
 
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call goes to the system's allocator unchanged; counting touches no allocated memory.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // A thread that is ending has no counter any more, and is not measured.
-        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promises are passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promises are passed on.
-        unsafe { System.dealloc(memory, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-fn allocations(mut work: impl FnMut()) -> usize {
-    let before = ALLOCATIONS.get();
-    for _ in 0..1000 {
-        work();
-    }
-    ALLOCATIONS.get() - before
+fn allocations(mut work: impl FnMut()) -> u64 {
+    measure(|| (0..1000).for_each(|_| work())).count_total
 }
 
 #[test]
@@ -53,7 +23,7 @@ fn sending_allocates_once_and_receiving_never() {
     publisher.send(&frame).expect("sent");
     assert!(subscriber.newest(&mut frame).expect("read"));
 
-    let check = |what: &str, expected: usize, work: &mut dyn FnMut()| {
+    let check = |what: &str, expected: u64, work: &mut dyn FnMut()| {
         assert_eq!(allocations(work), expected, "{what}");
     };
     let sent = HandFrame::default();
