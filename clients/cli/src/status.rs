@@ -3,8 +3,9 @@
 use std::time::{Duration, Instant};
 
 use atas_client::FINGERS;
-use atas_client::{POLL, Session, json};
+use atas_client::{POLL, Session, json, standstill};
 use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
+use shm_bus::now_ns;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
 use crate::refusals::refusals;
@@ -24,7 +25,11 @@ pub(crate) fn status(
     let (mut statuses, mut status) = session.watch_status()?;
     if !arguments.watch {
         let refusals = refusals(&session, &status)?;
-        return print(&status, &refusals, output);
+        let frozen = standstill(&status, now_ns());
+        print(&status, &refusals, frozen, output)?;
+        return frozen.map_or(Ok(()), |frozen| {
+            Err(Ended::with(Exit::Failed, standing_still(frozen)))
+        });
     }
     let mut heard = Instant::now();
     let mut drawn = None::<Instant>;
@@ -39,7 +44,8 @@ pub(crate) fn status(
         }
         if drawn.is_none_or(|drawn| drawn.elapsed() >= PICTURE) {
             output.clear()?;
-            print(&status, &refusals(&session, &status)?, output)?;
+            let frozen = standstill(&status, now_ns());
+            print(&status, &refusals(&session, &status)?, frozen, output)?;
             drawn = Some(Instant::now());
         }
         std::thread::sleep(POLL);
@@ -47,18 +53,35 @@ pub(crate) fn status(
     Ok(())
 }
 
-fn print(status: &Status, refusals: &[String], output: &mut Output) -> anyhow::Result<()> {
+fn print(
+    status: &Status,
+    refusals: &[String],
+    frozen: Option<Duration>,
+    output: &mut Output,
+) -> anyhow::Result<()> {
     if output.is_json() {
         let mut value = json::status(status);
         value["refusals"] = refusals.into();
+        value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
         return output.json(&value);
     }
     output.line(heading(status))?;
+    if let Some(frozen) = frozen {
+        output.line(standing_still(frozen))?;
+    }
     for refusal in refusals {
         output.line(refusal)?;
     }
     output.table(hands(status))?;
     output.table(timing(status))
+}
+
+fn standing_still(frozen: Duration) -> String {
+    format!(
+        "the ticks have stood still for {:.1} s: what is said here is as old, and nothing is controlled; if `atas estop` has \
+         no effect either, restart the daemon",
+        frozen.as_secs_f64()
+    )
 }
 
 fn heading(status: &Status) -> String {

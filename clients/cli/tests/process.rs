@@ -1,7 +1,9 @@
 //! The program as a process: exit codes, messages, and what it leaves behind.
 use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
-use shm_bus::FreshBus;
+use shm_bus::{Bus, FreshBus, Realtime, now_ns};
+use shm_schemas::{Mode, Status, service};
 
 fn atas(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_atas"));
@@ -57,6 +59,36 @@ fn without_a_daemon_every_command_says_so_with_its_own_code() {
     check("param list");
     check("param get grasp.dr_n");
     check("param set grasp.dr_n 0.1");
+}
+
+#[test]
+fn a_frozen_tick_is_not_ready() {
+    let name = FreshBus::new("frozen");
+    let bus = Bus::open(&name, "atasd", Realtime::No).expect("the bus opens");
+    let statuses = bus
+        .publisher::<Status>(service::STATUS)
+        .expect("a publisher");
+    let check = |captured_ns: u64, expected_code, part: &str| {
+        let mut status = Status {
+            mode: Mode::READY,
+            ..Status::default()
+        };
+        status.stamp.captured_ns = captured_ns;
+        let asked = std::thread::spawn({
+            let bus = name.as_str().to_owned();
+            move || run(&["status", "--bus", &bus])
+        });
+        while !asked.is_finished() {
+            statuses.send(&status).expect("sent");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let (code, stdout, stderr) = asked.join().expect("it ran");
+        assert_eq!(code, expected_code, "{stdout}{stderr}");
+        assert!(stdout.contains(part), "{stdout}{stderr}");
+    };
+    check(now_ns().saturating_sub(2_500_000_000), 1, "stood still for");
+    // A stamp of the future is fresh however long the program takes to start.
+    check(u64::MAX, 0, "mode ready");
 }
 
 #[test]

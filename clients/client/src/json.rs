@@ -128,6 +128,7 @@ pub fn status(status: &Status) -> Value {
         "realtime": status.flags & StatusFlags::REALTIME != 0,
         "phase_locked": status.flags & StatusFlags::PHASE_LOCKED != 0,
         "memory_locked": status.flags & StatusFlags::MEMORY_LOCKED != 0,
+        "kept_awake": status.flags & StatusFlags::KEPT_AWAKE != 0,
         "ticks": status.ticks,
         "missed_ticks": status.missed_ticks,
         "late_ticks": status.late_ticks,

@@ -4,6 +4,7 @@
 //!  Session ─┬─ watch_status, control: one answer
 //!           └─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
 //!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
+//!  standstill: whether the ticks still come
 //!  json, percentiles: what the bus says, for programs and for people
 //! ```
 //!
@@ -21,11 +22,13 @@ mod progress;
 mod pursuit;
 pub mod scenes;
 mod session;
+mod standstill;
 
 pub use error::ClientError;
 pub use progress::GoalProgress;
 pub use pursuit::{Cancelled, Pursuit};
 pub use session::{POLL, Session};
+pub use standstill::standstill;
 
 /// Fingers of one hand of the robot; payloads have room for more.
 pub const FINGERS: usize = 2;

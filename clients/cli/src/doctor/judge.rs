@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::time::Duration;
 
 use shm_schemas::{Status, StatusFlags};
 
@@ -304,8 +305,28 @@ pub(super) fn bus_of_file(name: &str) -> Option<&str> {
     (is_hash && !bus.is_empty()).then_some(bus)
 }
 
-/// The daemon's own view of itself, and the process that owns the bus.
-pub(super) fn daemon(status: Option<&Status>, bus: &str) -> Finding {
+/// Whether the cores can be kept from idle states that they wake up from slowly: the processor's idle driver, and what became
+/// of opening the kernel's device for it.
+pub(super) fn idle_states(driver: &str, opened: &io::Result<()>) -> Finding {
+    const PROBE: &str = "idle states";
+    match (driver.trim(), opened) {
+        ("" | "none", _) => Finding::ok(PROBE, "none that this kernel chooses"),
+        (driver, Ok(())) => Finding::ok(
+            PROBE,
+            format!("{driver}; the daemon may keep the cores awake"),
+        ),
+        (driver, Err(error)) => Finding::warn(
+            PROBE,
+            format!(
+                "{driver}; /dev/cpu_dma_latency refused ({error}): ticks wake up tens of µs later"
+            ),
+            "install daemon/systemd/60-atas.rules, which gives the group atas the right, and join it",
+        ),
+    }
+}
+
+/// The daemon's own view of itself, and the process that owns the bus. `frozen`: how long its ticks have stood still.
+pub(super) fn daemon(status: Option<&Status>, frozen: Option<Duration>, bus: &str) -> Finding {
     const PROBE: &str = "daemon";
     let Some(status) = status else {
         return Finding::warn(
@@ -318,7 +339,16 @@ pub(super) fn daemon(status: Option<&Status>, bus: &str) -> Finding {
         "atasd {}, process {}, {} Hz, mode {}",
         status.version, status.pid, status.rate_hz, status.mode
     );
-    if status.flags & StatusFlags::DEGRADED != 0 {
+    if let Some(frozen) = frozen {
+        Finding::fail(
+            PROBE,
+            format!(
+                "{found}, but its ticks have stood still for {:.1} s",
+                frozen.as_secs_f64()
+            ),
+            "stop the robot by its own switch, then restart the daemon and report its log",
+        )
+    } else if status.flags & StatusFlags::DEGRADED != 0 {
         Finding::fail(
             PROBE,
             format!("{found}, DEGRADED: real-time scheduling or memory locking was refused"),

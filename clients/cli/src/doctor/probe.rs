@@ -6,10 +6,10 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-use atas_client::{ClientError, Session, fifo};
+use atas_client::{ClientError, Session, fifo, standstill};
 use rustix::process::{Resource, geteuid, getrlimit};
 use rustix::time::{ClockId, clock_getres};
-use shm_bus::{BusError, BusName};
+use shm_bus::{BusError, BusName, now_ns};
 use shm_schemas::Status;
 
 use super::{Finding, judge};
@@ -17,6 +17,8 @@ use super::{Finding, judge};
 /// Folder of the installed service.
 const SERVICE: &str = "/run/atas";
 const SHM: &str = "/dev/shm";
+/// Opening it changes nothing yet; only what is written to it does.
+const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
 /// Files of which one exists where control groups divide real-time time (cgroup v1; version 2 has none).
 const RT_GROUPS: [&str; 2] = [
     "/sys/fs/cgroup/cpu/cpu.rt_runtime_us",
@@ -43,6 +45,13 @@ pub(super) fn machine() -> Vec<Finding> {
             &read("/proc/self/status"),
         ),
         judge::governor(&governors()),
+        judge::idle_states(
+            &read("/sys/devices/system/cpu/cpuidle/current_driver"),
+            &fs::OpenOptions::new()
+                .write(true)
+                .open(IDLE_LATENCY)
+                .map(drop),
+        ),
         judge::isolated_cores(
             &read("/sys/devices/system/cpu/isolated"),
             &read("/sys/devices/system/cpu/present"),
@@ -63,7 +72,8 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
         Ok(session) => {
             findings.push(peers(&session));
             let status: Option<Status> = session.watch_status().ok().map(|(_, status)| status);
-            findings.push(judge::daemon(status.as_ref(), name.as_str()));
+            let frozen = status.as_ref().and_then(|s| standstill(s, now_ns()));
+            findings.push(judge::daemon(status.as_ref(), frozen, name.as_str()));
         }
         Err(ClientError::Bus(BusError::Absent { bus, folder })) => {
             let found = format!(
@@ -75,7 +85,7 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
                 found,
                 "start `atasd`, or name its bus with --bus",
             ));
-            findings.push(judge::daemon(None, name.as_str()));
+            findings.push(judge::daemon(None, None, name.as_str()));
         }
         Err(error) => findings.push(Finding::fail("bus", error.to_string(), cure(&error))),
     }

@@ -130,12 +130,27 @@ fn daemons() {
         dropped_records,
         ..Status::default()
     };
-    check(daemon(None, "atas"), Warn, "\"atas\"");
-    check(daemon(Some(&with(0, 0)), "atas"), Good, "mode init");
+    let frozen = Some(Duration::from_millis(2_500));
+    check(daemon(Some(&with(0, 0)), frozen, "atas"), Fail, "2.5 s");
+    check(daemon(None, None, "atas"), Warn, "\"atas\"");
+    check(daemon(Some(&with(0, 0)), None, "atas"), Good, "mode init");
     check(
-        daemon(Some(&with(StatusFlags::DEGRADED, 0)), "atas"),
+        daemon(Some(&with(StatusFlags::DEGRADED, 0)), None, "atas"),
         Fail,
         "DEGRADED",
     );
-    check(daemon(Some(&with(0, 7)), "atas"), Warn, "7 records");
+    check(daemon(Some(&with(0, 7)), None, "atas"), Warn, "7 records");
+}
+
+#[test]
+fn idle_states_are_none_or_may_be_left_out() {
+    let refused = || Err(io::Error::from(io::ErrorKind::PermissionDenied));
+    check(idle_states("none\n", &refused()), Good, "none");
+    check(idle_states("", &Ok(())), Good, "none");
+    check(idle_states("intel_idle\n", &Ok(())), Good, "intel_idle");
+    check(
+        idle_states("intel_idle\n", &refused()),
+        Warn,
+        "cpu_dma_latency",
+    );
 }

@@ -1,0 +1,45 @@
+//! Whether the ticks still come: a daemon whose tick thread is frozen goes on saying what it last was.
+
+use std::time::Duration;
+
+use shm_schemas::{Status, StatusFlags};
+
+/// Age of the newest snapshot from which the ticks stand still. They leave one every 20 ms; a shared machine takes a core
+/// away for some 10 ms at times (ours).
+const FROZEN: Duration = Duration::from_millis(200);
+
+/// How long the daemon's ticks have been standing still, if they do. Virtual time stands still as it likes.
+#[must_use]
+pub fn standstill(status: &Status, now_ns: u64) -> Option<Duration> {
+    let is_virtual = status.flags & StatusFlags::LOCKSTEP != 0;
+    let age = Duration::from_nanos(now_ns.saturating_sub(status.stamp.captured_ns));
+    (!is_virtual && age >= FROZEN).then_some(age)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn old_snapshots_of_real_time_stand_still() {
+        let check = |flags, captured_ns, now_ns, expected_ms: Option<u64>| {
+            let mut status = Status {
+                flags,
+                ..Status::default()
+            };
+            status.stamp.captured_ns = captured_ns;
+            let expected = expected_ms.map(Duration::from_millis);
+            assert_eq!(
+                standstill(&status, now_ns),
+                expected,
+                "{captured_ns} {now_ns}"
+            );
+        };
+        check(0, 1_000_000_000, 1_019_000_000, None);
+        check(0, 1_000_000_000, 1_200_000_000, Some(200));
+        check(0, 1_000_000_000, 3_500_000_000, Some(2_500));
+        check(StatusFlags::LOCKSTEP, 0, 3_500_000_000, None);
+        // A stamp of the future is nobody's standstill.
+        check(0, u64::MAX, 0, None);
+    }
+}
