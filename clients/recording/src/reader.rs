@@ -151,3 +151,74 @@ pub fn payload<T: Recorded>(message: &Message<'_>) -> anyhow::Result<Option<Box<
 fn stem(name: &str) -> &str {
     name.rsplit_once(".v").map_or(name, |(stem, _)| stem)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    use mcap::{Channel, Schema};
+    use shm_schemas::{Payload, Stamp, Status, TickInputs};
+    use zerocopy::IntoBytes;
+
+    use super::*;
+
+    fn message(schema: Option<&str>, data: Vec<u8>) -> Message<'static> {
+        let schema = schema.map(|name| {
+            Arc::new(Schema {
+                id: 1,
+                name: name.to_owned(),
+                encoding: crate::payloads::POD.to_owned(),
+                data: Cow::Borrowed(&[]),
+            })
+        });
+        Message {
+            channel: Arc::new(Channel {
+                id: 1,
+                topic: "some/topic".to_owned(),
+                schema,
+                message_encoding: crate::payloads::POD.to_owned(),
+                metadata: BTreeMap::new(),
+            }),
+            sequence: 0,
+            log_time: 0,
+            publish_time: 0,
+            data: Cow::Owned(data),
+        }
+    }
+
+    #[test]
+    fn payloads_of_other_versions_are_refused_by_name_and_never_skipped() {
+        let part = TickInputs {
+            stamp: Stamp {
+                sequence: 7,
+                ..Stamp::default()
+            },
+            ..TickInputs::default()
+        };
+        let bytes = || part.as_bytes().to_vec();
+        let own = message(Some(TickInputs::TYPE_NAME), bytes());
+        let read = payload::<TickInputs>(&own).expect("readable").expect("one");
+        assert_eq!(read.stamp.sequence, 7);
+        // Of another type, or of none: for others to read.
+        for other in [Some(Status::TYPE_NAME), Some("atas.json"), None] {
+            let of_another = payload::<TickInputs>(&message(other, bytes()));
+            assert!(of_another.expect("no error").is_none(), "{other:?}");
+        }
+        let check = |schema: &str, data: Vec<u8>, part: &str| {
+            let error = payload::<TickInputs>(&message(Some(schema), data))
+                .expect_err("must be refused")
+                .to_string();
+            assert!(error.contains(schema) && error.contains(part), "{error}");
+        };
+        check("atas.TickInputs.v1", bytes(), TickInputs::TYPE_NAME);
+        check(
+            "atas.TickInputs.v999",
+            bytes(),
+            "use the version that recorded it",
+        );
+        let mut short = bytes();
+        short.pop();
+        check(TickInputs::TYPE_NAME, short, "the file is damaged");
+    }
+}
