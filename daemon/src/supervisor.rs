@@ -7,6 +7,7 @@
 //! * **Absent on purpose:** decisions about motion. Goals are checked here for form and reach; whether one may start
 //!   now is the controller's to say.
 
+mod checker;
 mod controls;
 mod event_log;
 mod flight;
@@ -71,7 +72,7 @@ pub enum OpenError {
     #[error(transparent)]
     Bus(#[from] BusError),
     /// A thread.
-    #[error("could not start the flight recorder because of: {0}")]
+    #[error("could not start a thread because of: {0}")]
     Thread(#[from] io::Error),
 }
 
@@ -96,7 +97,7 @@ impl Supervisor {
         let flight_folder = recording.flight_folder(state_directory.as_deref());
         let records = recording.stream;
         Ok(Self {
-            goals: GoalService::open(&bus)?,
+            goals: GoalService::open(&bus, &state)?,
             controls: ControlService::open(&bus)?,
             telemetry: Telemetry::open(&bus)?,
             event_log: EventLog::default(),

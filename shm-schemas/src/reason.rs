@@ -86,6 +86,8 @@ code! {
         FORCE_IMPLAUSIBLE = 37, "force-implausible";
         /// An order that is not allowed now: the robot moves, or the hand is not empty.
         NOT_NOW = 38, "not-now";
+        /// There is no robot to move: the daemon was told to sense only.
+        SENSE_ONLY = 39, "sense-only";
         /// A module panicked.
         MODULE_PANICKED = 40, "module-panicked";
         /// The loop stood still for a while.
@@ -100,6 +102,8 @@ code! {
         TOO_SOFT = 50, "too-soft";
         /// The hand was found gripping something; it keeps it and watches it.
         GRIP_FOUND = 51, "grip-found";
+        /// The ways of the task are too long, or those of both hands together too many, to be checked.
+        TASK_TOO_LONG = 60, "task-too-long";
     }
 }
 

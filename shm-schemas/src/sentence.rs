@@ -11,7 +11,7 @@ use core::fmt::{self, Formatter};
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.cause.0 {
-            0..=9 | 19 => self.write_goal(f),
+            0..=9 | 19 | 60..=69 => self.write_goal(f),
             10..=19 | 29 | 50..=59 => self.write_task(f),
             20..=29 => self.write_frames(f),
             30..=39 => self.write_joints(f),
@@ -49,6 +49,11 @@ impl Reason {
                     goal_value(index)
                 )
             }
+            Cause::TASK_TOO_LONG => write!(
+                f,
+                "the task leads through more than {limit:.0} postures, which is the most that a check follows; let the hands wait \
+                 for each other at meeting points, or split the task"
+            ),
             // No limit of one number is at fault: the arm has no posture for all of them together.
             Cause::UNREACHABLE if limit == 0.0 => write!(
                 f,
@@ -269,6 +274,9 @@ impl Reason {
                 "no joint state for {:.1} ms, allowed {:.1} ms; is the robot process running?",
                 value * 1e-6,
                 limit * 1e-6
+            ),
+            Cause::SENSE_ONLY => f.write_str(
+                "senses only and moves nothing, because robot.joints_required is false",
             ),
             Cause::JOINTS_INVALID => {
                 write!(

@@ -1,14 +1,19 @@
 //! Goals: taken, checked, handed to the tick, and told about until they end.
 
-use atas_core::{Order, check};
-use shm_bus::{ActiveGoal, Bus, BusError, GoalServer, now_ns};
+use atas_core::Order;
+use robot_model::ROBOT_JOINTS;
+use shm_bus::{ActiveGoal, Bus, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
-use super::SupervisorState;
+use super::checker::{Checked, Checker};
+use super::{OpenError, SupervisorState};
 use crate::link::SupervisorEnd;
 
-/// New goals that one round looks at; a flood waits in its clients' buffers. Each check takes some 2 ms.
-const GOALS_PER_ROUND: usize = 8;
+/// How far a joint may have moved while a goal was checked, rad, so that the check still holds: the arms are then within half a
+/// millimetre of where they were. Ours.
+const MOVED_RAD: f64 = 0.001;
+/// Checks of one goal while the arms move; then they are busy. Ours: a tenth of a second of rounds.
+const CHECKS_MAX: u32 = 25;
 /// Goals that are open at a time, queued ones included.
 const OPEN_MAX: usize = 16;
 
@@ -16,7 +21,16 @@ const OPEN_MAX: usize = 16;
 #[derive(Debug)]
 pub(super) struct GoalService {
     server: GoalServer,
+    checker: Checker,
+    /// The goal whose check runs; others wait in their clients' buffers.
+    candidate: Option<Candidate>,
     open: Vec<OpenGoal>,
+}
+
+#[derive(Debug)]
+struct Candidate {
+    client: ActiveGoal,
+    checks: u32,
 }
 
 #[derive(Debug)]
@@ -28,23 +42,28 @@ struct OpenGoal {
 }
 
 impl GoalService {
-    pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
+    pub(super) fn open(bus: &Bus, state: &SupervisorState) -> Result<Self, OpenError> {
         Ok(Self {
             server: bus.goal_server()?,
+            checker: Checker::start(state)?,
+            candidate: None,
             open: Vec::with_capacity(OPEN_MAX),
         })
     }
 
     /// Takes new goals, passes on cancels, notices clients that went away.
     pub(super) fn serve(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
-        for _ in 0..GOALS_PER_ROUND {
+        if let Some(candidate) = self.candidate.take() {
+            match self.checker.fetch() {
+                Some(checked) => self.conclude(candidate, checked, state, link),
+                None => self.candidate = Some(candidate),
+            }
+        }
+        if self.candidate.is_none() {
             match self.server.poll() {
-                Ok(Some(client)) => self.receive(client, state, link),
-                Ok(None) => break,
-                Err(error) => {
-                    tracing::warn!(%error, "a goal could not be read");
-                    break;
-                }
+                Ok(Some(client)) => self.check(Candidate { client, checks: 0 }, state),
+                Ok(None) => {}
+                Err(error) => tracing::warn!(%error, "a goal could not be read"),
             }
         }
         self.open.retain_mut(|goal| goal.attend(link));
@@ -60,18 +79,44 @@ impl GoalService {
         self.open.retain(|goal| !goal.ended);
     }
 
-    fn receive(&mut self, client: ActiveGoal, state: &SupervisorState, link: &mut SupervisorEnd) {
+    /// Begins a check.
+    fn check(&mut self, candidate: Candidate, state: &SupervisorState) {
         // The client can write to this memory: what is checked must be what is used.
-        let request = *client.request();
-        match self.admit(&request, state, link) {
-            Ok(()) => {
-                self.open.push(OpenGoal {
-                    id: request.goal_id,
-                    client,
-                    cancelled: false,
-                    ended: false,
-                });
+        self.checker.begin(*candidate.client.request(), state);
+        self.candidate = Some(Candidate {
+            checks: candidate.checks + 1,
+            ..candidate
+        });
+    }
+
+    /// Hands a checked goal to the tick, or tells why not.
+    fn conclude(
+        &mut self,
+        candidate: Candidate,
+        checked: Checked,
+        state: &SupervisorState,
+        link: &mut SupervisorEnd,
+    ) {
+        let moved = have_moved(&checked.commanded_rad, &state.commanded_rad);
+        if moved && candidate.checks < CHECKS_MAX {
+            return self.check(candidate, state);
+        }
+        let (request, client) = (checked.request, candidate.client);
+        let goal = checked.goal.and_then(|goal| {
+            let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
+            if moved || id_in_use || self.open.len() >= OPEN_MAX {
+                return Err(Reason::of(Cause::BUSY));
             }
+            let queued = link.order(Order::Start(goal));
+            queued.map(|_ticket| ()).ok_or(Reason::of(Cause::BUSY))
+        });
+        match goal {
+            Ok(()) => self.open.push(OpenGoal {
+                id: request.goal_id,
+                client,
+                cancelled: false,
+                ended: false,
+            }),
             Err(reason) => {
                 let task = &request.task;
                 tracing::info!(goal = request.goal_id, kind = %request.kind, %task, %reason, "goal rejected");
@@ -79,20 +124,20 @@ impl GoalService {
             }
         }
     }
+}
 
-    fn admit(
-        &self,
-        request: &GoalRequest,
-        state: &SupervisorState,
-        link: &mut SupervisorEnd,
-    ) -> Result<(), Reason> {
-        let goal = check::check(request, &state.circumstances())?;
-        let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
-        if id_in_use || self.open.len() >= OPEN_MAX {
-            return Err(Reason::of(Cause::BUSY));
+/// Whether the arms have moved, so that a check of ways that begin where they were no longer holds.
+fn have_moved(
+    before_rad: &Option<[f64; ROBOT_JOINTS]>,
+    now_rad: &Option<[f64; ROBOT_JOINTS]>,
+) -> bool {
+    match (before_rad, now_rad) {
+        (Some(before_rad), Some(now_rad)) => {
+            let mut joints = before_rad.iter().zip(now_rad);
+            joints.any(|(before_rad, now_rad)| (before_rad - now_rad).abs() > MOVED_RAD)
         }
-        let queued = link.order(Order::Start(goal));
-        queued.map(|_ticket| ()).ok_or(Reason::of(Cause::BUSY))
+        (None, None) => false,
+        _ => true,
     }
 }
 

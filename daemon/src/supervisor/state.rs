@@ -1,6 +1,5 @@
 //! What the supervisor knows, and how the configuration changes while the daemon runs.
 
-use atas_core::check::Circumstances;
 use atas_core::{Order, Settings, Wiring};
 use robot_model::{ROBOT_JOINTS, RobotModel};
 use shm_schemas::{Mode, StatusFlags};
@@ -73,17 +72,6 @@ impl SupervisorState {
             self.flags |= StatusFlags::PHASE_LOCKED;
         } else {
             self.flags &= !StatusFlags::PHASE_LOCKED;
-        }
-    }
-
-    /// What a goal is checked against now.
-    pub(super) fn circumstances(&self) -> Circumstances<'_> {
-        Circumstances {
-            robot: &self.robot,
-            wiring: &self.wiring,
-            settings: &self.settings,
-            tasks: self.config.tasks.as_slice(),
-            commanded_rad: self.commanded_rad.as_ref(),
         }
     }
 

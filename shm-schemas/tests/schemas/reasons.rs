@@ -133,6 +133,11 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the daemon's configuration has no task of this name; `atasd --check-config` prints those that it has",
         ),
         (
+            limit(Cause::TASK_TOO_LONG, 1e5, 1e5, 0),
+            "the task leads through more than 100000 postures, which is the most that a check follows; let the hands wait for each \
+             other at meeting points, or split the task",
+        ),
+        (
             limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6, 0),
             "no tactile frame of hand left yet; is the sensor process running?",
         ),
@@ -179,6 +184,10 @@ fn table() -> Vec<(Reason, &'static str)> {
         (
             limit(Cause::JOINTS_STOPPED, 6e6, 5e6, 0),
             "no joint state for 6.0 ms, allowed 5.0 ms; is the robot process running?",
+        ),
+        (
+            limit(Cause::SENSE_ONLY, 0.0, 0.0, 0),
+            "senses only and moves nothing, because robot.joints_required is false",
         ),
         (
             limit(Cause::JOINTS_INVALID, 3.5, 0.25, 4),

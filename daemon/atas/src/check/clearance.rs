@@ -3,7 +3,8 @@
 //!
 //! Each hand walks through its steps as the runner will, posture by posture. A hand that waits at a meeting point stands
 //! where it came to; hands that are free to move at the same time are compared at every pair of their postures. Between
-//! two samples an arm is at most half of what it moved from the nearer one, and that much is taken off the gap.
+//! two samples an arm is at most half of what it moved from the nearer one, and that much is taken off the gap. The number
+//! of postures is bounded: a task that needs more is refused.
 //!
 //! Absent on purpose: objects, the table, and the retreats from what goes wrong, which lead back along the same ways.
 
@@ -29,6 +30,8 @@ const CLEARANCE_M: f64 = 0.006;
 /// Longest way of the hand, m, and widest turn, rad, between two samples (ours: an arm's bodies then move some 8 mm).
 const SAMPLE_M: f64 = 0.004;
 const SAMPLE_RAD: f64 = 0.02;
+/// Most postures of one check (ours: built-in tasks need a few thousand; this many take a second or two, off every clock).
+const SAMPLES_MAX: u32 = 100_000;
 /// Steps of inverse kinematics for each sample (ours: with them the tips are met within a micrometre).
 const ITERATIONS: usize = 6;
 /// The same where a way ends and the arm comes to rest.
@@ -51,8 +54,9 @@ const UNHURRIED: Speeds = Speeds {
 /// [`Cause::UNREACHABLE`] where the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two bodies that come too near.
 pub(super) fn check_paths(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
     let other = Side::BOTH[1 - goal.side().index()];
-    let mut acting = Walk::new(goal, goal.side(), now);
-    let mut helping = Walk::new(goal, other, now);
+    let samples_left = Cell::new(SAMPLES_MAX);
+    let mut acting = Walk::new(goal, goal.side(), now, &samples_left);
+    let mut helping = Walk::new(goal, other, now, &samples_left);
     let gap = Gap::new(goal, &acting, &helping);
     loop {
         let reached = [helping.reached, acting.reached];
@@ -131,6 +135,8 @@ impl Gap {
 struct Walk<'a> {
     hand: &'a HandModel,
     settings: &'a Settings,
+    /// Postures that this check may still look at.
+    samples_left: &'a Cell<u32>,
     track: Option<Track>,
     waypoints: Waypoints,
     width_m: f64,
@@ -145,7 +151,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(goal: &Goal, side: Side, now: &Circumstances<'a>) -> Self {
+    fn new(goal: &Goal, side: Side, now: &Circumstances<'a>, samples_left: &'a Cell<u32>) -> Self {
         let hand = now.robot.hand(side);
         let q_rad = now.hand_rad(side);
         let at = frame_of(hand, &hand.forward(&q_rad));
@@ -154,6 +160,7 @@ impl<'a> Walk<'a> {
         let mut walk = Self {
             hand,
             settings: now.settings,
+            samples_left,
             track: if acts {
                 Some(goal.task().acting)
             } else {
@@ -289,6 +296,8 @@ impl<'a> Walk<'a> {
         let samples = samples(&self.at, &to);
         let mut before = self.bodies();
         for sample in 1..=samples {
+            let left = self.samples_left.get().checked_sub(1).ok_or(too_long())?;
+            self.samples_left.set(left);
             let frame = way.between(f64::from(sample) / f64::from(samples));
             self.bend(&frame, sample == samples)?;
             let bodies = self.bodies();
@@ -317,6 +326,11 @@ impl<'a> Walk<'a> {
         let error_m = posture.tip_error_m;
         Err(Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(self.place))
     }
+}
+
+fn too_long() -> Reason {
+    let most = f64::from(SAMPLES_MAX);
+    Reason::limit(Cause::TASK_TOO_LONG, most, most)
 }
 
 fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {

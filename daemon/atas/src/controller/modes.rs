@@ -57,14 +57,13 @@ impl Controller {
             self.hands[1].hold_reason(self.tick, &self.settings),
             self.joints.hold_reason(self.tick, &self.settings.intake),
         ];
-        if self.wiring.joints_required {
-            reasons
-                .into_iter()
-                .find(Reason::is_some)
-                .unwrap_or_default()
+        let without_doubt = if self.wiring.joints_required {
+            Reason::default()
         } else {
-            Reason::of(Cause::JOINTS_STOPPED)
-        }
+            Reason::of(Cause::SENSE_ONLY)
+        };
+        let doubt = reasons.into_iter().find(Reason::is_some);
+        doubt.unwrap_or(without_doubt)
     }
 
     /// Another robot process may stand anywhere: nothing is commanded before it is known where.

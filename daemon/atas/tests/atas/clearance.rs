@@ -5,7 +5,7 @@ use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
 use atas_core::check::{self, Circumstances};
 use atas_core::planning;
-use atas_core::tasks::{GRASP, Motion, Step, Task, Waypoint};
+use atas_core::tasks::{GRASP, Motion, STEPS_MAX, Step, Task, Waypoint};
 use atas_core::{Order, Settings};
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandVector, ROBOT_JOINTS, Side, nearest};
@@ -249,4 +249,29 @@ fn hands_that_move_at_the_same_time_are_compared_everywhere() {
     assert_eq!(cause([0.30, -0.28, 0.05]), None, "far from each other");
     let near = [0.30, -0.04, 0.05];
     assert_eq!(cause(near), Some(Cause::ARMS_COLLIDE), "at the same place");
+}
+
+/// Hands that are free of each other all the time must be compared at every pair of postures: no check takes for ever.
+#[test]
+fn a_task_whose_check_would_take_for_ever_is_refused() {
+    let reach = |waypoint| Step {
+        motion: Motion::Reach(waypoint),
+        ..GRASP.acting[0]
+    };
+    let there_and_back = |step| [Waypoint::BeforeSource, Waypoint::Home][step % 2];
+    let steps: [Step; STEPS_MAX - 1] = core::array::from_fn(|step| reach(there_and_back(step)));
+    let own = Task::checked("endless", &steps, Some(&steps)).unwrap();
+    let world = world(at_home(Side::Left));
+    let request = GoalRequest {
+        kind: GoalKind::CUSTOM,
+        task: Text::new("endless"),
+        from_m: [0.30, -0.28, 0.05],
+        to_m: [0.30, 0.28, 0.12],
+        helper_width_m: 0.06,
+        ..grasp()
+    };
+    let tasks = [own];
+    let now = world.controller.circumstances(robot(), &tasks);
+    let reason = check::check(&request, &now).unwrap_err();
+    assert_eq!(reason.cause, Cause::TASK_TOO_LONG, "{reason}");
 }
