@@ -3,7 +3,7 @@
 //!
 //! `cargo bench -p system-tests --bench latency` after `cargo build --workspace`.
 //!
-//! A bound is the figure with room for a busy machine of two cores; the README states what a quiet one reaches.
+//! A bound is the aim with room for a busy machine of two cores; the README states what a quiet one reaches.
 //! What could not be measured here (`null`) is told and not held.
 
 #![expect(clippy::print_stdout, reason = "figures are the product of a bench")]

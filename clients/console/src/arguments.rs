@@ -22,7 +22,7 @@ mod plots;
 mod records;
 mod values;
 
-pub use benches::{Bench, BenchLatency, EchoBy};
+pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
 pub use evals::{Eval, Evaluation};
 pub use examples::command;

@@ -9,10 +9,9 @@
 //! in between belongs to the ticks.
 #![expect(clippy::print_stdout, reason = "figures are its product")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::process::ExitCode;
 
+use allocation_counter::measure;
 use rustix::mm::MlockAllFlags;
 use serde_json::{Value, json};
 use shm_schemas::TickReport;
@@ -28,35 +27,6 @@ const USAGE: &str =
     "could not understand the arguments; needs `figures TICKS REPEATS` or `run TICKS`";
 /// Place of the recording, which comes after the body.
 const RECORDING: usize = STAGES - 1;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call is passed on to the system's allocator unchanged; counting touches a thread-local number only.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -95,9 +65,7 @@ impl Costs {
     fn add(&mut self, loopback: &mut Loopback, ticks: u64) {
         for _ in 0..ticks {
             loopback.sense();
-            let before = ALLOCATIONS.get();
-            loopback.tick();
-            let allocations = ALLOCATIONS.get() - before;
+            let allocations = measure(|| loopback.tick()).count_total;
             let record = loopback.act();
             self.allocations += allocations;
             self.allocations_max = self.allocations_max.max(allocations);
@@ -111,6 +79,13 @@ impl Costs {
 
     fn body_us(&self) -> [f64; 4] {
         microseconds(self.body_ns.clone())
+    }
+
+    /// The body and the recording after it, of each tick.
+    fn tick_us(&self) -> [f64; 4] {
+        let recording_ns = &self.stages_ns[RECORDING];
+        let both = self.body_ns.iter().zip(recording_ns).map(|(a, b)| a + b);
+        microseconds(both.collect())
     }
 }
 
@@ -128,8 +103,16 @@ fn figures(ticks: u64, repeats: u64) -> Value {
         plain.push(costs);
         recording.push(costs_recording);
     }
-    let ratios = plain.iter().zip(&recording);
-    let ratios = ratios.map(|(plain, recording)| recording.body_us()[0] / plain.body_us()[0]);
+    let ratio = |p50: fn(&Costs) -> f64| {
+        let pairs = plain.iter().zip(&recording);
+        median(
+            pairs
+                .map(|(plain, recording)| p50(recording) / p50(plain))
+                .collect(),
+        )
+    };
+    let body_ratio = ratio(|costs| costs.body_us()[0]);
+    let tick_ratio = ratio(|costs| costs.tick_us()[0]);
     let all = || plain.iter().chain(&recording);
     let ticks = all().map(|costs| costs.ticks).sum::<u64>() as f64;
     let after_body = recording
@@ -138,7 +121,8 @@ fn figures(ticks: u64, repeats: u64) -> Value {
     json!({
         "body_us": medians(plain.iter().map(Costs::body_us)),
         "stages_us": stages(&plain),
-        "recording_ratio": median(ratios.collect()),
+        "recording_ratio": body_ratio,
+        "recording_tick_ratio": tick_ratio,
         "recording_us": median(after_body.collect()),
         "allocations_per_tick": all().map(|costs| costs.allocations).sum::<u64>() as f64 / ticks,
         "allocations_max": all().map(|costs| costs.allocations_max).max(),
@@ -177,9 +161,7 @@ fn run(ticks: u64) -> Value {
     let _begin = rustix::process::getppid();
     for _ in 0..steady {
         loopback.sense();
-        let before = ALLOCATIONS.get();
-        loopback.tick();
-        let made = ALLOCATIONS.get() - before;
+        let made = measure(|| loopback.tick()).count_total;
         (allocations, most) = (allocations + made, made.max(most));
         loopback.act();
     }

@@ -10,6 +10,8 @@ use shm_bus::BusName;
 pub enum Bench {
     /// How punctual the daemon is here, beside cyclictest and a bare loop; what a tick costs; how fast transports are
     Latency(BenchLatency),
+    /// Whether a stop gets through a flood of goals, long checks and a frozen client
+    Stop(BenchStop),
     /// The other end of a transport that is being measured
     #[command(hide = true)]
     Echo {
@@ -36,6 +38,14 @@ pub struct BenchLatency {
     /// How often each is repeated, in turn with the others; medians are reported
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
+}
+
+/// `atas bench stop`.
+#[derive(Args, Clone, Debug)]
+pub struct BenchStop {
+    /// How often the daemon is stopped and recovered
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub count: u32,
 }
 
 /// Transports that have an echo in this program.

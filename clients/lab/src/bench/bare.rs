@@ -1,5 +1,8 @@
-//! The bare loop: sleep until the next millisecond, look at the clock, nothing else.
+//! Bare loops: sleep until the next millisecond, look at the clock, nothing else. With what the daemon does for its own
+//! punctuality, or without: spinning before the deadline, keeping the cores awake.
 
+use std::fs::{File, OpenOptions};
+use std::io::Write;
 use std::time::Duration;
 
 use anyhow::Context;
@@ -10,21 +13,59 @@ use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
 use shm_schemas::Percentiles;
 
+use super::tool::Notes;
 use super::{Plan, machine};
 
 /// Period of the loop: the daemon's.
 const PERIOD_NS: u64 = 1_000_000;
 
-/// How late a bare loop on the plan's core wakes up.
-pub(super) fn measure(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
-    let (core, window, interrupt) = (plan.core, plan.window, plan.interrupt.clone());
-    let looped = std::thread::spawn(move || run(core, window, &interrupt)).join();
-    let late_ns = looped.unwrap_or_else(|_| Err(anyhow::anyhow!("the bare loop panicked")))?;
-    plan.interrupt.check("the bare loop was running")?;
-    Ok(percentiles::of(late_ns))
+/// How long before a deadline a spinning loop wakes up: the most that the daemon does by default (`realtime.spin_us`).
+const SPIN_NS: u64 = 50_000;
+/// Who holds 0 here keeps the cores from idle states that they wake up from slowly.
+const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
+
+/// What a bare loop does beside sleeping.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BareLoop {
+    pub(super) spins: bool,
+    pub(super) keeps_awake: bool,
 }
 
-fn run(core: usize, window: Duration, interrupt: &Interrupt) -> anyhow::Result<Vec<u64>> {
+/// How late a bare loop on the plan's core wakes up; `None`, with a note, where it may not keep the cores awake.
+pub(super) fn measure(
+    plan: &Plan<'_>,
+    bare: BareLoop,
+    notes: &mut Notes,
+) -> anyhow::Result<Option<Percentiles>> {
+    let awake = bare.keeps_awake.then(hold_awake).transpose();
+    let Ok(_awake) = awake.map_err(|error| {
+        notes.add(format!(
+            "loops that keep the cores awake were not measured: {IDLE_LATENCY}: {error}"
+        ));
+    }) else {
+        return Ok(None);
+    };
+    let (core, window, interrupt) = (plan.core, plan.window, plan.interrupt.clone());
+    let early_ns = if bare.spins { SPIN_NS } else { 0 };
+    let looped = std::thread::spawn(move || run(core, window, early_ns, &interrupt)).join();
+    let late_ns = looped.unwrap_or_else(|_| Err(anyhow::anyhow!("the bare loop panicked")))?;
+    plan.interrupt.check("the bare loop was running")?;
+    Ok(Some(percentiles::of(late_ns)))
+}
+
+/// Keeps the cores awake as long as the file is open.
+fn hold_awake() -> std::io::Result<File> {
+    let mut file = OpenOptions::new().write(true).open(IDLE_LATENCY)?;
+    file.write_all(&0_i32.to_ne_bytes())?;
+    Ok(file)
+}
+
+fn run(
+    core: usize,
+    window: Duration,
+    early_ns: u64,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Vec<u64>> {
     machine::pin(core)?;
     // Without the right to it the daemon runs without it as well: the two stay comparable.
     let _ = fifo::enter(fifo::PRIORITY);
@@ -33,8 +74,13 @@ fn run(core: usize, window: Duration, interrupt: &Interrupt) -> anyhow::Result<V
     let mut deadline_ns = now_ns();
     while late_ns.len() < late_ns.capacity() && !interrupt.is_set() {
         deadline_ns += PERIOD_NS;
-        sleep_until(deadline_ns)?;
-        let late = now_ns().saturating_sub(deadline_ns);
+        sleep_until(deadline_ns - early_ns)?;
+        let mut now = now_ns();
+        while now < deadline_ns && !interrupt.is_set() {
+            std::hint::spin_loop();
+            now = now_ns();
+        }
+        let late = now.saturating_sub(deadline_ns);
         late_ns.push(late);
         // What has passed is skipped, as in the daemon.
         deadline_ns += late / PERIOD_NS * PERIOD_NS;

@@ -56,6 +56,7 @@ pub(super) struct Ticks {
     pub(super) body_us: Value,
     pub(super) stages_us: Value,
     pub(super) recording_ratio: f64,
+    pub(super) recording_tick_ratio: f64,
     pub(super) recording_us: f64,
     pub(super) allocations_per_tick: f64,
     pub(super) allocations_max: u64,

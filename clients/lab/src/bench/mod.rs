@@ -27,6 +27,7 @@ mod pair;
 mod punctual;
 mod report;
 mod site;
+mod stops;
 mod tables;
 mod tool;
 mod transport;
@@ -63,6 +64,7 @@ pub(crate) fn bench(
 ) -> anyhow::Result<()> {
     match what {
         Bench::Latency(arguments) => latency(arguments, interrupt, output),
+        Bench::Stop(arguments) => stops::stops(arguments, interrupt, output),
         Bench::Echo { by, bus, socket } => echo::run(*by, bus, socket, interrupt),
     }
 }

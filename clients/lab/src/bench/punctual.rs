@@ -10,11 +10,12 @@ use shm_schemas::capacity::STAGES;
 use shm_schemas::{Percentiles, StatusFlags, TickReport};
 
 use super::answer::{self, Answer};
+use super::bare::{self, BareLoop};
 use super::body::body_ns;
 use super::load::Load;
 use super::pair::Pair;
 use super::tool::Notes;
-use super::{Plan, bare, cyclictest};
+use super::{Plan, cyclictest};
 use crate::demo::child::Child;
 
 /// How long the phase lock may take (ours: at 5 µs a tick a whole period takes 200 ticks; its lag needs longer).
@@ -28,19 +29,47 @@ const AT_ONCE: usize = 256;
 
 /// One repeat on an otherwise idle machine.
 pub(super) struct Repeat {
-    pub(super) cyclictest: Option<Percentiles>,
-    pub(super) bare: Percentiles,
+    pub(super) beside: Beside,
     pub(super) locked: Measured,
+    /// The daemon with `realtime.keep_awake` off.
+    pub(super) drowsy: Measured,
     pub(super) free: Vec<Measured>,
     pub(super) answer: Answer,
+}
+
+/// What the daemon's wake-up is compared with.
+#[derive(Clone, Copy)]
+pub(super) struct Beside {
+    pub(super) cyclictest: Option<Percentiles>,
+    /// Neither spins nor keeps the cores awake.
+    pub(super) bare: Option<Percentiles>,
+    /// Keeps the cores awake, as cyclictest and the daemon do.
+    pub(super) bare_awake: Option<Percentiles>,
+    /// Keeps the cores awake and spins before its deadlines, as the daemon does.
+    pub(super) bare_spinning: Option<Percentiles>,
+}
+
+impl Beside {
+    fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
+        let mut bare = |spins, keeps_awake| {
+            let bare = BareLoop { spins, keeps_awake };
+            bare::measure(plan, bare, notes)
+        };
+        Ok(Self {
+            bare: bare(false, false)?,
+            bare_awake: bare(false, true)?,
+            bare_spinning: bare(true, true)?,
+            cyclictest: cyclictest::measure(plan, notes)?,
+        })
+    }
 }
 
 impl Repeat {
     pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
         Ok(Self {
-            cyclictest: cyclictest::measure(plan, notes)?,
-            bare: bare::measure(plan)?,
-            locked: daemon(plan, plan.window, true, notes)?,
+            beside: Beside::measure(plan, notes)?,
+            locked: daemon(plan, plan.window, Variant::USUAL, notes)?,
+            drowsy: daemon(plan, plan.window, Variant::DROWSY, notes)?,
             free: free(plan, notes)?,
             answer: answer::measure(plan)?,
         })
@@ -49,8 +78,7 @@ impl Repeat {
 
 /// One repeat while the core has other work.
 pub(super) struct Loaded {
-    pub(super) cyclictest: Option<Percentiles>,
-    pub(super) bare: Percentiles,
+    pub(super) beside: Beside,
     pub(super) locked: Measured,
 }
 
@@ -61,9 +89,8 @@ impl Loaded {
             return Ok(None);
         };
         Ok(Some(Self {
-            cyclictest: cyclictest::measure(plan, notes)?,
-            bare: bare::measure(plan)?,
-            locked: daemon(plan, plan.window, true, notes)?,
+            beside: Beside::measure(plan, notes)?,
+            locked: daemon(plan, plan.window, Variant::USUAL, notes)?,
         }))
     }
 }
@@ -88,10 +115,32 @@ pub(super) struct Measured {
     pub(super) is_realtime: bool,
 }
 
+/// How a daemon is set.
+#[derive(Clone, Copy)]
+struct Variant {
+    phase_lock: bool,
+    keep_awake: bool,
+}
+
+impl Variant {
+    const USUAL: Self = Self {
+        phase_lock: true,
+        keep_awake: true,
+    };
+    const DROWSY: Self = Self {
+        keep_awake: false,
+        ..Self::USUAL
+    };
+    const FREE: Self = Self {
+        phase_lock: false,
+        ..Self::USUAL
+    };
+}
+
 fn free(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Vec<Measured>> {
     let window = plan.window / FREE_RUNS;
     (0..FREE_RUNS)
-        .map(|_| daemon(plan, window, false, notes))
+        .map(|_| daemon(plan, window, Variant::FREE, notes))
         .collect()
 }
 
@@ -99,12 +148,16 @@ fn free(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Vec<Measured>> {
 fn daemon(
     plan: &Plan<'_>,
     window: Duration,
-    phase_lock: bool,
+    Variant {
+        phase_lock,
+        keep_awake,
+    }: Variant,
     notes: &mut Notes,
 ) -> anyhow::Result<Measured> {
     let cpu = format!("realtime.cpu={}", plan.core);
     let lock = format!("realtime.phase_lock={phase_lock}");
-    let flags = ["--set", &cpu, "--set", &lock];
+    let awake = format!("realtime.keep_awake={keep_awake}");
+    let flags = ["--set", &cpu, "--set", &lock, "--set", &awake];
     let start =
         |site: &super::site::Site, control: &[&str]| Child::start("atasd", control, site.folder());
     let mut pair = Pair::start(&flags, start)?;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use shm_schemas::{Percentiles, TickReport};
 
 use super::counts::Counts;
-use super::punctual::{Loaded, Measured, Repeat};
+use super::punctual::{Beside, Loaded, Measured, Repeat};
 use super::tool::Notes;
 use super::transport::Transports;
 use super::{Plan, echo, machine, tables};
@@ -35,6 +35,7 @@ impl Report {
                 "p999_ratio": self.wake_ratio(P999),
                 "cpu_percent": of_locked(|m| m.tick_cpu_percent),
                 "idle": wake(&self.idle.iter().map(Compared::from).collect::<Vec<_>>()),
+                "not_kept_awake_us": over(self.idle.iter().map(|r| r.drowsy.wake)),
                 "loaded": wake(&self.loaded.iter().map(Compared::from).collect::<Vec<_>>()),
             },
             "tick_us": ticks.map(|ticks| &ticks.body_us),
@@ -45,6 +46,7 @@ impl Report {
             "instructions_per_tick": self.counts.instructions_per_tick,
             "recording": {
                 "body_ratio": ticks.map(|ticks| ticks.recording_ratio),
+                "tick_ratio": ticks.map(|ticks| ticks.recording_tick_ratio),
                 "after_body_us": ticks.map(|ticks| ticks.recording_us),
             },
             "frame_age_us": {
@@ -63,6 +65,7 @@ impl Report {
                 "iceoryx2": self.transports.iceoryx2,
                 "unix_socket": self.transports.unix_socket,
                 "zenoh": self.transports.zenoh,
+                "zenoh_shared_memory": self.transports.zenoh_shared_memory,
                 "payload_bytes": echo::PAYLOAD_BYTES,
             },
             "daemon": {
@@ -91,7 +94,7 @@ impl Report {
 
     fn wake_ratio(&self, which: Rank) -> Option<f64> {
         ratio(self.idle.iter().map(Compared::from), which, |c| {
-            c.cyclictest
+            c.beside.cyclictest
         })
     }
 
@@ -107,18 +110,17 @@ impl Report {
 }
 
 /// Wake-ups of one repeat.
+#[derive(Clone, Copy)]
 struct Compared {
-    cyclictest: Option<Percentiles>,
-    bare: Percentiles,
     daemon: Percentiles,
+    beside: Beside,
 }
 
 impl From<&Repeat> for Compared {
     fn from(repeat: &Repeat) -> Self {
         Self {
-            cyclictest: repeat.cyclictest,
-            bare: repeat.bare,
             daemon: repeat.locked.wake,
+            beside: repeat.beside,
         }
     }
 }
@@ -126,9 +128,8 @@ impl From<&Repeat> for Compared {
 impl From<&Loaded> for Compared {
     fn from(repeat: &Loaded) -> Self {
         Self {
-            cyclictest: repeat.cyclictest,
-            bare: repeat.bare,
             daemon: repeat.locked.wake,
+            beside: repeat.beside,
         }
     }
 }
@@ -156,19 +157,22 @@ fn wake(repeats: &[Compared]) -> Value {
     if repeats.is_empty() {
         return Value::Null;
     }
-    let ratios = |other: fn(&Compared) -> Option<Percentiles>| {
-        let of = |rank| {
-            let repeats = repeats.iter().map(|r| Compared { ..*r });
-            ratio(repeats, rank, other)
-        };
+    let of = |other: fn(&Beside) -> Option<Percentiles>| {
+        over(repeats.iter().filter_map(|r| other(&r.beside)))
+    };
+    let to = |other: fn(&Beside) -> Option<Percentiles>| {
+        let of = |rank| ratio(repeats.iter().copied(), rank, |c| other(&c.beside));
         json!({"p50": of(P50), "p99": of(P99), "p999": of(P999)})
     };
     json!({
         "daemon_us": over(repeats.iter().map(|r| r.daemon)),
-        "bare_loop_us": over(repeats.iter().map(|r| r.bare)),
-        "cyclictest_us": over(repeats.iter().filter_map(|r| r.cyclictest)),
-        "to_cyclictest": ratios(|r| r.cyclictest),
-        "to_bare_loop": ratios(|r| Some(r.bare)),
+        "bare_loop_us": of(|b| b.bare),
+        "bare_loop_awake_us": of(|b| b.bare_awake),
+        "bare_loop_spinning_us": of(|b| b.bare_spinning),
+        "cyclictest_us": of(|b| b.cyclictest),
+        "to_cyclictest": to(|b| b.cyclictest),
+        "to_bare_loop": to(|b| b.bare),
+        "to_bare_loop_spinning": to(|b| b.bare_spinning),
     })
 }
 

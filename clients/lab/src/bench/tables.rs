@@ -18,26 +18,27 @@ pub(super) fn print(figures: &Value, output: &mut Output) -> anyhow::Result<()> 
 }
 
 fn wake(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
-    let mut rows = table(&["wake-up, µs late", "p50", "p99", "p99.9", "max"]);
+    let mut rows = table(&["wake-up latency, µs", "p50", "p99", "p99.9", "max"]);
     for (state, name) in [("idle", "idle"), ("loaded", "under load")] {
         let of = &figures["wake"][state];
         if of.is_null() {
             continue;
         }
-        rows.add_row(row(format!("{name}: daemon"), &of["daemon_us"], 2));
-        rows.add_row(row(format!("{name}: bare loop"), &of["bare_loop_us"], 2));
-        rows.add_row(row(format!("{name}: cyclictest"), &of["cyclictest_us"], 2));
-        rows.add_row(row(
-            format!("{name}: daemon / cyclictest"),
-            &of["to_cyclictest"],
-            4,
-        ));
-        rows.add_row(row(
-            format!("{name}: daemon / bare loop"),
-            &of["to_bare_loop"],
-            4,
-        ));
+        for (what, key, digits) in [
+            ("daemon", "daemon_us", 2),
+            ("bare loop", "bare_loop_us", 2),
+            ("bare loop, cores awake", "bare_loop_awake_us", 2),
+            ("bare loop that spins", "bare_loop_spinning_us", 2),
+            ("cyclictest", "cyclictest_us", 2),
+            ("daemon / cyclictest", "to_cyclictest", 4),
+            ("daemon / bare loop", "to_bare_loop", 4),
+            ("daemon / loop that spins", "to_bare_loop_spinning", 4),
+        ] {
+            rows.add_row(row(format!("{name}: {what}"), &of[key], digits));
+        }
     }
+    let drowsy = &figures["wake"]["not_kept_awake_us"];
+    rows.add_row(row("idle: daemon, keep_awake off".into(), drowsy, 2));
     output.table(rows)
 }
 
@@ -101,7 +102,12 @@ fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
         ),
         ("page faults of all ticks".into(), &daemon["page_faults"], 0),
         (
-            "tick body recording / not".into(),
+            "whole tick recording / not".into(),
+            &figures["recording"]["tick_ratio"],
+            3,
+        ),
+        (
+            "  of this the tick body".into(),
             &figures["recording"]["body_ratio"],
             3,
         ),
@@ -127,7 +133,12 @@ fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
             &transports["unix_socket"],
             2,
         ),
-        (format!("{frame} zenoh"), &transports["zenoh"], 2),
+        (format!("{frame} zenoh, TCP"), &transports["zenoh"], 2),
+        (
+            format!("{frame} zenoh, shared memory"),
+            &transports["zenoh_shared_memory"],
+            2,
+        ),
         (
             "CPU of the ticks, %".into(),
             &figures["wake"]["cpu_percent"],

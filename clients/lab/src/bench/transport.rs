@@ -1,5 +1,5 @@
-//! One frame there and back between two processes that both poll: through shared memory, a Unix socket, zenoh. Half of
-//! the round is reported.
+//! One frame there and back between two processes that both poll: through our shared memory, a Unix socket, zenoh by TCP,
+//! zenoh's shared memory. Half of the round is reported.
 
 use std::io::Write;
 use std::os::unix::net::UnixStream;
@@ -37,20 +37,24 @@ pub(super) struct Transports {
     pub(super) iceoryx2: Option<f64>,
     pub(super) unix_socket: Option<f64>,
     pub(super) zenoh: Option<f64>,
+    pub(super) zenoh_shared_memory: Option<f64>,
 }
 
 impl Transports {
     pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
-        let (mut shared, mut socket, mut zenoh) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut shared, mut socket) = (Vec::new(), Vec::new());
+        let (mut zenoh, mut zenoh_shared) = (Vec::new(), Vec::new());
         for _ in 0..plan.repeats {
             shared.push(half_us(&shared_memory(plan)?));
             socket.push(half_us(&unix_socket(plan)?));
-            zenoh.extend(middleware(plan, notes)?);
+            zenoh.extend(middleware("tcp", plan, notes)?);
+            zenoh_shared.extend(middleware("shm", plan, notes)?);
         }
         Ok(Self {
             iceoryx2: median(shared),
             unix_socket: median(socket),
             zenoh: median(zenoh),
+            zenoh_shared_memory: median(zenoh_shared),
         })
     }
 }
@@ -108,12 +112,13 @@ fn unix_socket(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
     })
 }
 
-/// zenoh over loopback TCP: both ends are processes of its program, which prints half a round's p50 in µs.
-fn middleware(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
+/// zenoh, by loopback TCP or with payloads in its shared memory: both ends are processes of its program, which prints half
+/// a round's p50 in µs.
+fn middleware(by: &str, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     let site = Site::new()?;
     let program = beside_this_program(ZENOH).unwrap_or_else(|_| ZENOH.into());
     let place = site.folder().join("place").display().to_string();
-    let arguments = ["echo", &place];
+    let arguments = ["echo", by, &place];
     let echo = tool::start(
         &program,
         ZENOH,
@@ -127,11 +132,20 @@ fn middleware(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>>
     };
     let size = PAYLOAD_BYTES.to_string();
     let other = Site::new()?;
-    let mut ping = Child::start_program(&program, ZENOH, &["ping", &place, &size], other.folder())?;
-    let status = tool::wait(&mut ping, ZENOH_WITHIN, plan.interrupt)?;
+    let mut ping = Child::start_program(
+        &program,
+        ZENOH,
+        &["ping", by, &place, &size],
+        other.folder(),
+    )?;
+    let ended = tool::wait(&mut ping, ZENOH_WITHIN, plan.interrupt);
+    plan.interrupt.check("the bench was measuring zenoh")?;
     let half = ping.results().first().and_then(|line| line.parse().ok());
-    if !status.success() || half.is_none() {
-        notes.add(format!("zenoh was not measured ({})", ping.tail().trim()));
+    if !ended.is_ok_and(|status| status.success()) || half.is_none() {
+        notes.add(format!(
+            "zenoh by {by} was not measured ({})",
+            ping.tail().trim()
+        ));
     }
     Ok(half)
 }

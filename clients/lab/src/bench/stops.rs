@@ -1,0 +1,287 @@
+//! `atas bench stop`: whether a stop gets through. A living daemon is flooded with goals whose checks are as long as they can
+//! be, every place for clients is taken, one client is frozen while it joins; meanwhile it is stopped and recovered, again and
+//! again.
+//!
+//! * **Counted:** ticks from the request to the first command in SAFE_STOP, the tick that was under way not included.
+//! * **Invariants:** the flood's clients keep their requests pending. A stop that is not in the commands within a second is
+//!   counted as one that never came.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use atas_client::{POLL, percentiles};
+use atas_console::arguments::BenchStop;
+use atas_console::{Interrupt, Output, table};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::json;
+use shm_bus::{Bus, BusName, PendingGoal, Realtime, now_ns, stop};
+use shm_schemas::{
+    ControlOp, ControlRequest, GoalKind, GoalRequest, Hand, Mode, Status, StopOutcome, Text,
+    TickReport,
+};
+
+use super::pair::Pair;
+use super::site::Site;
+use crate::demo::child::Child;
+
+/// Clients that flood, and the goals that each keeps pending.
+const CLIENTS: usize = 6;
+const PENDING: usize = 2;
+/// How long a stop may take to be answered, and to be seen.
+const WITHIN: Duration = Duration::from_secs(1);
+/// How long a control client waits for its answer, and how long the daemon may take to be ready again.
+const ANSWER_WITHIN: Duration = Duration::from_millis(500);
+const READY_WITHIN: Duration = Duration::from_secs(30);
+/// Most reports taken in one look: all that can wait.
+const AT_ONCE: usize = 256;
+/// The promise, ticks.
+const PROMISED: u64 = 3;
+/// Steps of each hand of the task whose check takes longest: as many as a task may have, less the one that lets go.
+const STEPS: usize = 31;
+
+/// `atas bench stop`.
+pub(super) fn stops(
+    arguments: &BenchStop,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let mut pair = Pair::start(&[], start_daemon)?;
+    pair.wait_until_ready(interrupt)?;
+    let control = Bus::open(pair.site().bus(), "bench", Realtime::No)?;
+    let flood = Flood::start(pair.site().bus());
+    let frozen = freeze_a_client(&pair)?;
+    let mut seen = Vec::new();
+    for _ in 0..arguments.count {
+        interrupt.check("the daemon was being stopped")?;
+        seen.push(stop_once(&mut pair)?);
+        recover(&mut pair, &control, interrupt)?;
+    }
+    let goals = flood.end();
+    signal(&frozen, Signal::CONT)?;
+    print(&seen, goals, output)
+}
+
+/// A daemon with a task whose check takes as long as a check may.
+fn start_daemon(site: &Site, control: &[&str]) -> anyhow::Result<Child> {
+    let path = site.folder().join("endless.toml");
+    std::fs::write(&path, endless_task())?;
+    let path = path.display().to_string();
+    Child::start(
+        "atasd",
+        &[control, &["--config", &path]].concat(),
+        site.folder(),
+    )
+}
+
+/// Both hands go to and fro without ever waiting for each other, so that each posture must be compared with each.
+fn endless_task() -> String {
+    let step = |index: usize| {
+        let waypoint = ["before-source", "home"][index % 2];
+        format!(
+            "{{ step = \"s{index}\", motion = \"reach\", waypoint = \"{waypoint}\", modules = [\"carry\"], transition = \"arrived\", \
+             timeout_s = 20.0 }}"
+        )
+    };
+    let steps: Vec<String> = (0..STEPS).map(step).collect();
+    let track = steps.join(", ");
+    format!("[tasks.endless]\nacting = [{track}]\nhelping = [{track}]\n")
+}
+
+/// What one stop took.
+struct Seen {
+    /// Ticks until it was in the commands; `None` if it never was.
+    ticks: Option<u64>,
+    /// Until it was answered, ns.
+    answered_ns: u64,
+}
+
+fn stop_once(pair: &mut Pair) -> anyhow::Result<Seen> {
+    pair.reports.drain(AT_ONCE, |_| {})?;
+    let asked_ns = now_ns();
+    let answer = stop::request(pair.site().bus(), "bench", WITHIN);
+    let answered_ns = now_ns() - asked_ns;
+    let has_stopped = answer.is_ok_and(|answer| answer.outcome == StopOutcome::STOPPED);
+    let (mut before, mut stopped) = (0, false);
+    while has_stopped && !stopped && now_ns() - asked_ns < WITHIN.as_nanos() as u64 {
+        pair.reports.drain(AT_ONCE, |report: &TickReport| {
+            if stopped || report.stamp.captured_ns <= asked_ns {
+                return;
+            }
+            stopped = report.mode == Mode::SAFE_STOP;
+            before += 1;
+        })?;
+        std::thread::sleep(POLL);
+    }
+    Ok(Seen {
+        ticks: stopped.then_some(before),
+        answered_ns,
+    })
+}
+
+/// Re-arms; in a flood the question may have to be asked more than once.
+fn recover(pair: &mut Pair, control: &Bus, interrupt: &Interrupt) -> anyhow::Result<()> {
+    let request = ControlRequest {
+        op: ControlOp::RECOVER,
+        ..ControlRequest::default()
+    };
+    let begin_ns = now_ns();
+    loop {
+        if let Ok(client) = control.control_client() {
+            let _asked = client.call(&request, ANSWER_WITHIN);
+        }
+        let is_armed = |status: &Status| matches!(status.mode, Mode::READY | Mode::RUN);
+        if pair.wait_until(ANSWER_WITHIN, interrupt, is_armed)? {
+            return Ok(());
+        }
+        let limit_ns = READY_WITHIN.as_nanos() as u64;
+        anyhow::ensure!(
+            now_ns() - begin_ns < limit_ns,
+            "the daemon did not recover: mode {} ({})",
+            pair.status.mode,
+            pair.status.reason
+        );
+    }
+}
+
+/// A client that is stopped while it joins, with whatever it holds then.
+fn freeze_a_client(pair: &Pair) -> anyhow::Result<Child> {
+    let bus = pair.site().bus().as_str();
+    let child = Child::start(
+        "atas",
+        &["status", "--watch", "--bus", bus],
+        pair.site().folder(),
+    )?;
+    std::thread::sleep(Duration::from_millis(5));
+    signal(&child, Signal::STOP)?;
+    Ok(child)
+}
+
+fn signal(child: &Child, signal: Signal) -> anyhow::Result<()> {
+    let pid = Pid::from_raw(child.pid().cast_signed());
+    Ok(pid.map_or(Ok(()), |pid| kill_process(pid, signal))?)
+}
+
+/// Threads that send goals and keep them pending.
+struct Flood {
+    threads: Vec<JoinHandle<()>>,
+    ends: Arc<AtomicBool>,
+    sent: Arc<AtomicU64>,
+}
+
+impl Flood {
+    fn start(bus: &BusName) -> Self {
+        let (ends, sent) = <(Arc<AtomicBool>, Arc<AtomicU64>)>::default();
+        let thread = |index| {
+            let (bus, ends, sent) = (bus.clone(), Arc::clone(&ends), Arc::clone(&sent));
+            std::thread::spawn(move || {
+                // Where no place is left, the others are the flood.
+                let _served = flood(&bus, index, &ends, &sent);
+            })
+        };
+        let threads = (0..CLIENTS).map(thread).collect();
+        Self {
+            threads,
+            ends,
+            sent,
+        }
+    }
+
+    /// Ends them; the goals that they sent.
+    fn end(self) -> u64 {
+        self.ends.store(true, Ordering::Relaxed);
+        for thread in self.threads {
+            // A panicked one has sent what it has sent.
+            let _ended = thread.join();
+        }
+        self.sent.load(Ordering::Relaxed)
+    }
+}
+
+fn flood(bus: &BusName, index: usize, ends: &AtomicBool, sent: &AtomicU64) -> anyhow::Result<()> {
+    let bus = Bus::open(bus, "flood", Realtime::No)?;
+    let client = bus.goal_client()?;
+    let mut pending: Vec<PendingGoal> = Vec::new();
+    let mut goal_id = (index as u64) << 32;
+    while !ends.load(Ordering::Relaxed) {
+        while pending.len() < PENDING {
+            goal_id += 1;
+            match client.send(&goal(goal_id)) {
+                Ok(goal) => pending.push(goal),
+                Err(_) => break,
+            }
+            sent.fetch_add(1, Ordering::Relaxed);
+        }
+        pending.retain_mut(|goal| match goal.next() {
+            Ok(Some(update)) => !update.state.is_final(),
+            Ok(None) => !goal.ended(),
+            Err(_) => false,
+        });
+        std::thread::sleep(POLL);
+    }
+    Ok(())
+}
+
+/// One goal in eight is one whose check takes longest; the others are refused or run.
+fn goal(goal_id: u64) -> GoalRequest {
+    let own = goal_id.is_multiple_of(8);
+    GoalRequest {
+        goal_id,
+        kind: if own {
+            GoalKind::CUSTOM
+        } else {
+            GoalKind::GRASP
+        },
+        task: Text::new(if own { "endless" } else { "" }),
+        hand: Hand::RIGHT,
+        from_m: [0.30, -0.28, 0.06],
+        to_m: [0.30, 0.28, 0.12],
+        width_m: 0.05,
+        helper_width_m: 0.06,
+        lift_m: 0.03,
+        ..GoalRequest::default()
+    }
+}
+
+fn print(seen: &[Seen], goals: u64, output: &mut Output) -> anyhow::Result<()> {
+    let mut ticks: Vec<u64> = seen.iter().filter_map(|seen| seen.ticks).collect();
+    let within = ticks.iter().filter(|ticks| **ticks <= PROMISED).count();
+    ticks.sort_unstable();
+    let tick = percentiles::of_sorted(&ticks);
+    let answered = percentiles::of(seen.iter().map(|seen| seen.answered_ns).collect());
+    let us = |ns: u64| ns as f64 * 1e-3;
+    if output.is_json() {
+        output.json(&json!({
+            "stops": seen.len(),
+            "seen": ticks.len(),
+            "within_3_ticks": within,
+            "ticks": {"p50": tick.p50_ns, "p99": tick.p99_ns, "max": tick.max_ns},
+            "answered_us": {
+                "p50": us(answered.p50_ns), "p99": us(answered.p99_ns), "max": us(answered.max_ns),
+            },
+            "goals": goals,
+        }))?;
+    } else {
+        let mut rows = table(&["", "p50", "p99", "max"]);
+        let row = |name: &str, [p50, p99, max]: [f64; 3], digits: usize| {
+            let text = |value| atas_console::number(value, digits);
+            [name.to_owned(), text(p50), text(p99), text(max)]
+        };
+        let counts = [tick.p50_ns, tick.p99_ns, tick.max_ns].map(|ticks| ticks as f64);
+        let times = [answered.p50_ns, answered.p99_ns, answered.max_ns].map(us);
+        rows.add_row(row("ticks until the commands stop", counts, 0));
+        rows.add_row(row("answered after, µs", times, 0));
+        output.table(rows)?;
+        output.line(format_args!(
+            "{within} of {} stops within {PROMISED} ticks, under {goals} goals of {CLIENTS} clients",
+            seen.len()
+        ))?;
+    }
+    anyhow::ensure!(
+        within == seen.len(),
+        "{} stops came late or never",
+        seen.len() - within
+    );
+    Ok(())
+}
