@@ -5,10 +5,10 @@
 
 /// Declares a code: a transparent-in-memory `u32` newtype with named values.
 macro_rules! code {
-    ($(#[$doc:meta])* $name:ident as $wire:literal {
-        $($(#[$vdoc:meta])* $value:ident = $number:literal, $text:literal;)*
+    ($(#[doc = $doc:literal])* $name:ident as $wire:literal {
+        $($(#[doc = $vdoc:literal])* $value:ident = $number:literal, $text:literal;)*
     }) => {
-        $(#[$doc])*
+        $(#[doc = $doc])*
         #[repr(C)]
         #[derive(
             Clone, Copy, PartialEq, Eq, Hash, Default,
@@ -22,10 +22,22 @@ macro_rules! code {
         );
 
         impl $name {
-            $($(#[$vdoc])* pub const $value: Self = Self($number);)*
+            $($(#[doc = $vdoc])* pub const $value: Self = Self($number);)*
 
             /// Every known value.
             pub const ALL: &'static [Self] = &[$(Self::$value),*];
+
+            /// The code as other languages are told of it.
+            pub const CODE: $crate::schema::CodeType = $crate::schema::CodeType {
+                name: stringify!($name),
+                about: &[$($doc),*],
+                values: &[$($crate::schema::CodeValue {
+                    number: $number,
+                    name: stringify!($value),
+                    text: $text,
+                    about: &[$($vdoc),*],
+                }),*],
+            };
 
             /// The value's name in logs and JSON; `"unknown"` for a value that this version does not know.
             #[must_use]
@@ -51,6 +63,10 @@ macro_rules! code {
                     _ => None,
                 }
             }
+        }
+
+        impl $crate::schema::Described for $name {
+            const TYPE: $crate::schema::Type = $crate::schema::Type::Code(&Self::CODE);
         }
 
         impl core::fmt::Display for $name {

@@ -32,6 +32,7 @@ mod module;
 mod payload;
 mod reason;
 mod record;
+pub mod schema;
 mod sentence;
 pub mod service;
 mod stamp;

@@ -3,20 +3,24 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
+use crate::schema::PayloadType;
+
 /// What every payload is: plain bytes without padding that any process may read at any time.
 pub trait Payload:
     ZeroCopySend + FromBytes + IntoBytes + Immutable + KnownLayout + Copy + core::fmt::Debug + 'static
 {
     /// The versioned type name that iceoryx2 compares when a peer opens a service.
     const TYPE_NAME: &'static str;
+    /// Its fields, for those who are not written in Rust.
+    const SCHEMA: &'static PayloadType;
 }
 
 /// Declares a payload: `#[repr(C)]`, versioned, without padding (checked when it compiles), zero by default.
 macro_rules! payload {
-    ($(#[$doc:meta])* $name:ident as $wire:literal {
-        $($(#[$fdoc:meta])* pub $field:ident: $type:ty,)*
+    ($(#[doc = $doc:literal])* $name:ident as $wire:literal {
+        $($(#[doc = $fdoc:literal])* pub $field:ident: $type:ty,)*
     }) => {
-        $(#[$doc])*
+        $(#[doc = $doc])*
         #[repr(C)]
         #[derive(
             Clone, Copy, Debug, PartialEq,
@@ -25,7 +29,7 @@ macro_rules! payload {
         )]
         #[type_name($wire)]
         pub struct $name {
-            $($(#[$fdoc])* pub $field: $type,)*
+            $($(#[doc = $fdoc])* pub $field: $type,)*
         }
 
         impl Default for $name {
@@ -36,6 +40,11 @@ macro_rules! payload {
 
         impl $crate::payload::Payload for $name {
             const TYPE_NAME: &'static str = $wire;
+            const SCHEMA: &'static $crate::schema::PayloadType = &$name::PAYLOAD;
+        }
+
+        impl $crate::schema::Described for $name {
+            const TYPE: $crate::schema::Type = $crate::schema::Type::Payload(&Self::PAYLOAD);
         }
 
         impl $name {
@@ -43,6 +52,22 @@ macro_rules! payload {
             pub const FIELDS: &'static [(&'static str, usize, usize)] = &[
                 $((stringify!($field), core::mem::offset_of!($name, $field), core::mem::size_of::<$type>()),)*
             ];
+
+            /// The payload as other languages are told of it.
+            pub const PAYLOAD: $crate::schema::PayloadType = $crate::schema::PayloadType {
+                name: stringify!($name),
+                wire: $wire,
+                about: &[$($doc),*],
+                size: core::mem::size_of::<$name>(),
+                align: core::mem::align_of::<$name>(),
+                fields: &[$($crate::schema::Field {
+                    name: stringify!($field),
+                    offset: core::mem::offset_of!($name, $field),
+                    size: core::mem::size_of::<$type>(),
+                    kind: <$type as $crate::schema::Described>::TYPE,
+                    about: &[$($fdoc),*],
+                }),*],
+            };
         }
     };
 }

@@ -30,3 +30,22 @@ pub const WORLD_TRUTH: &str = "atas/v3/world-truth";
 pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 /// Publish-subscribe: [`crate::WheelCommands`], one per field frame, from the agents process.
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
+
+/// Every service by its name here.
+pub const NAMES: [(&str, &str); 15] = [
+    ("HAND_FRAME_LEFT", HAND_FRAME[0]),
+    ("HAND_FRAME_RIGHT", HAND_FRAME[1]),
+    ("JOINT_STATE", JOINT_STATE),
+    ("JOINT_COMMAND", JOINT_COMMAND),
+    ("GOAL", GOAL),
+    ("CONTROL", CONTROL),
+    ("STATUS", STATUS),
+    ("TICK_REPORT", TICK_REPORT),
+    ("MODULE_EVENT", MODULE_EVENT),
+    ("RUN_HEADER", RUN_HEADER),
+    ("TICK_INPUTS", TICK_INPUTS),
+    ("SENSOR_STATUS", SENSOR_STATUS),
+    ("WORLD_TRUTH", WORLD_TRUTH),
+    ("AGENT_SENSORS", AGENT_SENSORS),
+    ("WHEEL_COMMANDS", WHEEL_COMMANDS),
+];

@@ -2,6 +2,7 @@
 
 mod codes;
 mod dome;
+mod header;
 mod layout;
 mod reasons;
 mod seal;

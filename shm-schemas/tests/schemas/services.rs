@@ -5,24 +5,7 @@ use std::collections::HashSet;
 
 #[test]
 fn service_names_are_unique_and_versioned() {
-    let [left, right] = HAND_FRAME;
-    let names = [
-        left,
-        right,
-        JOINT_STATE,
-        JOINT_COMMAND,
-        GOAL,
-        CONTROL,
-        STATUS,
-        TICK_REPORT,
-        MODULE_EVENT,
-        RUN_HEADER,
-        TICK_INPUTS,
-        SENSOR_STATUS,
-        WORLD_TRUTH,
-        AGENT_SENSORS,
-        WHEEL_COMMANDS,
-    ];
+    let names = NAMES.map(|(_, name)| name);
     assert_eq!(names.iter().collect::<HashSet<_>>().len(), names.len());
     for name in names {
         let mut parts = name.split('/');
