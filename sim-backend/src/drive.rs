@@ -4,47 +4,24 @@
 //! and then held; its velocities are fed forward for that millisecond only. So whatever stops the commands, whether loss or
 //! expiry, ends in the same safe state: zero velocity at the last commanded positions, which keeps the grip.
 //!
-//! The drives trust nobody. A command is obeyed if it is whole (sealed, for exactly these joints, every number finite), valid
-//! for a moment and not for ever, newer than the last of its writer, from the writer that is obeyed or, when its last command
-//! has expired, from another; and if no joint would have to move faster than it can. What is obeyed is told in every joint
-//! state, so that the next daemon goes on from there.
+//! Which commands are obeyed at all says [`Obedience`]. What is obeyed is told in every joint state, so that the next daemon
+//! goes on from there.
 
 use robot_model::ROBOT_JOINTS;
-use shm_schemas::{JointCommand, JointState, Stamp};
+use shm_schemas::{JointCommand, JointState};
+
+use crate::obedience::{Accepted, Obedience, Orders};
 
 /// Time from a command's arrival until the joints obey it, ms (tactile design: 2 ms command latency).
 pub const LATENCY_MS: usize = 2;
-/// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
-const VALIDITY_MAX_NS: u64 = 100_000_000;
-/// Share of a joint's top speed that a command may ask for (ours: the top speed and what rounding adds).
-const SPEED_SHARE: f64 = 1.05;
-/// Time over which a command may make up for lost ones, s, at top speed (ours: eight commands, as the daemon's gate allows).
-const STEP_S: f64 = 0.008;
-
-/// What the joints follow in one millisecond.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Orders {
-    pub(crate) position_rad: [f64; ROBOT_JOINTS],
-    pub(crate) velocity_rad_s: [f64; ROBOT_JOINTS],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Accepted {
-    orders: Orders,
-    stamp: Stamp,
-    valid_until_ns: u64,
-}
-
 /// The command line of all joints.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
-    speed_max_rad_s: [f64; ROBOT_JOINTS],
+    obedience: Obedience,
     /// Commands under way; `slot` is the one that arrives next.
     under_way: [Option<Accepted>; LATENCY_MS],
     slot: usize,
     held: Orders,
-    /// The last command that was accepted, and when.
-    newest: Option<(Accepted, u64)>,
     /// The last command that was obeyed.
     obeyed: Option<Accepted>,
     /// Whether it is still in force.
@@ -63,11 +40,10 @@ impl Drive {
             velocity_rad_s: [0.0; ROBOT_JOINTS],
         };
         Self {
-            speed_max_rad_s,
+            obedience: Obedience::at(position_rad, speed_max_rad_s),
             under_way: [None; LATENCY_MS],
             slot: 0,
             held,
-            newest: None,
             obeyed: None,
             in_force: false,
             expired: 0,
@@ -76,7 +52,7 @@ impl Drive {
 
     /// Takes the command that arrived in this millisecond, if any, and returns what the joints follow in it.
     pub(crate) fn orders(&mut self, arrived: Option<&JointCommand>, now_ns: u64) -> Orders {
-        let accepted = arrived.and_then(|command| self.accept(command, now_ns));
+        let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
         let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
         self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
@@ -108,70 +84,10 @@ impl Drive {
         }
     }
 
-    /// The command, if it keeps the contract; counted if not.
-    fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
-        let accepted = Accepted {
-            orders: Orders {
-                position_rad: core::array::from_fn(|joint| command.position_rad[joint]),
-                velocity_rad_s: core::array::from_fn(|joint| command.velocity_rad_s[joint]),
-            },
-            stamp: command.stamp,
-            valid_until_ns: command.valid_until_ns,
-        };
-        let keeps = is_whole(command, &accepted.orders)
-            && command.valid_until_ns >= now_ns
-            && command.valid_until_ns.saturating_sub(now_ns) <= VALIDITY_MAX_NS
-            && self.is_next(&accepted.stamp, now_ns)
-            && self.is_reachable(&accepted.orders, now_ns);
-        if !keeps {
-            self.expired += 1;
-            return None;
-        }
-        self.newest = Some((accepted, now_ns));
-        Some(accepted)
-    }
-
-    /// Whether a command follows the last one. One that has expired is followed by any: the line is free again.
-    fn is_next(&self, stamp: &Stamp, now_ns: u64) -> bool {
-        let Some((newest, _)) = self
-            .newest
-            .filter(|(newest, _)| newest.valid_until_ns >= now_ns)
-        else {
-            return true;
-        };
-        let ahead = stamp.sequence.wrapping_sub(newest.stamp.sequence);
-        stamp.writer_epoch == newest.stamp.writer_epoch && (1..=u64::MAX / 2).contains(&ahead)
-    }
-
-    /// Whether the joints can be there in time, and need not move faster than they can.
-    fn is_reachable(&self, orders: &Orders, now_ns: u64) -> bool {
-        let (from_rad, since_ns) = self
-            .newest
-            .as_ref()
-            .map_or((&self.held.position_rad, now_ns), |(newest, then_ns)| {
-                (&newest.orders.position_rad, *then_ns)
-            });
-        let since_s = now_ns.saturating_sub(since_ns).min(VALIDITY_MAX_NS) as f64 * 1e-9;
-        (0..ROBOT_JOINTS).all(|joint| {
-            let top_rad_s = SPEED_SHARE * self.speed_max_rad_s[joint];
-            let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
-            step_rad <= top_rad_s * (STEP_S + since_s)
-                && orders.velocity_rad_s[joint].abs() <= top_rad_s
-        })
-    }
-
     /// Commands refused, and times that commands expired without a successor.
     pub(crate) fn expired(&self) -> u32 {
-        self.expired
+        self.expired + self.obedience.refused()
     }
-}
-
-/// Sealed, for exactly these joints, every number finite.
-fn is_whole(command: &JointCommand, orders: &Orders) -> bool {
-    let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
-    command.is_intact()
-        && command.joint_count as usize == ROBOT_JOINTS
-        && numbers.all(|value| value.is_finite())
 }
 
 #[cfg(test)]

@@ -5,9 +5,10 @@ use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
 
 use crate::clock::Clock;
 use crate::closure::Closure;
-use crate::drive::{Drive, Orders};
+use crate::drive::Drive;
 use crate::encoder;
 use crate::hand::Hand;
+use crate::obedience::Orders;
 use crate::random::Random;
 use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;

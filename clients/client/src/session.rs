@@ -30,7 +30,7 @@ impl Session {
     /// # Errors
     /// There is no such bus, or it cannot be joined.
     pub fn existing(name: &BusName) -> Result<Self, ClientError> {
-        Ok(Self::on(Bus::join(name, "atas", Realtime::No)?))
+        Ok(Self::of(Bus::join(name, "atas", Realtime::No)?))
     }
 
     /// Joins a bus, and makes it where it is not: for those who may come before the daemon.
@@ -38,10 +38,12 @@ impl Session {
     /// # Errors
     /// The bus cannot be joined.
     pub fn join(name: &BusName) -> Result<Self, ClientError> {
-        Ok(Self::on(Bus::open(name, "atas", Realtime::No)?))
+        Ok(Self::of(Bus::open(name, "atas", Realtime::No)?))
     }
 
-    fn on(bus: Bus) -> Self {
+    /// On a bus that this process has joined.
+    #[must_use]
+    pub fn of(bus: Bus) -> Self {
         Self {
             bus,
             epoch: writer_epoch(),
@@ -56,7 +58,7 @@ impl Session {
     }
 
     /// The timestamp of the next request.
-    pub(crate) fn stamp(&self) -> Stamp {
+    pub fn stamp(&self) -> Stamp {
         let sequence = self.sequence.get();
         self.sequence.set(sequence + 1);
         Stamp {

@@ -12,6 +12,7 @@
 //! * **Invariants:** every trial has a seed of its own, made from the object's name and the trial's number, and results are kept
 //!   in the order of the plan: everything in the report but the times is a function of the plan, whatever the number of
 //!   threads. Baselines meet the same members of the families as our modules do, with the same noise.
+//! * **Beside it:** [`replay`], a recording fed to the production controller.
 //! * **Absent on purpose:** the terminal and the bus, and any knowledge of which object of the built-in set can be held:
 //!   [`judge`] computes it.
 
@@ -23,6 +24,7 @@ pub mod judge;
 pub mod offline;
 mod plan;
 mod policy;
+pub mod replay;
 mod report;
 mod statistics;
 mod task;

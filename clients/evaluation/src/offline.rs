@@ -168,6 +168,12 @@ impl OfflineRun {
         &self.world
     }
 
+    /// What the last tick sensed.
+    #[must_use]
+    pub fn sensed(&self) -> &Sensed {
+        &self.sensed
+    }
+
     /// The controller.
     #[must_use]
     pub fn controller(&self) -> &Controller {

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use shm_schemas::service::CONTROL;
-use shm_schemas::{ControlReply, ControlRequest};
+use shm_schemas::{ControlReply, ControlRequest, Payload};
 
 use crate::bus::Bus;
 use crate::client::Client;
@@ -11,8 +11,9 @@ use crate::error::BusError;
 use crate::exchange::Exchange;
 use crate::server::{Request, Server};
 
-const EXCHANGE: Exchange = Exchange {
+pub(crate) const EXCHANGE: Exchange = Exchange {
     service: CONTROL,
+    payloads: [ControlRequest::TYPE_NAME, ControlReply::TYPE_NAME],
     clients: 16,
     open_requests: 2,
     responses: 1,

@@ -13,14 +13,28 @@ use crate::node::Ipc;
 
 /// How one request-response service is carried.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Exchange {
-    pub(crate) service: &'static str,
+pub struct Exchange {
+    /// Name of the service.
+    pub service: &'static str,
+    /// Type names of the request and of its responses.
+    pub payloads: [&'static str; 2],
     /// Most clients at a time.
-    pub(crate) clients: usize,
+    pub clients: usize,
     /// Most open requests of one client.
-    pub(crate) open_requests: usize,
+    pub open_requests: usize,
     /// Responses that wait for the client; more, and the oldest are lost.
-    pub(crate) responses: usize,
+    pub responses: usize,
+}
+
+/// Every exchange.
+pub const EXCHANGES: [Exchange; 2] = [crate::goal::EXCHANGE, crate::control::EXCHANGE];
+
+impl Exchange {
+    /// Most processes that may have the service open.
+    #[must_use]
+    pub const fn nodes(&self) -> usize {
+        1 + self.clients + SPARE_NODES
+    }
 }
 
 /// Nodes beyond the server and the clients: dead ones keep their place until someone cleans up. Ours.
@@ -46,7 +60,7 @@ impl Member {
                 .max_response_buffer_size(exchange.responses)
                 .max_servers(1)
                 .max_clients(exchange.clients)
-                .max_nodes(1 + exchange.clients + SPARE_NODES)
+                .max_nodes(exchange.nodes())
                 .open_or_create()
         };
         self.open_despite_remains(exchange.service, PATTERN, open)

@@ -1,7 +1,7 @@
 //! Goals: one request, answered by a stream of updates until a final one.
 
 use shm_schemas::service::GOAL;
-use shm_schemas::{GoalRequest, GoalUpdate};
+use shm_schemas::{GoalRequest, GoalUpdate, Payload};
 
 use crate::bus::Bus;
 use crate::client::{Client, Pending};
@@ -10,8 +10,9 @@ use crate::exchange::Exchange;
 use crate::server::{Request, Server};
 
 /// Updates wait 64 deep: more than a second at the 50 Hz of the daemon's supervisor.
-const EXCHANGE: Exchange = Exchange {
+pub(crate) const EXCHANGE: Exchange = Exchange {
     service: GOAL,
+    payloads: [GoalRequest::TYPE_NAME, GoalUpdate::TYPE_NAME],
     clients: 8,
     open_requests: 4,
     responses: 64,

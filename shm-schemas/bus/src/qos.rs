@@ -32,7 +32,7 @@ pub struct Stream {
 }
 
 /// Samples a reader holds at a time while it looks for the newest.
-pub(crate) const BORROWED: usize = 2;
+pub const BORROWED: usize = 2;
 /// Nodes beyond the peers: dead ones keep their place until someone cleans up. Ours.
 const SPARE_NODES: usize = 4;
 /// iceoryx2's header before each payload, bytes, rounded up.
@@ -86,7 +86,8 @@ impl Stream {
     }
 
     /// Most processes that may have the service open.
-    pub(crate) fn nodes(&self) -> usize {
+    #[must_use]
+    pub const fn nodes(&self) -> usize {
         self.publishers + self.subscribers + SPARE_NODES
     }
 

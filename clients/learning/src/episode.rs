@@ -1,0 +1,219 @@
+//! One episode: a world with the acting hand around an object, tick by tick.
+
+use atas_core::kinematics::HandCommand;
+use atas_core::safety::{Gate, GateContext};
+use atas_core::{Settings, Tick};
+use nalgebra::Vector3;
+use robot_model::{FINGERS, GraspFrame, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
+use sim_backend::{Object, Sensed, World, home_rad};
+
+use crate::environment::LearningError;
+use crate::hand::{ACTIONS, PolicyHand, Room, TICK_S};
+use crate::observation::{self, PERCEPT, TAXELS};
+use crate::task::{SIDE, Task};
+
+/// Distance of each fingertip from the object at the start, m (that of the daemon's `motion.clearance_m`).
+const CLEARANCE_M: f64 = 0.008;
+/// How far the hand may go beside and below what it shall grasp, and above it, m (ours).
+const BESIDE_M: f64 = 0.03;
+const BELOW_M: f64 = 0.012;
+const ABOVE_M: f64 = 0.08;
+/// Lowest centre of the hand, m: the dome's radius and 3 mm of air.
+const LOWEST_M: f64 = 0.018;
+
+/// One episode.
+pub(crate) struct Episode {
+    world: World,
+    sensed: Sensed,
+    gate: Gate,
+    hand: PolicyHand,
+    /// Joints of the hand that rests, rad.
+    rests_rad: HandVector,
+    settings: Settings,
+    source_m: Vector3<f64>,
+    place_m: Option<Vector3<f64>>,
+    index: u64,
+}
+
+impl Episode {
+    /// Sets the scene: the hand stands open around the nominal place of the object.
+    pub(crate) fn begin(
+        robot: &RobotModel,
+        task: Task,
+        object: Object,
+        seed: u64,
+        noise_factor: f64,
+    ) -> Result<Self, LearningError> {
+        let mut scene = task.scene(object, seed);
+        scene.noise_factor = noise_factor;
+        // Nobody asks what the hand that rests feels.
+        scene.sensor_rate_hz[1 - SIDE.index()] = 1;
+        let hint = scene.grasp_hint(0).ok_or(LearningError::NoObject)?;
+        let place_m = task.place(&scene).map(|place| Vector3::from(place.from_m));
+        let source_m = Vector3::from(hint.from_m);
+        let model = robot.hand(SIDE);
+        let frame = GraspFrame {
+            hand_azimuth_rad: model.bearing_rad(&source_m),
+            ..GraspFrame::from_above(
+                source_m,
+                model.closing_yaw_rad(&source_m, hint.yaw_rad),
+                hint.width_m + 2.0 * CLEARANCE_M,
+            )
+        };
+        let q_rad = model
+            .posture_for(&frame)
+            .map_err(LearningError::Reach)?
+            .q_rad;
+        let mut start_rad = home_rad(robot)?;
+        start_rad[SIDE.joint_range()].copy_from_slice(q_rad.as_slice());
+        scene.start_rad = Some(start_rad);
+        let mut gate = Gate::new(robot, 1);
+        gate.anchor(&start_rad);
+        let other = Side::BOTH[1 - SIDE.index()];
+        let mut episode = Self {
+            world: World::new(robot, &scene, seed)?,
+            sensed: Sensed::default(),
+            gate,
+            hand: PolicyHand::at(
+                Hand::BOTH[SIDE.index()],
+                model.clone(),
+                q_rad,
+                room(&source_m, place_m.as_ref()),
+            ),
+            rests_rad: HandVector::from_row_slice(&start_rad[other.joint_range()]),
+            settings: Settings::default(),
+            source_m,
+            place_m,
+            index: 0,
+        };
+        episode.sense();
+        Ok(episode)
+    }
+
+    /// One tick: move as asked, then feel.
+    pub(crate) fn tick(&mut self, action: &[f64; ACTIONS]) -> Result<(), LearningError> {
+        let acting = self.hand.act(action);
+        let command = self.pass(acting);
+        self.world.advance(Some(&command));
+        if let Some(fault) = self.world.fault() {
+            return Err(fault.into());
+        }
+        self.sense();
+        Ok(())
+    }
+
+    /// Through the gate; the hand that rests stands.
+    fn pass(&mut self, acting: HandCommand) -> JointCommand {
+        let resting = HandCommand::new(self.rests_rad, [0.0; FINGERS]);
+        let mut raw = [resting; 2];
+        raw[SIDE.index()] = acting;
+        let mut grips = [self.hand.grip(); 2];
+        grips[1 - SIDE.index()].normal_n = [0.0; FINGERS];
+        let measured_rad: [f64; ROBOT_JOINTS] =
+            core::array::from_fn(|joint| self.sensed.joints.position_rad[joint]);
+        let safe = self.gate.pass(
+            &raw,
+            &grips,
+            &GateContext {
+                tick: self.now(),
+                step_s: TICK_S,
+                mode: Mode::RUN,
+                measured_rad: Some(&measured_rad),
+                joint_sequence: self.sensed.joints.stamp.sequence,
+                settings: &self.settings.safety,
+            },
+        );
+        self.hand.adopt(safe.hand_rad(SIDE));
+        *safe.command()
+    }
+
+    fn sense(&mut self) {
+        self.world.sense(&mut self.sensed);
+        let tick = self.now();
+        let frame = self.sensed.frames[SIDE.index()].as_ref();
+        self.hand.feel(frame, tick, &self.settings);
+        let orientations = self.hand.orientations(&self.measured_rad());
+        self.hand.ask_modules(&self.settings, &orientations);
+        self.index += 1;
+    }
+
+    fn now(&self) -> Tick {
+        Tick {
+            index: self.index,
+            now_ns: self.world.now_ns(),
+        }
+    }
+
+    fn measured_rad(&self) -> HandVector {
+        HandVector::from_row_slice(&self.sensed.joints.position_rad[SIDE.joint_range()])
+    }
+
+    /// The judge's view.
+    pub(crate) fn truth(&self) -> WorldTruth {
+        self.world.truth()
+    }
+
+    /// Where the object shall go, if anywhere: what is told of it, at the height of a grasp.
+    pub(crate) fn place_m(&self) -> Option<Vector3<f64>> {
+        self.place_m
+    }
+
+    /// Writes what the policy is told; `row` has [`observation::SIZE`] numbers.
+    pub(crate) fn observe(&self, row: &mut [f32]) {
+        let (taxels, row_rest) = row.split_at_mut(observation::PARTS[0].len());
+        let (joints, row_rest) = row_rest.split_at_mut(observation::PARTS[1].len());
+        let (percept, row_rest) = row_rest.split_at_mut(observation::PARTS[2].len());
+        let (modules, hand) = row_rest.split_at_mut(observation::PARTS[3].len());
+        if let Some(frame) = &self.sensed.frames[SIDE.index()] {
+            for (tip, force_n) in taxels.chunks_exact_mut(3 * TAXELS).zip(&frame.force_n) {
+                tip.copy_from_slice(force_n[..TAXELS].as_flattened());
+            }
+        }
+        let state = &self.sensed.joints;
+        for (values, joint) in joints.chunks_exact_mut(3).zip(SIDE.joint_range()) {
+            values[0] = state.position_rad[joint] as f32;
+            values[1] = state.velocity_rad_s[joint] as f32;
+            values[2] = state.effort_n_m[joint] as f32;
+        }
+        let fingers = &self.hand.percept().fingers;
+        for (values, finger) in percept.chunks_exact_mut(PERCEPT).zip(fingers) {
+            values.copy_from_slice(&[
+                finger.normal_n as f32,
+                finger.tangential_n as f32,
+                finger.increment_n as f32,
+                finger.utilisation as f32,
+                finger.friction as f32,
+                f32::from(u8::from(finger.in_contact)),
+            ]);
+        }
+        for (value, active) in modules.iter_mut().zip(self.hand.active) {
+            *value = f32::from(u8::from(active));
+        }
+        let frame = self.hand.frame();
+        let from_source_m = frame.centre_m - self.source_m;
+        let to_place_m = self
+            .place_m
+            .map_or(Vector3::zeros(), |place_m| place_m - frame.centre_m);
+        let [first_m, second_m] = frame.half_opening_m;
+        let told = from_source_m
+            .iter()
+            .chain([&first_m, &second_m])
+            .chain(to_place_m.iter());
+        hand.iter_mut()
+            .zip(told)
+            .for_each(|(value, told)| *value = *told as f32);
+        observation::bound(row);
+    }
+}
+
+/// Where the hand may go: around the object, and around its place.
+fn room(source_m: &Vector3<f64>, place_m: Option<&Vector3<f64>>) -> Room {
+    let place_m = place_m.unwrap_or(source_m);
+    let beside = Vector3::new(BESIDE_M, BESIDE_M, 0.0);
+    let mut low_m = source_m.inf(place_m) - beside;
+    let mut high_m = source_m.sup(place_m) + beside;
+    low_m.z = (low_m.z - BELOW_M).max(LOWEST_M);
+    high_m.z += ABOVE_M;
+    Room { low_m, high_m }
+}

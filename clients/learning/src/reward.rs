@@ -1,0 +1,141 @@
+//! What an episode is worth, by the simulator's truth.
+
+use nalgebra::Vector3;
+use shm_schemas::{ObjectTruth, WorldTruth};
+
+use crate::task::{SIDE, Task};
+
+/// Height that a grasped object shall be lifted to, m (the goal's usual lift), and how long it shall stay there, or stand at
+/// its place, s (ours).
+const LIFT_M: f64 = 0.04;
+const HOLD_S: f64 = 0.5;
+/// How far below that height it may hang, m (ours).
+const SAG_M: f64 = 0.01;
+/// How near to its place an object shall stand, m (that of the evaluation).
+const PLACED_M: f64 = 0.005;
+/// Worth of the way, of its end, of a failure, and per step and unit of over-grip (ours).
+const WAY: f64 = 10.0;
+const END: f64 = 10.0;
+const OVER_GRIP: f64 = 0.02;
+/// Over-grip beyond which nothing more is charged.
+const OVER_GRIP_MAX: f64 = 10.0;
+
+/// How an episode ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum End {
+    /// It goes on.
+    #[default]
+    None,
+    /// The task is done.
+    Success,
+    /// The object is crushed.
+    Crushed,
+    /// The object fell out of the hand.
+    Dropped,
+    /// The object tipped over.
+    Tipped,
+}
+
+/// What was reached so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Judge {
+    task: Task,
+    place_m: Option<Vector3<f64>>,
+    begin_m: Vector3<f64>,
+    way: f64,
+    held_s: f64,
+}
+
+/// What one step was worth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Worth {
+    pub(crate) reward: f64,
+    pub(crate) end: End,
+    pub(crate) lifted_m: f64,
+    pub(crate) over_grip: f64,
+}
+
+impl Judge {
+    /// At the beginning of an episode.
+    pub(crate) fn new(task: Task, place_m: Option<Vector3<f64>>, truth: &WorldTruth) -> Self {
+        Self {
+            task,
+            place_m,
+            begin_m: truth.objects[0].position_m.into(),
+            way: 0.0,
+            held_s: 0.0,
+        }
+    }
+
+    /// After a step of so many seconds.
+    pub(crate) fn judge(&mut self, truth: &WorldTruth, step_s: f64) -> Worth {
+        let object = &truth.objects[0];
+        let way = self.way(object);
+        let over_grip = over_grip(truth, object);
+        let mut reward = WAY * (way - self.way) - OVER_GRIP * over_grip;
+        self.way = way;
+        let end = self.end(object, step_s);
+        reward += match end {
+            End::None => 0.0,
+            End::Success => END,
+            End::Crushed | End::Dropped | End::Tipped => -END,
+        };
+        Worth {
+            reward,
+            end,
+            lifted_m: object.lifted_m,
+            over_grip,
+        }
+    }
+
+    /// Share of the way that is done: of the lift, or of the distance to the place.
+    fn way(&self, object: &ObjectTruth) -> f64 {
+        match self.place_m {
+            None => (object.lifted_m / LIFT_M).clamp(0.0, 1.0),
+            Some(place_m) => {
+                let off_m = |at_m: &Vector3<f64>| (at_m - place_m).xy().norm();
+                1.0 - off_m(&object.position_m.into()) / off_m(&self.begin_m).max(PLACED_M)
+            }
+        }
+    }
+
+    fn end(&mut self, object: &ObjectTruth, step_s: f64) -> End {
+        if object.crushed != 0 {
+            return End::Crushed;
+        }
+        if object.dropped != 0 {
+            return End::Dropped;
+        }
+        if object.tipped != 0 {
+            return End::Tipped;
+        }
+        let reached = match self.task {
+            Task::Grasp => object.lifted_m > LIFT_M - SAG_M,
+            Task::PickPlace => self.stands_there(object),
+        };
+        self.held_s = if reached { self.held_s + step_s } else { 0.0 };
+        // Half a tick, so that rounding does not decide.
+        if self.held_s > HOLD_S - 5e-4 {
+            End::Success
+        } else {
+            End::None
+        }
+    }
+
+    /// Whether the object stands at its place and nobody touches it.
+    fn stands_there(&self, object: &ObjectTruth) -> bool {
+        let carried = object.carried_ns > 0 && object.table_n > 0.0 && object.pressed == 0;
+        self.place_m.is_some_and(|place_m| {
+            carried && (Vector3::from(object.position_m) - place_m).xy().norm() < PLACED_M
+        })
+    }
+}
+
+/// What the hand presses with over what the object needs, as a ratio above 1, of the finger that presses harder.
+fn over_grip(truth: &WorldTruth, object: &ObjectTruth) -> f64 {
+    let pressed_n = truth.normal_n[SIDE.index()]
+        .iter()
+        .copied()
+        .fold(0.0, f64::max);
+    (pressed_n / object.needed_n - 1.0).clamp(0.0, OVER_GRIP_MAX)
+}

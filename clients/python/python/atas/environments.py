@@ -1,0 +1,176 @@
+"""`gymnasium` environments over the in-process simulator: a policy moves one hand and its two fingers.
+
+What the hand is asked for goes through the daemon's own kinematics and safety gate; what it is told of forces comes through its
+own perception. Rewards come from the simulator's truth. One step is 20 ms; the same seed and the same actions give the same bits,
+alone or vectorised, on any number of cores.
+
+Observation, a dict of float32 arrays, SI units:
+
+* ``taxels`` (2, 41, 3): force of the object on each taxel, N: normal, tangential 1, tangential 2
+* ``joints`` (11, 3): position rad, velocity rad/s, effort N·m of each joint of the hand
+* ``percept`` (2, 6): per finger F_n N, F_t N, dF_t N, friction utilisation, friction coefficient, 1 while it touches
+* ``modules`` (4,): 1 while the module is active: first touch, slip, force limit, relax
+* ``hand`` (8,): the hand's centre from the nominal grasp (x, y, z, m), half opening of each finger (m), the place from the centre (m)
+
+Action, 5 numbers from -1 to 1: speed of the hand along x, y and z (1 is 0.1 m/s), closing speed of each finger (1 is 20 mm/s).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from ._native import Batch, Environment, parts
+
+Row = NDArray[np.float32]
+Observation = dict[str, Row]
+Infos = dict[str, Any]
+
+_PARTS = parts()
+
+
+def _spaces() -> tuple[spaces.Dict, spaces.Box]:
+    def box(shape: Sequence[int], low: Sequence[float], high: Sequence[float]) -> spaces.Box:
+        low_, high_ = (np.asarray(bound, np.float32).reshape(shape) for bound in (low, high))
+        return spaces.Box(low_, high_, dtype=np.float32)
+
+    told = spaces.Dict({name: box(shape, low, high) for name, shape, low, high in _PARTS})
+    return told, spaces.Box(-1.0, 1.0, (5,), np.float32)
+
+
+def _told(rows: Row) -> Observation:
+    """The parts of a row, or of rows, as views."""
+    told, begin = {}, 0
+    for name, shape, _low, _high in _PARTS:
+        end = begin + int(np.prod(shape))
+        told[name] = rows[..., begin:end].reshape(*rows.shape[:-1], *shape)
+        begin = end
+    return told
+
+
+class HandEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """One environment. `objects` are built-in names or paths of TOML files, `noise` scales the sensors' noise."""
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    def __init__(self, task: str, *, objects: Sequence[str] | None = None, noise: float = 1.0) -> None:
+        self.observation_space, self.action_space = _spaces()
+        self._environment = Environment(task, None if objects is None else list(objects), noise)
+        self._begun = False
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Infos]:
+        super().reset(seed=seed)
+        if seed is None and not self._begun:
+            seed = int(self.np_random.integers(2**63))
+        self._begun = True
+        row, info = self._environment.reset(seed)
+        return _told(row), info
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Infos]:
+        row, reward, terminated, truncated, info = self._environment.step(action)
+        return _told(row), reward, terminated, truncated, info
+
+
+class GraspEnv(HandEnv):
+    """Grasp what stands between the fingers, lift it by 40 mm, hold it for half a second; crushed or dropped ends it."""
+
+    def __init__(self, *, objects: Sequence[str] | None = None, noise: float = 1.0) -> None:
+        super().__init__("grasp", objects=objects, noise=noise)
+
+
+class PickPlaceEnv(HandEnv):
+    """Carry it to the place that ``hand`` tells, 12 cm away and up to 10 mm higher or lower than told, and let go there."""
+
+    def __init__(self, *, objects: Sequence[str] | None = None, noise: float = 1.0) -> None:
+        super().__init__("pick-place", objects=objects, noise=noise)
+
+
+class HandVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
+    """Many environments, stepped by Rust threads on all cores (`threads`, 0 for one per core).
+
+    With `autoreset` (the default) an environment whose episode has ended begins the next one in the following step, whose action it
+    ignores. Without, it stands still until `reset`.
+    """
+
+    def __init__(
+        self,
+        task: str,
+        num_envs: int = 1,
+        *,
+        objects: Sequence[str] | None = None,
+        noise: float = 1.0,
+        threads: int = 0,
+        autoreset: bool = True,
+    ) -> None:
+        mode = AutoresetMode.NEXT_STEP if autoreset else AutoresetMode.DISABLED
+        self.metadata = {"render_modes": [], "autoreset_mode": mode}
+        self.num_envs = num_envs
+        self.single_observation_space, self.single_action_space = _spaces()
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        names = None if objects is None else list(objects)
+        self._batch = Batch(task, num_envs, names, noise, threads, autoreset)
+        self._begun = False
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Infos]:
+        """Begins an episode in each: environment `i` with `seed + i`, or with `seed[i]`; without a seed the next of its series."""
+        if seed is None and not self._begun:
+            seed = int(self.np_random.integers(2**62))
+        if seed is None:
+            seeds: list[int | None] = [None] * self.num_envs
+        elif isinstance(seed, int):
+            super().reset(seed=seed)
+            seeds = [seed + i for i in range(self.num_envs)]
+        else:
+            seeds = list(seed)
+        self._begun = True
+        rows, infos = self._batch.reset(seeds)
+        return _told(rows), _masked(infos)
+
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], Infos]:
+        rows, infos = self._batch.step(actions)
+        reward, terminated, truncated = (infos.pop(key) for key in ("reward", "terminated", "truncated"))
+        return _told(rows), reward, terminated, truncated, _masked(infos)
+
+
+def _masked(infos: Infos) -> Infos:
+    """As gymnasium's vector environments tell: beside each key, which environments it is about."""
+    for key in ("reward", "terminated", "truncated"):
+        infos.pop(key, None)
+    infos["end"] = np.array(infos["end"])
+    return infos | {f"_{key}": np.ones(len(values), np.bool_) for key, values in infos.items()}
+
+
+class GraspVectorEnv(HandVectorEnv):
+    """Many of `GraspEnv`."""
+
+    def __init__(self, num_envs: int = 1, **options: Any) -> None:
+        super().__init__("grasp", num_envs, **options)
+
+
+class PickPlaceVectorEnv(HandVectorEnv):
+    """Many of `PickPlaceEnv`."""
+
+    def __init__(self, num_envs: int = 1, **options: Any) -> None:
+        super().__init__("pick-place", num_envs, **options)
+
+
+def register() -> None:
+    """Makes the environments known to gymnasium."""
+    for name, one, many in (
+        ("atas/Grasp-v0", GraspEnv, GraspVectorEnv),
+        ("atas/PickPlace-v0", PickPlaceEnv, PickPlaceVectorEnv),
+    ):
+        if name not in gymnasium.registry:
+            gymnasium.register(name, entry_point=one, vector_entry_point=many)

@@ -1,0 +1,172 @@
+"""A small baseline that learns to grasp: the cross-entropy method over ten numbers.
+
+    python -m atas.learn --out grasp.svg
+
+The policy has no memory: closing speed of each finger and lifting speed are linear in what perception says. What it must find out is
+that force follows load and slip, because the objects differ in weight, friction and softness and it is told of none. It learns on some
+seeds and is judged on others.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .environments import GraspVectorEnv, Observation
+
+Numbers = NDArray[np.float64]
+
+SIZE = 10
+"""Closing: constant, F_n, F_t, dF_t, utilisation, slip says so. Lifting: constant, contact, F_n, utilisation."""
+TEST_SEED = 1_000_000
+"""Seeds from here on are for judging only."""
+
+
+def act(parameters: Numbers, seen: Observation) -> NDArray[np.float32]:
+    """Actions of policies, one row each, on as many observations."""
+    percept = seen["percept"]
+    slips = seen["modules"][:, 1:2]
+    normal, tangential, increment, utilisation = (percept[:, :, i] for i in range(4))
+    close = parameters[:, :6, None]
+    closing = (
+        close[:, 0]
+        + close[:, 1] * normal
+        + close[:, 2] * tangential
+        + close[:, 3] * increment
+        + close[:, 4] * np.minimum(utilisation, 2.0)
+        + close[:, 5] * slips
+    )
+    lift = parameters[:, 6:]
+    touches, weakest = percept[:, :, 5].min(axis=1), normal.min(axis=1)
+    slipping = np.minimum(utilisation.max(axis=1), 2.0)
+    lifting = lift[:, 0] + lift[:, 1] * touches + lift[:, 2] * weakest + lift[:, 3] * slipping
+    actions = np.zeros((len(parameters), 5), np.float32)
+    actions[:, 2], actions[:, 3:] = np.tanh(lifting), np.tanh(closing)
+    return actions
+
+
+def play(environments: GraspVectorEnv, parameters: Numbers, seeds: Numbers) -> tuple[Numbers, NDArray[np.str_]]:
+    """One episode of each policy with its seed: what it was worth, and how it ended."""
+    seen, infos = environments.reset(seed=[int(seed) for seed in seeds])
+    worth = np.zeros(len(seeds))
+    over = np.zeros(len(seeds), np.bool_)
+    while not over.all():
+        seen, reward, terminated, truncated, infos = environments.step(act(parameters, seen))
+        worth += reward
+        over |= terminated | truncated
+    return worth, infos["end"]
+
+
+def learn(
+    generations: int, population: int, episodes: int, seed: int, objects: list[str] | None, quiet: bool
+) -> tuple[Numbers, list[dict[str, float]]]:
+    """The mean of the last generation's distribution, and how it went."""
+    random = np.random.default_rng(seed)
+    elite_count = max(population // 5, 2)
+    mean, deviation = np.zeros(SIZE), np.full(SIZE, 1.0)
+    environments = GraspVectorEnv(population * episodes, objects=objects, autoreset=False)
+    curve = []
+    begin = time.monotonic()
+    for generation in range(generations):
+        candidates = mean + deviation * random.standard_normal((population, SIZE))
+        candidates[0] = mean
+        # The same episodes for all, others in each generation.
+        seeds = seed * 100_000 + generation * episodes + np.arange(episodes)
+        worth, ends = play(environments, np.repeat(candidates, episodes, axis=0), np.tile(seeds, population))
+        returns = worth.reshape(population, episodes).mean(axis=1)
+        elite = candidates[np.argsort(-returns, kind="stable")[:elite_count]]
+        # The added deviation shrinks: it keeps the search from settling early.
+        mean, deviation = elite.mean(axis=0), elite.std(axis=0) + 0.3 * 0.8**generation
+        success = (ends == "success").reshape(population, episodes).mean(axis=1)
+        row = {
+            "generation": generation,
+            "return_mean": float(returns.mean()),
+            "return_best": float(returns.max()),
+            "success_mean": float(success.mean()),
+            "success_best": float(success.max()),
+            "wall_s": time.monotonic() - begin,
+        }
+        curve.append(row)
+        if not quiet:
+            print(
+                "generation {generation:2d}  return {return_mean:6.2f}, best {return_best:6.2f}  "
+                "success {success_mean:5.1%}, best {success_best:5.1%}  {wall_s:5.0f} s".format(**row),
+                flush=True,
+            )
+    return mean, curve
+
+
+def judge(parameters: Numbers, trials: int, objects: list[str] | None) -> dict[str, float]:
+    """Shares of how episodes end on seeds that nobody learnt on."""
+    environments = GraspVectorEnv(trials, objects=objects, autoreset=False)
+    worth, ends = play(environments, np.tile(parameters, (trials, 1)), TEST_SEED + np.arange(trials))
+    shares = {end: float((ends == end).mean()) for end in ("success", "crushed", "dropped", "tipped")}
+    return {"trials": trials, "return": float(worth.mean()), **shares, "never": 1.0 - sum(shares.values())}
+
+
+def draw(curve: list[dict[str, float]], judged: dict[str, float]) -> str:
+    """The learning curve as SVG."""
+    width, height, left, bottom = 640, 320, 56, 40
+    across, up = width - left - 16, height - bottom - 36
+    last = max(len(curve) - 1, 1)
+
+    def line(key: str, style: str) -> str:
+        points = " ".join(
+            f"{left + across * row['generation'] / last:.1f},{height - bottom - up * row[key]:.1f}" for row in curve
+        )
+        return f'<polyline fill="none" {style} points="{points}"/>'
+
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
+        f'<rect width="{width}" height="{height}" fill="white"/>',
+        f'<text x="{left}" y="20">atas/Grasp-v0, cross-entropy method: share of grasps that succeed; '
+        f"{judged['success']:.1%} of {judged['trials']:.0f} on unseen seeds</text>",
+    ]
+    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
+        y = height - bottom - up * share
+        parts.append(f'<line x1="{left}" x2="{left + across}" y1="{y:.1f}" y2="{y:.1f}" stroke="#ddd"/>')
+        parts.append(f'<text x="{left - 8}" y="{y + 4:.1f}" text-anchor="end">{share:.0%}</text>')
+    for generation in range(0, len(curve), max(len(curve) // 10, 1)):
+        x = left + across * generation / last
+        parts.append(f'<text x="{x:.1f}" y="{height - bottom + 18}" text-anchor="middle">{generation}</text>')
+    parts += [
+        line("success_best", 'stroke="#2a78b8" stroke-width="2" stroke-dasharray="5 3"'),
+        line("success_mean", 'stroke="#2a78b8" stroke-width="2"'),
+        f'<text x="{left + across / 2}" y="{height - 6}" text-anchor="middle">generation (solid: mean of the candidates, '
+        "dashed: the best)</text>",
+        "</svg>\n",
+    ]
+    return "\n".join(parts)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m atas.learn", description="Learns to grasp; see the module's text.")
+    parser.add_argument("--generations", type=int, default=25, help="default %(default)s")
+    parser.add_argument("--population", type=int, default=40, help="candidates per generation, default %(default)s")
+    parser.add_argument("--episodes", type=int, default=12, help="per candidate, default %(default)s")
+    parser.add_argument("--trials", type=int, default=200, help="unseen episodes at the end, default %(default)s")
+    parser.add_argument("--seed", type=int, default=1, help="default %(default)s")
+    parser.add_argument("--objects", nargs="+", help="built-in names or TOML files; default: all that can be held")
+    parser.add_argument("--out", type=Path, help="where the learning curve goes, as SVG")
+    parser.add_argument("--format", choices=("human", "json"), default="human")
+    options = parser.parse_args()
+    is_json = options.format == "json"
+    parameters, curve = learn(
+        options.generations, options.population, options.episodes, options.seed, options.objects, is_json
+    )
+    judged = judge(parameters, options.trials, options.objects)
+    if options.out:
+        options.out.write_text(draw(curve, judged), encoding="utf-8")
+    if is_json:
+        print(json.dumps({"parameters": parameters.tolist(), "curve": curve, "unseen": judged}))
+    else:
+        print("unseen seeds: " + ", ".join(f"{key} {value:.3g}" for key, value in judged.items()))
+
+
+if __name__ == "__main__":
+    main()

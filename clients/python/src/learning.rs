@@ -1,0 +1,242 @@
+//! Environments for Python; spaces and wrappers are `atas.environments`.
+
+use atas_learning::{ACTIONS, End, Outcome, Task, observation};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::AtasError;
+use crate::rows::{numbers, shape_of};
+
+/// The parts of an observation, in order: name, shape, lowest and highest of each number.
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "Python's is a list of tuples")]
+pub(crate) fn parts() -> Vec<(&'static str, Vec<usize>, Vec<f32>, Vec<f32>)> {
+    let each = observation::PARTS.iter().map(|part| {
+        let (low, high) = part.each_bound().unzip();
+        (part.name, part.shape.to_vec(), low, high)
+    });
+    each.collect()
+}
+
+fn task_of(name: &str) -> PyResult<Task> {
+    match name {
+        "grasp" => Ok(Task::Grasp),
+        "pick-place" => Ok(Task::PickPlace),
+        _ => Err(PyValueError::new_err(format!(
+            "a task was {name:?}, needs \"grasp\" or \"pick-place\""
+        ))),
+    }
+}
+
+fn made(
+    task: &str,
+    objects: Option<Vec<String>>,
+    noise: f64,
+) -> PyResult<atas_learning::Environment> {
+    let objects = objects.unwrap_or_else(|| Task::OBJECTS.map(str::to_owned).to_vec());
+    atas_learning::Environment::new(task_of(task)?, &objects, noise).map_err(refused)
+}
+
+fn refused(why: atas_learning::LearningError) -> PyErr {
+    match why {
+        atas_learning::LearningError::World(fault) => AtasError::new_err(fault.to_string()),
+        why => PyValueError::new_err(why.to_string()),
+    }
+}
+
+fn end_of(end: End) -> &'static str {
+    match end {
+        End::None => "",
+        End::Success => "success",
+        End::Crushed => "crushed",
+        End::Dropped => "dropped",
+        End::Tipped => "tipped",
+    }
+}
+
+/// One environment: rows of numbers in, rows of numbers out.
+#[pyclass(module = "atas")]
+pub(crate) struct Environment {
+    environment: atas_learning::Environment,
+}
+
+impl Environment {
+    fn told<'py>(&self, py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
+        let info = PyDict::new(py);
+        info.set_item("end", end_of(outcome.end))?;
+        info.set_item("success", outcome.end == End::Success)?;
+        info.set_item("lifted_m", outcome.lifted_m)?;
+        info.set_item("over_grip", outcome.over_grip)?;
+        info.set_item("object", self.environment.objects().nth(outcome.object))?;
+        info.set_item("seed", outcome.seed)?;
+        Ok(info)
+    }
+
+    fn row<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        let mut row = vec![0.0; observation::SIZE];
+        self.environment.observe(&mut row);
+        PyArray1::from_vec(py, row)
+    }
+}
+
+type Stepped<'py> = (
+    Bound<'py, PyArray1<f32>>,
+    f64,
+    bool,
+    bool,
+    Bound<'py, PyDict>,
+);
+
+#[pymethods]
+impl Environment {
+    #[new]
+    #[pyo3(signature = (task, objects = None, noise = 1.0))]
+    fn new(task: &str, objects: Option<Vec<String>>, noise: f64) -> PyResult<Self> {
+        Ok(Self {
+            environment: made(task, objects, noise)?,
+        })
+    }
+
+    /// Begins an episode: the first of a series with this seed, or the next of the present one.
+    #[pyo3(signature = (seed = None))]
+    fn reset<'py>(
+        &mut self,
+        py: Python<'py>,
+        seed: Option<u64>,
+    ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyDict>)> {
+        let environment = &mut self.environment;
+        let outcome = py.detach(|| environment.reset(seed)).map_err(refused)?;
+        Ok((self.row(py), self.told(py, &outcome)?))
+    }
+
+    /// One step of 20 ms: observation, reward, terminated, truncated, info.
+    fn step<'py>(
+        &mut self,
+        py: Python<'py>,
+        action: PyArrayLike1<'py, f32, AllowTypeChange>,
+    ) -> PyResult<Stepped<'py>> {
+        let action: [f32; ACTIONS] = numbers(&action).try_into().map_err(|values: Vec<f32>| {
+            PyValueError::new_err(format!(
+                "an action has {} numbers, needs {ACTIONS}",
+                values.len()
+            ))
+        })?;
+        let environment = &mut self.environment;
+        let outcome = py.detach(|| environment.step(&action)).map_err(refused)?;
+        let info = self.told(py, &outcome)?;
+        Ok((
+            self.row(py),
+            outcome.reward,
+            outcome.end != End::None,
+            outcome.truncated,
+            info,
+        ))
+    }
+}
+
+/// Many environments of one kind on all cores; other Python threads run meanwhile.
+#[pyclass(module = "atas")]
+pub(crate) struct Batch {
+    batch: atas_learning::Batch,
+}
+
+type Rows<'py> = Bound<'py, PyArray2<f32>>;
+
+/// What every environment of a batch led to, as lists.
+fn columns<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, PyDict>> {
+    let told = PyDict::new(py);
+    let floats = |of: fn(&Outcome) -> f64| PyArray1::from_iter(py, outcomes.iter().map(of));
+    let flags = |of: fn(&Outcome) -> bool| PyArray1::from_iter(py, outcomes.iter().map(of));
+    told.set_item("reward", floats(|it| it.reward))?;
+    told.set_item("lifted_m", floats(|it| it.lifted_m))?;
+    told.set_item("over_grip", floats(|it| it.over_grip))?;
+    told.set_item("terminated", flags(|it| it.end != End::None))?;
+    told.set_item("truncated", flags(|it| it.truncated))?;
+    told.set_item("success", flags(|it| it.end == End::Success))?;
+    told.set_item(
+        "end",
+        outcomes.iter().map(|it| end_of(it.end)).collect::<Vec<_>>(),
+    )?;
+    told.set_item(
+        "object",
+        PyArray1::from_iter(py, outcomes.iter().map(|it| it.object as u64)),
+    )?;
+    told.set_item(
+        "seed",
+        PyArray1::from_iter(py, outcomes.iter().map(|it| it.seed)),
+    )?;
+    Ok(told)
+}
+
+#[pymethods]
+impl Batch {
+    #[new]
+    #[pyo3(signature = (task, count, objects = None, noise = 1.0, threads = 0, autoreset = true))]
+    fn new(
+        task: &str,
+        count: usize,
+        objects: Option<Vec<String>>,
+        noise: f64,
+        threads: usize,
+        autoreset: bool,
+    ) -> PyResult<Self> {
+        let like = made(task, objects, noise)?;
+        let batch = atas_learning::Batch::new(&like, count, threads, autoreset);
+        Ok(Self {
+            batch: batch.map_err(|why| AtasError::new_err(why.to_string()))?,
+        })
+    }
+
+    /// Begins an episode in each; `seeds` has a number or None for each.
+    fn reset<'py>(
+        &mut self,
+        py: Python<'py>,
+        seeds: Vec<Option<u64>>,
+    ) -> PyResult<(Rows<'py>, Bound<'py, PyDict>)> {
+        let count = self.batch.len();
+        if seeds.len() != count {
+            return Err(PyValueError::new_err(format!(
+                "{} seeds, needs {count}",
+                seeds.len()
+            )));
+        }
+        let mut rows = vec![0.0; count * observation::SIZE];
+        let batch = &mut self.batch;
+        let outcomes = py
+            .detach(|| batch.reset(&seeds, &mut rows))
+            .map_err(refused)?;
+        Ok((table(py, rows, count)?, columns(py, &outcomes)?))
+    }
+
+    /// One step of each; one whose episode has ended begins the next instead, or stands still without `autoreset`.
+    fn step<'py>(
+        &mut self,
+        py: Python<'py>,
+        actions: PyArrayLike2<'py, f32, AllowTypeChange>,
+    ) -> PyResult<(Rows<'py>, Bound<'py, PyDict>)> {
+        let count = self.batch.len();
+        let view = actions.as_array();
+        if view.dim() != (count, ACTIONS) {
+            return Err(PyValueError::new_err(format!(
+                "the actions have the shape {}, need ({count}, {ACTIONS})",
+                shape_of(&actions)
+            )));
+        }
+        let actions: Vec<[f32; ACTIONS]> = view
+            .outer_iter()
+            .map(|row| std::array::from_fn(|n| row[n]))
+            .collect();
+        let mut rows = vec![0.0; count * observation::SIZE];
+        let batch = &mut self.batch;
+        let outcomes = py
+            .detach(|| batch.step(&actions, &mut rows))
+            .map_err(refused)?;
+        Ok((table(py, rows, count)?, columns(py, &outcomes)?))
+    }
+}
+
+fn table(py: Python<'_>, rows: Vec<f32>, count: usize) -> PyResult<Rows<'_>> {
+    PyArray1::from_vec(py, rows).reshape([count, observation::SIZE])
+}

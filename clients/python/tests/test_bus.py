@@ -1,0 +1,159 @@
+"""Arrays over a real bus."""
+
+import threading
+import zlib
+from typing import Any
+
+import atas
+import numpy as np
+import pytest
+
+
+def sealed(row: Any) -> bool:
+    content = row.tobytes()
+    return zlib.crc32(content[:-4]) == int(row["crc32"])
+
+
+def test_arrays_are_laid_out_as_the_payloads() -> None:
+    frame = atas.dtype("HandFrame")
+    assert frame.itemsize == 3152
+    assert frame["force_n"].shape == (4, 64, 3) and frame["force_n"].base == np.float32
+    assert frame["stamp"].names == ("sequence", "captured_ns", "writer_epoch")
+    assert atas.dtype("TickReport")["hands"].base["fingers"].shape == (4,)
+    with pytest.raises(KeyError):
+        atas.dtype("Frame")
+
+
+def test_frames_arrive_whole_sealed_and_without_loss(bus_name: str) -> None:
+    bus = atas.Bus(bus_name, create=True)
+    reader = bus.frames("left")
+    force_n = np.arange(2 * 41 * 3, dtype=np.float32).reshape(2, 41, 3)
+    with bus.sensor("left") as sensor:
+        for k in range(100):
+            assert sensor.publish(force_n * k, captured_ns=1000 + k) == k
+        rows = reader.receive()
+    assert len(rows) == 100 and reader.lost == 0
+    assert (np.diff(rows["stamp"]["sequence"]) == 1).all()
+    assert len(set(rows["stamp"]["writer_epoch"])) == 1 and rows["stamp"]["writer_epoch"][0] != 0
+    assert (rows["force_n"][7, :2, :41] == force_n * 7).all()
+    assert (rows["force_n"][:, 2:] == 0).all() and (rows["valid_mask"][0] == [2**41 - 1, 2**41 - 1, 0, 0]).all()
+    assert all(sealed(row) for row in rows)
+
+
+def test_an_array_keeps_what_it_received(bus_name: str) -> None:
+    """Not a view of shared memory that a later frame would overwrite."""
+    bus = atas.Bus(bus_name, create=True)
+    reader, sensor = bus.frames("right"), bus.sensor("right", layout="dome-1", fingers=1)
+    sensor.publish([[[1.0, 0.0, 0.0]]])
+    first = reader.receive()
+    before = first.tobytes()
+    for k in range(2000):
+        sensor.publish([[[k, 0.0, 0.0]]])
+        reader.receive()
+    assert first.tobytes() == before
+    first["force_n"] = 0
+
+
+def test_what_is_not_received_in_time_is_counted(bus_name: str) -> None:
+    bus = atas.Bus(bus_name, create=True)
+    reader, sensor = bus.frames("right"), bus.sensor("right", layout="dome-1", fingers=1)
+    sensor.publish([[[0.0, 0.0, 0.0]]])
+    assert len(reader.receive()) == 1
+    for _ in range(300):
+        sensor.publish([[[0.0, 0.0, 0.0]]])
+    assert len(reader.receive()) == 256 and reader.lost == 44
+    sensor.publish([[[0.0, 0.0, 0.0]]], lost=5)
+    newest = reader.newest()
+    assert newest is not None and newest["stamp"]["sequence"] == 306 and reader.lost == 49
+    assert reader.newest() is None and len(reader.wait(0.01)) == 0
+
+
+@pytest.mark.parametrize(
+    ("force_n", "valid", "says"),
+    [
+        (np.zeros((2, 40, 3)), None, "shape"),
+        (np.zeros((1, 41, 3)), None, "shape"),
+        (np.full((2, 41, 3), np.nan), None, "finite"),
+        (np.full((2, 41, 3), np.inf), None, "finite"),
+        (np.zeros((2, 41, 3)), np.ones((2, 40), np.bool_), "shape"),
+    ],
+)
+def test_a_wrong_frame_is_refused_and_not_sent(
+    bus_name: str, force_n: np.ndarray[Any, Any], valid: np.ndarray[Any, Any] | None, says: str
+) -> None:
+    bus = atas.Bus(bus_name, create=True)
+    reader, sensor = bus.frames("left"), bus.sensor("left")
+    with pytest.raises(ValueError, match=says):
+        sensor.publish(force_n, valid=valid)
+    assert len(reader.receive()) == 0
+    assert sensor.publish(np.zeros((2, 41, 3))) == 0, "no number was spent"
+
+
+def test_a_dead_taxel_may_say_anything(bus_name: str) -> None:
+    bus = atas.Bus(bus_name, create=True)
+    reader, sensor = bus.frames("left"), bus.sensor("left")
+    force_n, valid = np.ones((2, 41, 3)), np.ones((2, 41), np.bool_)
+    force_n[1, 3], valid[1, 3] = np.nan, False
+    sensor.publish(force_n, valid=valid)
+    row = reader.receive()[0]
+    assert row["valid_mask"][1] == 2**41 - 1 - 8 and (row["force_n"][1, 3] == 0).all() and sealed(row)
+
+
+def test_time_does_not_go_back(bus_name: str) -> None:
+    sensor = atas.Bus(bus_name, create=True).sensor("left", layout="pad-4", fingers=1)
+    sensor.publish(np.zeros((1, 4, 3)), captured_ns=1000)
+    with pytest.raises(ValueError, match="captured"):
+        sensor.publish(np.zeros((1, 4, 3)), captured_ns=1000)
+
+
+def test_one_sensor_per_hand(bus_name: str) -> None:
+    bus = atas.Bus(bus_name, role="first", create=True)
+    first = bus.sensor("left")
+    with pytest.raises(atas.BusError, match="first"):
+        atas.Bus(bus_name).sensor("left")
+    del first
+    atas.Bus(bus_name).sensor("left")
+
+
+def test_a_robot_tells_what_it_holds(bus_name: str) -> None:
+    bus = atas.Bus(bus_name, create=True)
+    reader, robot = bus.joint_states(), bus.robot()
+    position = np.linspace(-0.1, 0.1, atas.JOINTS)
+    robot.publish(position, captured_ns=5)
+    row = reader.receive()[0]
+    assert row["joint_count"] == 22 == row["commanded_count"] and sealed(row)
+    assert (row["commanded_rad"][:22] == position).all(), "what it stands at is what it holds"
+    orders = robot.command(now_ns=6)
+    assert not orders["in_force"] and (orders["velocity_rad_s"] == 0).all()
+    with pytest.raises(ValueError, match="finite"):
+        robot.publish(np.full(22, np.nan))
+    with pytest.raises(ValueError, match="22"):
+        robot.publish(np.zeros(21))
+    with pytest.raises(TimeoutError, match="lockstep"):
+        robot.answer(7, timeout=0.05)
+
+
+def test_who_only_looks_makes_nothing() -> None:
+    with pytest.raises(atas.BusError, match="fpy-nobody"):
+        atas.Bus("fpy-nobody")
+    assert atas.wipe("fpy-nobody") == 0
+    with pytest.raises(ValueError, match="name"):
+        atas.Bus("Not a name")
+
+
+def test_a_bus_stays_in_its_thread(bus_name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    bus = atas.Bus(bus_name, create=True)
+    refused: list[BaseException] = []
+
+    def use() -> None:
+        try:
+            bus.peers()
+        except BaseException as why:
+            refused.append(why)
+
+    thread = threading.Thread(target=use)
+    thread.start()
+    thread.join()
+    assert len(refused) == 1 and "thread" in str(refused[0])
+    assert [role for role, _, alive in bus.peers() if alive] == ["python"]
+    capfd.readouterr()

@@ -1,0 +1,142 @@
+"""Sensors, robots and clients in Python with the real daemon, in lock-step: what happens does not depend on the machine's pace."""
+
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+import atas
+import numpy as np
+import pytest
+from conftest import Programs
+
+PATIENCE_S = 60.0
+T = TypeVar("T")
+
+
+def wait_for(what: str, ask: Callable[[], T | None]) -> T:
+    """Long enough for any machine; nothing is measured against it."""
+    begin = time.monotonic()
+    while time.monotonic() - begin < PATIENCE_S:
+        answer = ask()
+        if answer is not None:
+            return answer
+        time.sleep(0.002)
+    raise AssertionError(f"waited in vain for {what}")
+
+
+def daemon(programs: Programs, *more: str) -> atas.Bus:
+    """A daemon in lock-step, once it tells its status."""
+    programs.start("atasd", "--lockstep", "--config", "/dev/null", *more)
+    bus = atas.Bus(programs.bus, create=True)
+    statuses = bus.statuses()
+    wait_for("the daemon", statuses.newest)
+    return bus
+
+
+class World:
+    """A robot of one's own that stands where it is told, with fingertips that feel nothing but noise."""
+
+    def __init__(self, bus: atas.Bus) -> None:
+        self.robot = bus.robot()
+        self.sensors = [bus.sensor(hand) for hand in ("left", "right")]
+        self.noise = np.random.default_rng(0)
+        self.joints = atas.Simulation().joint_state["position_rad"][: atas.JOINTS].copy()
+        self.now_ns = 10_000_000_000
+
+    def tick(self, timeout: float = PATIENCE_S) -> dict[str, object]:
+        for sensor in self.sensors:
+            sensor.publish(self.noise.normal(0, 1e-3, (2, 41, 3)), captured_ns=self.now_ns)
+        self.robot.publish(self.joints, captured_ns=self.now_ns)
+        orders = self.robot.answer(self.now_ns, timeout)
+        self.joints += 0.5 * (orders["position_rad"] - self.joints)
+        self.now_ns += 1_000_000
+        return dict(orders)
+
+
+def test_a_robot_of_ones_own_follows_the_daemon_in_lock_step(programs: Programs) -> None:
+    bus = daemon(programs)
+    reports, world = bus.reports(), World(bus)
+    modes = [world.tick()["mode"] for _ in range(100)]
+    assert modes[0] == atas.Mode.INIT and modes[-1] == atas.Mode.READY
+    # The world has settled: the daemon ticks on when there is something to do.
+    before = world.joints.copy()
+    goal = bus.release("right")
+    while not goal.ended:
+        world.tick()
+        goal.updates()
+    assert goal.result["state"] == atas.GoalState.SUCCEEDED, goal.result
+    moved = np.abs(world.joints - before)
+    assert moved[11:].max() > 0.01 and moved[:11].max() < 1e-3, "only the right arm"
+    assert world.robot.refused == 0
+    # The reports of more than a thousand ticks wait for nobody: what is left of them is consecutive.
+    told = reports.receive()
+    assert len(told) == 256 and (np.diff(told["tick"].astype(np.int64)) == 1).all()
+
+
+def test_two_runs_give_the_same_commands(programs: Programs, tmp_path_factory: pytest.TempPathFactory) -> None:
+    def run(programs: Programs) -> list[bytes]:
+        world = World(daemon(programs))
+        told = []
+        for _ in range(100):
+            orders = world.tick()
+            told.append(np.asarray(orders["position_rad"]).tobytes())
+        return told
+
+    first = run(programs)
+    again = Programs(programs.bus + "x", tmp_path_factory.mktemp("again"))
+    try:
+        assert run(again) == first
+    finally:
+        for process in again.started:
+            process.terminate()
+            process.wait(20)
+        atas.wipe(again.bus)
+
+
+def test_a_goal_is_followed_to_its_end(programs: Programs) -> None:
+    programs.start("atas-sim", "run", "--lockstep", "--object", "wood", "--seed", "3")
+    bus = daemon(programs)
+    events, frames, truths = bus.events(), bus.frames("right"), bus.truths()
+    goal = bus.grasp((0.32, -0.15, 0.0345), width=0.05, lift=0.01, hold=0.1)
+    steps = [update["step"].decode() for update in goal]
+    assert goal.result["state"] == atas.GoalState.SUCCEEDED, goal.result
+    assert "lift" in steps and goal.result["f2_n"] > 1.0
+    told = events.receive()
+    assert events.lost == 0 and (told["kind"] == atas.EventKind.TOUCH_ON).sum() >= 2
+    rows = frames.receive()
+    assert len(rows) == 256 and rows["force_n"][-1, :2, :, 0].sum() > 1.0
+    truth = truths.newest()
+    assert truth is not None and truth["objects"][0]["lifted_m"] > 0.005
+    refused = bus.grasp((2.0, 0.0, 0.1), width=0.05).wait(PATIENCE_S)
+    assert refused["state"] == atas.GoalState.REJECTED and refused["reason"]
+
+
+def test_stop_recover_cancel_and_parameters(programs: Programs) -> None:
+    programs.start("atas-sim", "run", "--lockstep", "--object", "wood", "--seed", "3")
+    bus = daemon(programs)
+    statuses = bus.statuses()
+    parameters = bus.parameters()
+    value, lower, upper, meaning = parameters["grasp.f2_max_n"]
+    assert lower <= value <= upper and meaning
+    bus.set_parameter("grasp.f2_max_n", 5.0)
+    assert bus.parameters()["grasp.f2_max_n"][0] == 5.0
+    with pytest.raises(atas.AtasError, match="f2_max_n"):
+        bus.set_parameter("grasp.f2_max_n", 1e9)
+    goal = bus.grasp((0.32, -0.15, 0.0345), width=0.05, hold=3600)
+    wait_for("its beginning", lambda: next(iter(goal)))
+    with pytest.raises(TimeoutError, match="not ended"):
+        goal.wait(0.01)
+    goal.cancel()
+    assert goal.wait(PATIENCE_S)["state"] == atas.GoalState.CANCELLED
+    goal = bus.grasp((0.32, -0.15, 0.0345), width=0.05, hold=3600)
+    wait_for("its beginning", lambda: next(iter(goal)))
+    bus.estop("a test")
+
+    def mode(wanted: int) -> bool | None:
+        status = statuses.newest()
+        return True if status is not None and status["mode"] == wanted else None
+
+    wait_for("the stop", lambda: mode(atas.Mode.SAFE_STOP))
+    assert goal.wait(PATIENCE_S)["state"] != atas.GoalState.SUCCEEDED
+    bus.recover()
+    wait_for("ready", lambda: mode(atas.Mode.READY))

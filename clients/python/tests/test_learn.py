@@ -1,0 +1,23 @@
+"""The baseline learns, and the same seed learns the same."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+
+def learn(*arguments: str) -> dict[str, object]:
+    words = [sys.executable, "-m", "atas.learn", "--format", "json", *arguments]
+    told: dict[str, object] = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
+    return told
+
+
+def test_the_baseline_learns(tmp_path: Path) -> None:
+    words = "--generations 6 --population 16 --episodes 1 --trials 8 --objects wood".split()
+    figure = tmp_path / "curve.svg"
+    told = learn(*words, "--out", str(figure))
+    curve = told["curve"]
+    assert isinstance(curve, list)
+    assert curve[-1]["return_mean"] > curve[0]["return_mean"] + 3.0, curve
+    assert told["parameters"] == learn(*words)["parameters"], "the same seed, the same bits"
+    assert figure.read_text().startswith("<svg")

@@ -1,0 +1,53 @@
+"""What the package says of itself: enumerations, types, documentation."""
+
+import enum
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import atas
+from atas import _native, codes
+
+PACKAGE = Path(codes.__file__).parent
+
+
+def generated() -> str:
+    lines = [
+        '"""Codes of the bus, made from the schema: a test compares. Values that this version does not know stay plain numbers."""',
+        "",
+        "from enum import IntEnum",
+    ]
+    for name, about, values in _native.codes():
+        lines += ["", "", f"class {name}(IntEnum):", f'    """{about}"""', ""]
+        lines += [f"    {value} = {number}" for value, number, _text in values]
+    return "\n".join(lines) + "\n"
+
+
+def test_the_codes_are_the_schemas(tmp_path: Path) -> None:
+    expected = generated()
+    actual = PACKAGE / "codes.py"
+    if actual.read_text() != expected:
+        (tmp_path / "codes.py").write_text(expected)
+        raise AssertionError(f"codes.py is not the schema's; replace it by {tmp_path / 'codes.py'}")
+    assert issubclass(codes.Mode, enum.IntEnum) and codes.Mode.SAFE_STOP == 4
+
+
+def test_everything_public_is_documented() -> None:
+    for name in atas.__all__:
+        thing = getattr(atas, name)
+        if not inspect.isclass(thing) and not callable(thing):
+            continue
+        assert inspect.getdoc(thing), name
+        if inspect.isclass(thing) and thing.__module__ == "atas":
+            for method in (member for member in dir(thing) if not member.startswith("_")):
+                assert inspect.getdoc(getattr(thing, method)), f"{name}.{method}"
+
+
+def test_the_types_are_what_the_library_has() -> None:
+    for command in (
+        ["mypy.stubtest", "atas._native", "--ignore-disjoint-bases"],
+        ["mypy", "--strict", "--package", "atas"],
+    ):
+        checked = subprocess.run([sys.executable, "-m", *command], capture_output=True, text=True, check=False)
+        assert checked.returncode == 0, checked.stdout + checked.stderr

@@ -1,0 +1,79 @@
+"""The programs of the README run as they stand."""
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from conftest import Programs
+from test_daemon import daemon
+from test_recording import record
+
+README = Path(__file__).resolve().parents[1] / "README.md"
+
+
+def blocks() -> Iterator[tuple[str, str, str]]:
+    """Name, what it needs, text."""
+    for text in re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL):
+        first = text.splitlines()[0]
+        name, _, needs = first.removeprefix("# ").partition(": ")
+        yield name, needs, text
+
+
+def run(programs: Programs, text: str, *arguments: str) -> str:
+    program = programs.folder / "program.py"
+    program.write_text(text)
+    ran = subprocess.run(
+        [sys.executable, "-W", "error", program, *arguments],
+        env=os.environ | {"ATAS_BUS": programs.bus},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return ran.stdout
+
+
+SAYS = {
+    "simulate.py": "heavy-block  REFUSED",
+    "feel.py": "taxels of the right hand: (2, 41, 3)",
+    "grasp.py": "SUCCEEDED",
+    "look.py": "lost 0",
+    "sensor.py": "",
+    "robot.py": "SUCCEEDED",
+    "replay.py": ", 0 commands differ",
+    "learn.py": "'taxels': (2, 41, 3)",
+}
+
+
+@pytest.mark.parametrize(("name", "needs", "text"), list(blocks()), ids=[name for name, *_ in blocks()])
+def test_a_program_of_the_readme_runs(programs: Programs, name: str, needs: str, text: str) -> None:
+    arguments: list[str] = []
+    if "simulator" in needs:
+        programs.start("atas-sim", "run", "--object", "wood")
+        programs.start("atasd", "--config", "/dev/null", "--set", "realtime.mode=off")
+        wait_ready(programs)
+    elif "lock-step" in needs:
+        daemon(programs)
+    elif "recording" in needs:
+        file = programs.folder / "run.mcap"
+        record(programs, file)
+        arguments = [str(file)]
+    assert SAYS[name] in run(programs, text, *arguments)
+
+
+def wait_ready(programs: Programs) -> None:
+    import atas
+    from test_daemon import wait_for
+
+    statuses = atas.Bus(programs.bus, create=True).statuses()
+
+    def ready() -> bool | None:
+        status = statuses.newest()
+        return True if status is not None and status["mode"] == atas.Mode.READY else None
+
+    wait_for("ready", ready)

@@ -1,0 +1,62 @@
+"""The simulator with the production controller in process."""
+
+import atas
+import numpy as np
+import pytest
+
+
+def test_the_same_arguments_give_the_same_bits() -> None:
+    def told(seed: int) -> tuple[bytes, bytes]:
+        simulation = atas.Simulation("sponge", seed=seed)
+        simulation.start()
+        reports = simulation.step(3000)
+        frame = simulation.frame("right")
+        assert frame is not None
+        return reports.tobytes(), frame.tobytes()
+
+    assert told(5) == told(5)
+    assert told(5)[0] != told(6)[0]
+
+
+def test_a_tick_at_a_time_is_the_same_as_many() -> None:
+    one, many = atas.Simulation("wood", seed=2), atas.Simulation("wood", seed=2)
+    one.start()
+    many.start()
+    rows = np.concatenate([one.step() for _ in range(500)])
+    assert rows.tobytes() == many.step(500).tobytes()
+    assert one.now_ns == many.now_ns and one.command.tobytes() == many.command.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "state"),
+    [("wood", atas.GoalState.SUCCEEDED), ("paper-box", atas.GoalState.SUCCEEDED), ("heavy-block", atas.GoalState.REFUSED)],
+)
+def test_a_grasp_ends_as_it_must(name: str, state: int) -> None:
+    simulation = atas.Simulation(name, seed=1)
+    assert simulation.mode == atas.Mode.READY
+    result = simulation.run()
+    held = simulation.truth["objects"][0]
+    assert result["state"] == state, result
+    assert not held["crushed"] and not held["dropped"]
+    assert (held["lifted_m"] > 0.03) == (state == atas.GoalState.SUCCEEDED)
+    kinds = set(simulation.events["kind"])
+    assert {atas.EventKind.STEP, atas.EventKind.TOUCH_ON, atas.EventKind.MODULE_ON} <= kinds
+
+
+def test_what_is_wrong_is_said() -> None:
+    for arguments, says in (
+        ({"object": "woad"}, "wood"),
+        ({"scene": "grab"}, "pick-place"),
+        ({"hand": "both"}, "right"),
+        ({"settings": {"grasp.f9_n": 1.0}}, "grasp.f9_n"),
+        ({"settings": {"grasp.f2_max_n": float("nan")}}, "grasp.f2_max_n"),
+        ({"noise": -1.0}, "noise"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            atas.Simulation(**arguments)  # type: ignore[arg-type]
+
+
+def test_settings_reach_the_controller() -> None:
+    gentle = atas.Simulation("wood", seed=1, settings={"grasp.f2_max_n": 2.0})
+    result = gentle.run()
+    assert result["state"] == atas.GoalState.REFUSED and "f2_max_n" in result["reason"]

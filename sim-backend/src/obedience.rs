@@ -1,0 +1,125 @@
+//! Which commands a robot obeys.
+//!
+//! It trusts nobody. A command is obeyed if it is whole (sealed, for exactly these joints, every number finite), valid for a
+//! moment and not for ever, newer than the last of its writer, from the writer that is obeyed or, when its last command has
+//! expired, from another; and if no joint would have to move faster than it can. When an obeyed command expires, the robot
+//! holds its positions with zero velocity: that keeps the grip.
+
+use robot_model::ROBOT_JOINTS;
+use shm_schemas::{JointCommand, Stamp};
+
+/// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
+const VALIDITY_MAX_NS: u64 = 100_000_000;
+/// Share of a joint's top speed that a command may ask for (ours: the top speed and what rounding adds).
+const SPEED_SHARE: f64 = 1.05;
+/// Time over which a command may make up for lost ones, s, at top speed (ours: eight commands, as the daemon's gate allows).
+const STEP_S: f64 = 0.008;
+
+/// What the joints follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orders {
+    /// Positions, rad.
+    pub position_rad: [f64; ROBOT_JOINTS],
+    /// Velocities to feed forward, rad/s.
+    pub velocity_rad_s: [f64; ROBOT_JOINTS],
+}
+
+/// A command that is obeyed.
+#[derive(Clone, Copy, Debug)]
+pub struct Accepted {
+    /// What the joints follow.
+    pub orders: Orders,
+    /// Who ordered it, and as which in the series.
+    pub stamp: Stamp,
+    /// Until when, ns.
+    pub valid_until_ns: u64,
+}
+
+/// The judge of arriving commands.
+#[derive(Clone, Copy, Debug)]
+pub struct Obedience {
+    speed_max_rad_s: [f64; ROBOT_JOINTS],
+    start_rad: [f64; ROBOT_JOINTS],
+    /// The last command that was accepted, and when.
+    newest: Option<(Accepted, u64)>,
+    refused: u32,
+}
+
+impl Obedience {
+    /// For a robot whose joints stand at these positions and move as fast as this.
+    #[must_use]
+    pub fn at(start_rad: [f64; ROBOT_JOINTS], speed_max_rad_s: [f64; ROBOT_JOINTS]) -> Self {
+        Self {
+            speed_max_rad_s,
+            start_rad,
+            newest: None,
+            refused: 0,
+        }
+    }
+
+    /// The command, if it keeps the contract; counted if not.
+    pub fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
+        let accepted = Accepted {
+            orders: Orders {
+                position_rad: core::array::from_fn(|joint| command.position_rad[joint]),
+                velocity_rad_s: core::array::from_fn(|joint| command.velocity_rad_s[joint]),
+            },
+            stamp: command.stamp,
+            valid_until_ns: command.valid_until_ns,
+        };
+        let keeps = is_whole(command, &accepted.orders)
+            && command.valid_until_ns >= now_ns
+            && command.valid_until_ns.saturating_sub(now_ns) <= VALIDITY_MAX_NS
+            && self.is_next(&accepted.stamp, now_ns)
+            && self.is_reachable(&accepted.orders, now_ns);
+        if !keeps {
+            self.refused = self.refused.saturating_add(1);
+            return None;
+        }
+        self.newest = Some((accepted, now_ns));
+        Some(accepted)
+    }
+
+    /// Commands refused so far.
+    #[must_use]
+    pub fn refused(&self) -> u32 {
+        self.refused
+    }
+
+    /// Whether a command follows the last one. One that has expired is followed by any: the line is free again.
+    fn is_next(&self, stamp: &Stamp, now_ns: u64) -> bool {
+        let Some((newest, _)) = self
+            .newest
+            .filter(|(newest, _)| newest.valid_until_ns >= now_ns)
+        else {
+            return true;
+        };
+        let ahead = stamp.sequence.wrapping_sub(newest.stamp.sequence);
+        stamp.writer_epoch == newest.stamp.writer_epoch && (1..=u64::MAX / 2).contains(&ahead)
+    }
+
+    /// Whether the joints can be there in time, and need not move faster than they can.
+    fn is_reachable(&self, orders: &Orders, now_ns: u64) -> bool {
+        let (from_rad, since_ns) = self
+            .newest
+            .as_ref()
+            .map_or((&self.start_rad, now_ns), |(newest, then_ns)| {
+                (&newest.orders.position_rad, *then_ns)
+            });
+        let since_s = now_ns.saturating_sub(since_ns).min(VALIDITY_MAX_NS) as f64 * 1e-9;
+        (0..ROBOT_JOINTS).all(|joint| {
+            let top_rad_s = SPEED_SHARE * self.speed_max_rad_s[joint];
+            let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
+            step_rad <= top_rad_s * (STEP_S + since_s)
+                && orders.velocity_rad_s[joint].abs() <= top_rad_s
+        })
+    }
+}
+
+/// Sealed, for exactly these joints, every number finite.
+fn is_whole(command: &JointCommand, orders: &Orders) -> bool {
+    let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
+    command.is_intact()
+        && command.joint_count as usize == ROBOT_JOINTS
+        && numbers.all(|value| value.is_finite())
+}
