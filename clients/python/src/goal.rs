@@ -43,6 +43,12 @@ impl Goal {
         })
     }
 
+    /// Takes in what came; whether the goal has ended then.
+    pub(crate) fn has_ended(&mut self) -> PyResult<bool> {
+        while self.take()?.is_some() {}
+        Ok(self.pending.ended())
+    }
+
     fn take(&mut self) -> PyResult<Option<GoalUpdate>> {
         let update = self.pending.next().map_err(of_bus)?;
         if let Some(update) = &update {

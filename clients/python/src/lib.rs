@@ -47,7 +47,7 @@ mod _native {
     #[pymodule_export]
     use super::rows::{codes, dtype, reason};
     #[pymodule_export]
-    use super::sensor::Sensor;
+    use super::sensor::{Sensor, layout};
     #[pymodule_export]
     use super::simulation::{Simulation, objects};
 

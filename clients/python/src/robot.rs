@@ -13,6 +13,7 @@ use shm_schemas::{JointCommand, JointState, Mode, Stamp};
 use sim_backend::{Accepted, Obedience, Orders};
 
 use crate::errors::{AtasError, of_bus};
+use crate::goal::Goal;
 use crate::pause;
 use crate::reader::seconds;
 use crate::rows::{finite, numbers};
@@ -191,31 +192,42 @@ impl Robot {
 
     /// Waits for the command that answers the last state, as lock-step has it, and obeys it at the virtual time `now_ns`.
     /// Returns what `command` does; raises TimeoutError after `timeout` seconds.
-    #[pyo3(signature = (now_ns, timeout = 10.0))]
+    ///
+    /// When a goal has ended, the daemon has nothing to do and answers no more. Who gives the `goal` that this process waits for gets
+    /// None then.
+    #[pyo3(signature = (now_ns, goal = None, *, timeout = 60.0))]
     fn answer<'py>(
         &mut self,
         py: Python<'py>,
         now_ns: u64,
+        mut goal: Option<PyRefMut<'_, Goal>>,
         timeout: f64,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
         let (begin, limit) = (Instant::now(), seconds(timeout)?);
         loop {
             match self.newest()? {
                 Some(command) if Some(command.answers_sequence) == self.sent => {
                     self.obey(&command, now_ns);
-                    return self.told(py, now_ns);
+                    return self.told(py, now_ns).map(Some);
                 }
                 // A command that answers an earlier state came late.
                 _ if begin.elapsed() > limit => break,
                 _ if begin.elapsed() < SPIN => py.detach(std::thread::yield_now),
                 _ => {
+                    if goal
+                        .as_mut()
+                        .is_some_and(|goal| goal.has_ended().unwrap_or(true))
+                    {
+                        return Ok(None);
+                    }
                     self.greet()?;
                     pause(py, POLL)?;
                 }
             }
         }
         Err(PyTimeoutError::new_err(format!(
-            "no command answered joint state {} within {timeout} s; is `atasd --lockstep` running on this bus?",
+            "no command answered joint state {} within {timeout} s; is `atasd --lockstep` running on this bus, and has it something \
+             to do?",
             self.sent.unwrap_or(0)
         )))
     }

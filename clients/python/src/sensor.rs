@@ -1,8 +1,9 @@
 //! A sensor: one hand's frames.
 
-use numpy::{AllowTypeChange, PyArrayLike2, PyArrayLike3};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike2, PyArrayLike3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use shm_bus::{Bus, Publisher, now_ns, writer_epoch};
 use shm_schemas::capacity::FINGERS;
 use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
@@ -36,12 +37,7 @@ impl Sensor {
         fingers: usize,
         device: &str,
     ) -> PyResult<Self> {
-        let Some(known) = Layout::named(layout) else {
-            let names = Layout::NAMES.join(", ");
-            return Err(PyValueError::new_err(format!(
-                "could not make a sensor because the layout was {layout:?}, needs one of {names}, pad-1 to pad-64"
-            )));
-        };
+        let known = known(layout)?;
         if !(1..=FINGERS).contains(&fingers) {
             return Err(PyValueError::new_err(format!(
                 "could not make a sensor because it has {fingers} fingers, needs 1 to {FINGERS}"
@@ -227,4 +223,35 @@ impl Sensor {
             self.taxels
         )
     }
+}
+
+/// Where the elements of a layout sit and along which axes they feel, in the tip frame (z is the dome's axis): unit vectors
+/// `normal`, `tangent1`, `tangent2` as arrays [taxel, axis], the distance of the elements from the dome's centre `radius_m`, and
+/// the `hash` that frames carry.
+#[pyfunction]
+pub(crate) fn layout<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyDict>> {
+    let known = known(name)?;
+    let told = PyDict::new(py);
+    let tables = [
+        ("normal", &known.normal),
+        ("tangent1", &known.tangent1),
+        ("tangent2", &known.tangent2),
+    ];
+    for (key, table) in tables {
+        let numbers = PyArray1::from_iter(py, table[..known.count].iter().flatten().copied());
+        told.set_item(key, numbers.reshape([known.count, 3])?)?;
+    }
+    told.set_item("radius_m", known.radius_m)?;
+    told.set_item("hash", known.hash())?;
+    Ok(told)
+}
+
+/// A layout by its name.
+fn known(name: &str) -> PyResult<Layout> {
+    Layout::named(name).ok_or_else(|| {
+        let names = Layout::NAMES.join(", ");
+        PyValueError::new_err(format!(
+            "a layout was {name:?}, needs one of {names}, pad-1 to pad-64"
+        ))
+    })
 }

@@ -13,11 +13,11 @@ def learn(*arguments: str) -> dict[str, object]:
 
 
 def test_the_baseline_learns(tmp_path: Path) -> None:
-    words = "--generations 6 --population 16 --episodes 1 --trials 8 --objects wood".split()
+    words = "--generations 3 --population 8 --episodes 2 --trials 6 --objects slippery-50".split()
     figure = tmp_path / "curve.svg"
     told = learn(*words, "--out", str(figure))
     curve = told["curve"]
     assert isinstance(curve, list)
-    assert curve[-1]["return_mean"] > curve[0]["return_mean"] + 3.0, curve
+    assert curve[-1]["return_mean"] > curve[0]["return_mean"] + 2.0, curve
     assert told["parameters"] == learn(*words)["parameters"], "the same seed, the same bits"
     assert figure.read_text().startswith("<svg")

@@ -12,11 +12,14 @@ from conftest import Programs
 from test_daemon import daemon
 from test_recording import record
 
-README = Path(__file__).resolve().parents[1] / "README.md"
+ROOT = Path(__file__).resolve().parents[3]
+README = ROOT / "clients" / "python" / "README.md"
 
 
 def blocks() -> Iterator[tuple[str, str, str]]:
     """Name, what it needs, text."""
+    for text in re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL):
+        yield "README.md", "", text
     for text in re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL):
         first = text.splitlines()[0]
         name, _, needs = first.removeprefix("# ").partition(": ")
@@ -39,6 +42,7 @@ def run(programs: Programs, text: str, *arguments: str) -> str:
 
 
 SAYS = {
+    "README.md": "stiffness_n_m",
     "simulate.py": "heavy-block  REFUSED",
     "feel.py": "taxels of the right hand: (2, 41, 3)",
     "grasp.py": "SUCCEEDED",

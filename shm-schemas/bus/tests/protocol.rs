@@ -14,7 +14,13 @@ fn streams() -> String {
         .to_owned();
     for line in &STREAMS {
         let [service, payload] = [line.service, line.payload];
-        let numbers = [line.buffer, line.history, line.publishers, line.subscribers, line.nodes()];
+        let numbers = [
+            line.buffer,
+            line.history,
+            line.publishers,
+            line.subscribers,
+            line.nodes(),
+        ];
         let numbers = numbers.map(|number| number.to_string()).join(" | ");
         writeln!(table, "| `{service}` | `{payload}` | {numbers} |").expect("text");
     }
@@ -22,14 +28,25 @@ fn streams() -> String {
 }
 
 fn exchanges() -> String {
-    let mut table = "| service | request | response | open requests | responses | clients | nodes |\n\
+    let mut table =
+        "| service | request | response | open requests | responses | clients | nodes |\n\
                      |---|---|---|---|---|---|---|\n"
-        .to_owned();
+            .to_owned();
     for line in &EXCHANGES {
         let [request, response] = line.payloads;
-        let numbers = [line.open_requests, line.responses, line.clients, line.nodes()];
+        let numbers = [
+            line.open_requests,
+            line.responses,
+            line.clients,
+            line.nodes(),
+        ];
         let numbers = numbers.map(|number| number.to_string()).join(" | ");
-        writeln!(table, "| `{}` | `{request}` | `{response}` | {numbers} |", line.service).expect("text");
+        writeln!(
+            table,
+            "| `{}` | `{request}` | `{response}` | {numbers} |",
+            line.service
+        )
+        .expect("text");
     }
     table
 }
@@ -58,8 +75,17 @@ fn payload(text: &mut String, payload: &PayloadType) {
     writeln!(text, "\n**`{}`**, {} bytes\n", payload.wire, payload.size).expect("text");
     text.push_str("| offset | field | type | |\n|---|---|---|---|\n");
     for field in payload.fields {
-        let about = field.about.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
-        let about = about.replace("[`crate::", "`").replace("[`", "`").replace("`]", "`").replace('|', "\\|");
+        let about = field
+            .about
+            .iter()
+            .map(|line| line.trim())
+            .collect::<Vec<_>>()
+            .join(" ");
+        let about = about
+            .replace("[`crate::", "`")
+            .replace("[`", "`")
+            .replace("`]", "`")
+            .replace('|', "\\|");
         let (name, kind) = (field.name, written(&field.kind));
         writeln!(text, "| {} | `{name}` | {kind} | {about} |", field.offset).expect("text");
     }
@@ -67,14 +93,30 @@ fn payload(text: &mut String, payload: &PayloadType) {
 
 /// What travels on the tick's path, in goals and in requests; the C header has all.
 const SHOWN: [&str; 15] = [
-    "Stamp", "HandFrame", "JointState", "JointCommand", "GoalRequest", "GoalUpdate", "Reason", "GraspFigures",
-    "ControlRequest", "ControlReply", "StopRequest", "StopAnswer", "SensorStatus", "ModuleEvent", "Status",
+    "Stamp",
+    "HandFrame",
+    "JointState",
+    "JointCommand",
+    "GoalRequest",
+    "GoalUpdate",
+    "Reason",
+    "GraspFigures",
+    "ControlRequest",
+    "ControlReply",
+    "StopRequest",
+    "StopAnswer",
+    "SensorStatus",
+    "ModuleEvent",
+    "Status",
 ];
 
 fn payloads() -> String {
     let mut text = String::new();
     for shown in SHOWN {
-        let known = PAYLOADS.iter().find(|known| known.name == shown).expect("it exists");
+        let known = PAYLOADS
+            .iter()
+            .find(|known| known.name == shown)
+            .expect("it exists");
         payload(&mut text, known);
     }
     text
@@ -83,8 +125,17 @@ fn payloads() -> String {
 fn codes() -> String {
     let mut text = "| code | values |\n|---|---|\n".to_owned();
     for code in CODES {
-        let values = code.values.iter().map(|value| format!("{} {}", value.number, value.name));
-        writeln!(text, "| `{}` | {} |", code.name, values.collect::<Vec<_>>().join(", ")).expect("text");
+        let values = code
+            .values
+            .iter()
+            .map(|value| format!("{} {}", value.number, value.name));
+        writeln!(
+            text,
+            "| `{}` | {} |",
+            code.name,
+            values.collect::<Vec<_>>().join(", ")
+        )
+        .expect("text");
     }
     text
 }
@@ -99,9 +150,17 @@ fn page() -> String {
         ("codes", codes()),
     ];
     for (name, table) in tables {
-        let (begin, end) = (format!("<!-- {name}: made by a test -->\n"), format!("<!-- end of {name} -->"));
-        let first = page.find(&begin).unwrap_or_else(|| panic!("the page has no {begin}")) + begin.len();
-        let last = page.find(&end).unwrap_or_else(|| panic!("the page has no {end}"));
+        let (begin, end) = (
+            format!("<!-- {name}: made by a test -->\n"),
+            format!("<!-- end of {name} -->"),
+        );
+        let first = page
+            .find(&begin)
+            .unwrap_or_else(|| panic!("the page has no {begin}"))
+            + begin.len();
+        let last = page
+            .find(&end)
+            .unwrap_or_else(|| panic!("the page has no {end}"));
         page.replace_range(first..last, &format!("\n{}\n\n", table.trim()));
     }
     page
@@ -113,14 +172,17 @@ fn the_tables_of_the_page_are_the_schemas() {
     if actual != PAGE {
         let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/protocol.md");
         std::fs::write(path, actual).expect("writable");
-        panic!("the protocol page is not the schema's: read {path}, then replace clients/protocol.md by it");
+        panic!(
+            "the protocol page is not the schema's: read {path}, then replace clients/protocol.md by it"
+        );
     }
 }
 
 /// Sentences of the page that quote a number of the code.
 #[test]
 fn the_page_quotes_the_numbers_of_the_code() {
-    let check = |sentence: &str| assert!(PAGE.contains(sentence), "the page should say: {sentence}");
+    let check =
+        |sentence: &str| assert!(PAGE.contains(sentence), "the page should say: {sentence}");
     check(&format!("`subscriber_max_borrowed_samples({BORROWED})`"));
     for hash in ["dome-41", "dome-1"] {
         let layout = shm_schemas::Layout::named(hash).expect("built in");

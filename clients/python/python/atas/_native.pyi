@@ -2,10 +2,39 @@
 
 from collections.abc import Iterator, Sequence
 from types import TracebackType
-from typing import Any, Self, TypedDict, final
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from .types import Layout, Orders, Replayed, Result, Rows, Vector
+
+__all__ = [
+    "ELEMENTS",
+    "FINGERS",
+    "JOINTS",
+    "JOINT_NAMES",
+    "AtasError",
+    "Batch",
+    "Bus",
+    "BusError",
+    "Environment",
+    "Goal",
+    "Reader",
+    "Recording",
+    "Robot",
+    "Sensor",
+    "Simulation",
+    "__version__",
+    "codes",
+    "dtype",
+    "layout",
+    "now_ns",
+    "objects",
+    "parts",
+    "reason",
+    "wipe",
+]
 
 __version__: str
 FINGERS: int
@@ -15,37 +44,6 @@ JOINT_NAMES: list[str]
 
 class AtasError(Exception): ...
 class BusError(AtasError): ...
-
-Rows = NDArray[np.void]
-
-class Result(TypedDict):
-    state: int
-    step: str
-    reason: str
-    took_s: float
-    f1_n: float
-    f2_n: float
-    stiffness_n_m: float
-    friction: float
-    lifted_m: float
-    normal_n: list[float]
-
-class Orders(TypedDict):
-    position_rad: NDArray[np.float64]
-    velocity_rad_s: NDArray[np.float64]
-    in_force: bool
-    mode: int
-    tick: int
-
-class Replayed(TypedDict):
-    ticks: int
-    different: int
-    first_tick: int | None
-    first_field: str | None
-    reports: Rows
-    commands: Rows
-
-Vector = tuple[float, float, float] | Sequence[float] | NDArray[np.float64]
 
 @final
 class Bus:
@@ -157,7 +155,7 @@ class Robot:
         captured_ns: int | None = None,
     ) -> int: ...
     def command(self, now_ns: int | None = None) -> Orders: ...
-    def answer(self, now_ns: int, timeout: float = 10.0) -> Orders: ...
+    def answer(self, now_ns: int, goal: Goal | None = None, *, timeout: float = 60.0) -> Orders | None: ...
     def greet(self) -> None: ...
 
 @final
@@ -249,6 +247,7 @@ class Batch:
 
 def parts() -> list[tuple[str, list[int], list[float], list[float]]]: ...
 def dtype(payload: str) -> np.dtype[np.void]: ...
+def layout(name: str) -> Layout: ...
 def codes() -> list[tuple[str, str, list[tuple[str, int, str]]]]: ...
 def reason(reason: np.void) -> str: ...
 def objects() -> list[str]: ...

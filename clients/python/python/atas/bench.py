@@ -1,14 +1,19 @@
-"""How fast the environments run: `python -m atas.bench`."""
+"""How fast the environments run, and what a sensor in Python costs: `python -m atas.bench`, `python -m atas.bench --sensor 60`."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
+import subprocess
+import sys
 import time
 
 import numpy as np
 
+from ._native import Bus, wipe
 from .environments import GraspEnv, GraspVectorEnv, HandEnv, PickPlaceEnv
+from .rate import Rate
 
 STEP_S = 0.02
 """Simulated time of one step."""
@@ -42,23 +47,67 @@ def together(count: int, steps: int) -> tuple[float, float]:
     return simulated / (time.monotonic() - wall), simulated / (time.process_time() - cpu)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m atas.bench", description=__doc__)
-    parser.add_argument("--steps", type=int, default=2000, help="default %(default)s")
-    parser.add_argument("--format", choices=("human", "json"), default="human")
-    options = parser.parse_args()
-    vector_wall, vector_core = together(64, options.steps // 10)
-    figures = {
-        "grasp_realtime_factor": alone(GraspEnv(), options.steps),
-        "pick_place_realtime_factor": alone(PickPlaceEnv(), options.steps),
+def environments(steps: int) -> dict[str, float]:
+    """Simulated over real time."""
+    vector_wall, vector_core = together(64, steps // 10)
+    return {
+        "grasp_realtime_factor": alone(GraspEnv(), steps),
+        "pick_place_realtime_factor": alone(PickPlaceEnv(), steps),
         "vector_realtime_factor": vector_wall,
         "vector_realtime_factor_per_core": vector_core,
     }
+
+
+def publish(bus: str, seconds: float) -> None:
+    """The sensor's process: prints the share of a core of its loop, without and with publishing."""
+    sensor = Bus(bus, role="sensor-left", create=True).sensor("left")
+    force_n = np.zeros((2, 41, 3), np.float32)
+    shares = []
+    for publishes in (False, True):
+        begin, cpu = time.monotonic(), time.process_time()
+        for tick in Rate(1000, seconds):
+            force_n[0, 0, 0] = tick
+            if publishes:
+                sensor.publish(force_n)
+        shares.append((time.process_time() - cpu) / (time.monotonic() - begin))
+    print(json.dumps({"loop_cores": shares[0], "sensor_cores": shares[1]}))
+
+
+def sensor(seconds: float) -> dict[str, float]:
+    """A sensor of 1 kHz in one process, a reader in this one."""
+    name = f"bench-{os.getpid()}"
+    bus = Bus(name, create=True)
+    frames, received = bus.frames("left"), 0
+    words = [sys.executable, "-m", "atas.bench", "--publish", name, "--sensor", str(seconds)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE) as child:
+        while child.poll() is None:
+            received += len(frames.wait(0.1))
+        received += len(frames.receive())
+        told: dict[str, float] = json.loads(child.stdout.read() if child.stdout else b"")
+    sent = round(seconds * 1000)
+    cost = {"publishing_cores": told["sensor_cores"] - told["loop_cores"]}
+    figures = {"sent": sent, "received": received, "lost": frames.lost} | told | cost
+    del frames, bus
+    wipe(name)
+    return figures
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m atas.bench", description=__doc__)
+    parser.add_argument("--steps", type=int, default=2000, help="default %(default)s")
+    parser.add_argument("--sensor", type=float, metavar="SECONDS", help="a sensor of 1 kHz for so long instead")
+    parser.add_argument("--publish", metavar="BUS", help=argparse.SUPPRESS)
+    parser.add_argument("--format", choices=("human", "json"), default="human")
+    options = parser.parse_args()
+    if options.publish:
+        publish(options.publish, options.sensor)
+        return
+    figures = sensor(options.sensor) if options.sensor else environments(options.steps)
     if options.format == "json":
         print(json.dumps(figures))
     else:
         for name, figure in figures.items():
-            print(f"{name:34s} {figure:7.1f}")
+            print(f"{name:34s} {figure:10.4g}")
 
 
 if __name__ == "__main__":

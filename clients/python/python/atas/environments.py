@@ -36,7 +36,9 @@ Infos = dict[str, Any]
 _PARTS = parts()
 
 
-def _spaces() -> tuple[spaces.Dict, spaces.Box]:
+def _spaces() -> tuple[Any, Any]:
+    """Of observations and of actions."""
+
     def box(shape: Sequence[int], low: Sequence[float], high: Sequence[float]) -> spaces.Box:
         low_, high_ = (np.asarray(bound, np.float32).reshape(shape) for bound in (low, high))
         return spaces.Box(low_, high_, dtype=np.float32)
@@ -169,8 +171,9 @@ class PickPlaceVectorEnv(HandVectorEnv):
 def register() -> None:
     """Makes the environments known to gymnasium."""
     for name, one, many in (
-        ("atas/Grasp-v0", GraspEnv, GraspVectorEnv),
-        ("atas/PickPlace-v0", PickPlaceEnv, PickPlaceVectorEnv),
+        ("atas/Grasp-v0", "GraspEnv", "GraspVectorEnv"),
+        ("atas/PickPlace-v0", "PickPlaceEnv", "PickPlaceVectorEnv"),
     ):
         if name not in gymnasium.registry:
-            gymnasium.register(name, entry_point=one, vector_entry_point=many)
+            room = "atas.environments:"
+            gymnasium.register(name, entry_point=room + one, vector_entry_point=room + many)

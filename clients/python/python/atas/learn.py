@@ -1,10 +1,9 @@
-"""A small baseline that learns to grasp: the cross-entropy method over ten numbers.
+"""A small baseline that learns to grasp: the cross-entropy method over six numbers.
 
     python -m atas.learn --out grasp.svg
 
-The policy has no memory: closing speed of each finger and lifting speed are linear in what perception says. What it must find out is
-that force follows load and slip, because the objects differ in weight, friction and softness and it is told of none. It learns on some
-seeds and is judged on others.
+The policy has no memory. What it must find out is how force follows load and slip: the objects differ in weight, friction and softness,
+and it is told of none. It learns on some seeds and is judged on others.
 """
 
 from __future__ import annotations
@@ -21,36 +20,29 @@ from .environments import GraspVectorEnv, Observation
 
 Numbers = NDArray[np.float64]
 
-SIZE = 10
-"""Closing: constant, F_n, F_t, dF_t, utilisation, slip says so. Lifting: constant, contact, F_n, utilisation."""
+SIZE = 6
+"""How the least force, load, slip and haste count, and when and how fast to lift: see `act`."""
 TEST_SEED = 1_000_000
 """Seeds from here on are for judging only."""
 
 
 def act(parameters: Numbers, seen: Observation) -> NDArray[np.float32]:
-    """Actions of policies, one row each, on as many observations."""
-    percept = seen["percept"]
-    slips = seen["modules"][:, 1:2]
-    normal, tangential, increment, utilisation = (percept[:, :, i] for i in range(4))
-    close = parameters[:, :6, None]
-    closing = (
-        close[:, 0]
-        + close[:, 1] * normal
-        + close[:, 2] * tangential
-        + close[:, 3] * increment
-        + close[:, 4] * np.minimum(utilisation, 2.0)
-        + close[:, 5] * slips
-    )
-    lift = parameters[:, 6:]
-    touches, weakest = percept[:, :, 5].min(axis=1), normal.min(axis=1)
-    slipping = np.minimum(utilisation.max(axis=1), 2.0)
-    lifting = lift[:, 0] + lift[:, 1] * touches + lift[:, 2] * weakest + lift[:, 3] * slipping
+    """Actions of policies, one row each, on as many observations.
+
+    Each finger is to press with a force that grows with what it carries and how near it is to slipping; the hand lifts while both
+    do. How strongly is what is learnt; softplus and the logistic function keep each number's meaning.
+    """
+    normal, tangential, utilisation = (seen["percept"][:, :, i].astype(np.float64) for i in (0, 1, 3))
+    least, load, slip, haste = (np.logaddexp(0.0, parameters[:, i, None]) for i in range(4))
+    ready, speed = (1.0 / (1.0 + np.exp(-parameters[:, i])) for i in (4, 5))
+    wanted = least + load * tangential + slip * np.clip(utilisation - 0.7, 0.0, 1.0) * np.abs(normal)
     actions = np.zeros((len(parameters), 5), np.float32)
-    actions[:, 2], actions[:, 3:] = np.tanh(lifting), np.tanh(closing)
+    actions[:, 3:] = np.clip(haste * (wanted - normal) / wanted, -1.0, 1.0)
+    actions[:, 2] = speed * ((normal / wanted).min(axis=1) > ready)
     return actions
 
 
-def play(environments: GraspVectorEnv, parameters: Numbers, seeds: Numbers) -> tuple[Numbers, NDArray[np.str_]]:
+def play(environments: GraspVectorEnv, parameters: Numbers, seeds: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.str_]]:
     """One episode of each policy with its seed: what it was worth, and how it ended."""
     seen, infos = environments.reset(seed=[int(seed) for seed in seeds])
     worth = np.zeros(len(seeds))
@@ -67,7 +59,7 @@ def learn(
 ) -> tuple[Numbers, list[dict[str, float]]]:
     """The mean of the last generation's distribution, and how it went."""
     random = np.random.default_rng(seed)
-    elite_count = max(population // 5, 2)
+    elite_count = max(population // 5, 3)
     mean, deviation = np.zeros(SIZE), np.full(SIZE, 1.0)
     environments = GraspVectorEnv(population * episodes, objects=objects, autoreset=False)
     curve = []
@@ -76,12 +68,12 @@ def learn(
         candidates = mean + deviation * random.standard_normal((population, SIZE))
         candidates[0] = mean
         # The same episodes for all, others in each generation.
-        seeds = seed * 100_000 + generation * episodes + np.arange(episodes)
+        seeds = seed * 100_000 + generation * episodes + np.arange(episodes, dtype=np.int64)
         worth, ends = play(environments, np.repeat(candidates, episodes, axis=0), np.tile(seeds, population))
         returns = worth.reshape(population, episodes).mean(axis=1)
         elite = candidates[np.argsort(-returns, kind="stable")[:elite_count]]
         # The added deviation shrinks: it keeps the search from settling early.
-        mean, deviation = elite.mean(axis=0), elite.std(axis=0) + 0.3 * 0.8**generation
+        mean, deviation = elite.mean(axis=0), elite.std(axis=0) + 0.3 * 0.7**generation
         success = (ends == "success").reshape(population, episodes).mean(axis=1)
         row = {
             "generation": generation,
@@ -94,7 +86,7 @@ def learn(
         curve.append(row)
         if not quiet:
             print(
-                "generation {generation:2d}  return {return_mean:6.2f}, best {return_best:6.2f}  "
+                "generation {generation:2.0f}  return {return_mean:6.2f}, best {return_best:6.2f}  "
                 "success {success_mean:5.1%}, best {success_best:5.1%}  {wall_s:5.0f} s".format(**row),
                 flush=True,
             )
@@ -104,7 +96,7 @@ def learn(
 def judge(parameters: Numbers, trials: int, objects: list[str] | None) -> dict[str, float]:
     """Shares of how episodes end on seeds that nobody learnt on."""
     environments = GraspVectorEnv(trials, objects=objects, autoreset=False)
-    worth, ends = play(environments, np.tile(parameters, (trials, 1)), TEST_SEED + np.arange(trials))
+    worth, ends = play(environments, np.tile(parameters, (trials, 1)), TEST_SEED + np.arange(trials, dtype=np.int64))
     shares = {end: float((ends == end).mean()) for end in ("success", "crushed", "dropped", "tipped")}
     return {"trials": trials, "return": float(worth.mean()), **shares, "never": 1.0 - sum(shares.values())}
 
@@ -146,8 +138,8 @@ def draw(curve: list[dict[str, float]], judged: dict[str, float]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m atas.learn", description="Learns to grasp; see the module's text.")
-    parser.add_argument("--generations", type=int, default=25, help="default %(default)s")
-    parser.add_argument("--population", type=int, default=40, help="candidates per generation, default %(default)s")
+    parser.add_argument("--generations", type=int, default=12, help="default %(default)s")
+    parser.add_argument("--population", type=int, default=24, help="candidates per generation, default %(default)s")
     parser.add_argument("--episodes", type=int, default=12, help="per candidate, default %(default)s")
     parser.add_argument("--trials", type=int, default=200, help="unseen episodes at the end, default %(default)s")
     parser.add_argument("--seed", type=int, default=1, help="default %(default)s")

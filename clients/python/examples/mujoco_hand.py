@@ -1,0 +1,254 @@
+"""A world of one's own: a hand in MuJoCo with tactile pads, before the real daemon, in lock-step.
+
+    pip install mujoco
+    python examples/mujoco_hand.py --atasd target/debug/atasd
+
+MuJoCo simulates the robot of `daemon/robot/two_hand_arm.urdf` and objects that are described here. Each fingertip is a bed of 41 sprung
+pins along the elements' normals: what MuJoCo's contacts press and rub on a pin is what that taxel feels. The daemon sees frames and
+joint states, as from any robot, and sends commands. Afterwards the same objects are grasped in ATAS's own simulator by the same
+controller, and both verdicts are printed side by side: contact there is another model, written by other people.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import atas
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).resolve().parents[3]
+URDF = ROOT / "daemon" / "robot" / "two_hand_arm.urdf"
+AT = (0.32, -0.15)
+"""Where objects stand: before the right hand, m."""
+TICK_NS = 1_000_000
+SUBSTEPS = 4
+SERVOS = [(0.45, 120.0)] * 2 + [(0.2, 120.0), (0.05, 160.0), (0.02, 160.0)] + [(2e-3, 200.0), (1e-3, 200.0), (1e-3, 200.0)] * 2
+"""Reflected inertia, kg·m², and natural frequency, rad/s, of a hand's joints: what a drive's data sheet says."""
+PIN_N_M = 1060.0
+"""Stiffness of the skin under one taxel: 1.7e8 N/m³ over its 6.2 mm²."""
+PIN_RADIUS_M = 0.0015
+NOISE_N = 0.002
+
+
+@dataclass
+class Thing:
+    """An object: a box or an upright cylinder."""
+
+    name: str
+    mass_kg: float
+    friction: float
+    width_m: float
+    height_m: float
+    round: bool = False
+
+    def toml(self) -> str:
+        """For ATAS's simulator."""
+        half = f"radius_m = {self.width_m / 2}" if self.round else f"size_m = [{self.width_m}, {self.width_m}, {self.height_m}]"
+        shape = f'kind = "cylinder", {half}, height_m = {self.height_m}' if self.round else f'kind = "box", {half}'
+        return f'name = "{self.name}"\nmass_kg = {self.mass_kg}\nfriction = {self.friction}\nshape = {{ {shape} }}\n'
+
+    @property
+    def grasp_height_m(self) -> float:
+        """A little above the middle, clear of the top: what `clients/protocol.md` recommends."""
+        top = self.height_m
+        return max(min(max(0.575 * top, top - 0.040), top - 0.010), 0.025)
+
+
+THINGS = [
+    Thing("block", 0.20, 0.6, 0.050, 0.06),
+    Thing("can", 0.15, 0.4, 0.050, 0.08, round=True),
+    Thing("slippery-block", 0.12, 0.25, 0.045, 0.06),
+    Thing("anvil", 2.50, 0.4, 0.050, 0.06),
+]
+
+
+def described(thing: Thing) -> Any:
+    """The robot with tactile pads, a table and an object."""
+    spec = mujoco.MjSpec.from_file(str(URDF))
+    spec.option.timestep = TICK_NS * 1e-9 / SUBSTEPS
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 20.0
+    for geom in spec.geoms:
+        # Only fingertips touch: the links' shapes are for clearance.
+        geom.contype = geom.conaffinity = 0
+    for body in spec.bodies:
+        body.gravcomp = 1.0
+    for joint, (inertia, _) in zip(spec.joints, SERVOS * 2, strict=True):
+        joint.armature = inertia
+        motor = spec.add_actuator(name=f"drive-{joint.name}", target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.gainprm[0] = 1.0
+    layout = atas.layout("dome-41")
+    for finger in (1, 2):
+        tip = spec.body(f"right_finger{finger}_tip")
+        for taxel, normal in enumerate(layout["normal"]):
+            at = normal * (layout["radius_m"] - PIN_RADIUS_M)
+            pin = tip.add_body(name=f"pin-{finger}-{taxel}", pos=at, gravcomp=1.0)
+            pin.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=normal, stiffness=PIN_N_M, damping=2.0, armature=1e-3)
+            pin.add_geom(
+                name=f"pin-{finger}-{taxel}",
+                type=mujoco.mjtGeom.mjGEOM_SPHERE,
+                size=[PIN_RADIUS_M, 0, 0],
+                mass=1e-5,
+                contype=2,
+                conaffinity=4,
+            )
+    world = spec.worldbody
+    world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1], contype=1, conaffinity=4)
+    half = [thing.width_m / 2, thing.height_m / 2, 0] if thing.round else [thing.width_m / 2, thing.width_m / 2, thing.height_m / 2]
+    body = world.add_body(name="object", pos=[*AT, thing.height_m / 2])
+    body.add_freejoint()
+    body.add_geom(
+        name="object",
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER if thing.round else mujoco.mjtGeom.mjGEOM_BOX,
+        size=half,
+        mass=thing.mass_kg,
+        friction=[thing.friction, 0.0, 0.0],
+        priority=1,
+        contype=4,
+        conaffinity=3,
+        solref=[0.004, 1.0],
+        solimp=[0.95, 0.99, 0.0005, 0.5, 2.0],
+    )
+    return spec.compile()
+
+
+class Hand:
+    """The simulated robot: what it senses, what it does."""
+
+    def __init__(self, thing: Thing) -> None:
+        self.model = described(thing)
+        self.data = mujoco.MjData(self.model)
+        names = [mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_JOINT, joint) for joint in range(self.model.njnt)]
+        joints = [names.index(name) for name in atas.JOINT_NAMES]
+        self.q, self.v = self.model.jnt_qposadr[joints], self.model.jnt_dofadr[joints]
+        inertia, frequency = np.array(SERVOS * 2).T
+        self.stiffness, self.damping = inertia * frequency**2, 2 * inertia * frequency
+        self.effort_n_m = np.zeros(atas.JOINTS)
+        self.taxel: dict[int, tuple[int, int]] = {}
+        for finger in range(2):
+            for taxel in range(41):
+                geom = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, f"pin-{finger + 1}-{taxel}")
+                self.taxel[geom] = (finger, taxel)
+        layout = atas.layout("dome-41")
+        self.axes = np.stack([-layout["normal"], layout["tangent1"], layout["tangent2"]], axis=1)
+        self.thing = self.model.body("object").id
+        self.data.qpos[self.q] = atas.Simulation().joint_state["position_rad"][: atas.JOINTS]
+        mujoco.mj_forward(self.model, self.data)
+        self.rest_m = self.height_m
+        self.strongest_n = 0.0
+
+    @property
+    def height_m(self) -> float:
+        return float(self.data.xpos[self.thing][2])
+
+    def feel(self) -> NDArray[np.float64]:
+        """Force of the object on every taxel of the right hand, along its own axes, N."""
+        force_n = np.zeros((2, 41, 3))
+        wrench = np.zeros(6)
+        for index, contact in enumerate(self.data.contact):
+            for geom, sign in ((contact.geom1, -1.0), (contact.geom2, 1.0)):
+                found = self.taxel.get(int(geom))
+                if found is None:
+                    continue
+                # MuJoCo tells the force of geom1 on geom2, in the contact's frame.
+                mujoco.mj_contactForce(self.model, self.data, index, wrench)
+                in_world = sign * (wrench[:3] @ np.asarray(contact.frame).reshape(3, 3))
+                # A pin slides along its normal and does not turn: its axes are the tip's.
+                base_from_tip = self.data.xmat[self.model.geom_bodyid[geom]].reshape(3, 3)
+                force_n[found] += self.axes[found[1]] @ (base_from_tip.T @ in_world)
+        self.strongest_n = max(self.strongest_n, float(force_n[:, :, 0].sum(axis=1).max()))
+        return force_n
+
+    def move(self, orders: Any) -> None:
+        """One millisecond under the servos."""
+        for _ in range(SUBSTEPS):
+            off_rad = orders["position_rad"] - self.data.qpos[self.q]
+            off_rad_s = orders["velocity_rad_s"] - self.data.qvel[self.v]
+            self.effort_n_m = self.stiffness * off_rad + self.damping * off_rad_s
+            self.data.ctrl[:] = self.effort_n_m
+            mujoco.mj_step(self.model, self.data)
+
+
+def grasp(thing: Thing, atasd: Path, limit_s: float) -> dict[str, Any]:
+    """A grasp over the bus, with the real daemon in lock-step."""
+    name = f"mujoco-{os.getpid()}"
+    words = [atasd, "--lockstep", "--config", "/dev/null", "--bus", name]
+    bus = atas.Bus(name, role="mujoco", create=True)
+    hand, robot = Hand(thing), bus.robot()
+    left, right = bus.sensor("left"), bus.sensor("right")
+    random = np.random.default_rng(1)
+    goal, tick = None, 0
+    begin = time.monotonic()
+    with subprocess.Popen(words, stderr=subprocess.DEVNULL) as daemon:
+        try:
+            while tick < limit_s * 1e3:
+                now_ns = 10_000_000_000 + tick * TICK_NS
+                noise_n = random.normal(0, NOISE_N, (2, 2, 41, 3))
+                left.publish(noise_n[0], captured_ns=now_ns)
+                right.publish(hand.feel() + noise_n[1], captured_ns=now_ns)
+                robot.publish(hand.data.qpos[hand.q], hand.data.qvel[hand.v], hand.effort_n_m, captured_ns=now_ns)
+                orders = robot.answer(now_ns, goal)
+                if orders is None:
+                    break
+                hand.move(orders)
+                tick += 1
+                if tick == 100:
+                    goal = bus.grasp((*AT, thing.grasp_height_m), width=thing.width_m)
+        finally:
+            daemon.terminate()
+    result: dict[str, Any] = dict(goal.result) if goal else {}
+    verdict = result | {
+        "lifted_true_m": hand.height_m - hand.rest_m,
+        "strongest_n": hand.strongest_n,
+        "pace": tick * 1e-3 / (time.monotonic() - begin),
+    }
+    del goal, robot, left, right, bus
+    atas.wipe(name)
+    return verdict
+
+
+def grasp_here(thing: Thing, folder: Path) -> dict[str, Any]:
+    """The same in ATAS's own simulator, in process."""
+    file = folder / f"{thing.name}.toml"
+    file.write_text(thing.toml())
+    simulation = atas.Simulation(str(file), seed=1, vary=False)
+    result: dict[str, Any] = dict(simulation.run())
+    truth = simulation.truth["objects"][0]
+    return result | {"lifted_true_m": float(truth["lifted_m"]), "strongest_n": float(truth["max_force_n"])}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--atasd", type=Path, default=ROOT / "target" / "debug" / "atasd", help="the daemon [%(default)s]")
+    parser.add_argument("--objects", nargs="+", choices=[thing.name for thing in THINGS], help="default: all")
+    parser.add_argument("--limit", type=float, default=40.0, metavar="SECONDS", help="of simulated time [%(default)s]")
+    options = parser.parse_args()
+    print(f"{'object':15s} {'simulator':8s} {'outcome':10s} {'F_2 N':>6s} {'strongest N':>11s} {'lifted mm':>9s}  reason")
+    with tempfile.TemporaryDirectory() as folder:
+        for thing in THINGS:
+            if options.objects and thing.name not in options.objects:
+                continue
+            for name, verdict in (
+                ("MuJoCo", grasp(thing, options.atasd, options.limit)),
+                ("ATAS", grasp_here(thing, Path(folder))),
+            ):
+                outcome = atas.GoalState(verdict["state"]).name if verdict.get("state") else "none"
+                print(
+                    f"{thing.name:15s} {name:8s} {outcome:10s} {verdict['f2_n']:6.2f} {verdict['strongest_n']:11.2f} "
+                    f"{verdict['lifted_true_m'] * 1e3:9.1f}  {verdict['reason']}",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main()
