@@ -329,6 +329,8 @@ enum atas_cause {
     ATAS_CAUSE_FORCE_IMPLAUSIBLE = 37,
     // An order that is not allowed now: the robot moves, or the hand is not empty.
     ATAS_CAUSE_NOT_NOW = 38,
+    // There is no robot to move: the daemon was told to sense only.
+    ATAS_CAUSE_SENSE_ONLY = 39,
     // A module panicked.
     ATAS_CAUSE_MODULE_PANICKED = 40,
     // The loop stood still for a while.
@@ -343,6 +345,8 @@ enum atas_cause {
     ATAS_CAUSE_TOO_SOFT = 50,
     // The hand was found gripping something; it keeps it and watches it.
     ATAS_CAUSE_GRIP_FOUND = 51,
+    // The ways of the task are too long, or those of both hands together too many, to be checked.
+    ATAS_CAUSE_TASK_TOO_LONG = 60,
 };
 
 // What a tick was told by the daemon's supervisor.

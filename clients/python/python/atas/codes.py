@@ -161,6 +161,7 @@ class Cause(IntEnum):
     ROBOT_RESTARTED = 36
     FORCE_IMPLAUSIBLE = 37
     NOT_NOW = 38
+    SENSE_ONLY = 39
     MODULE_PANICKED = 40
     LOOP_STALLED = 41
     ESTOP = 42
@@ -168,6 +169,7 @@ class Cause(IntEnum):
     SUPERVISOR_SILENT = 44
     TOO_SOFT = 50
     GRIP_FOUND = 51
+    TASK_TOO_LONG = 60
 
 
 class OrderKind(IntEnum):
