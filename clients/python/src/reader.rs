@@ -56,13 +56,17 @@ impl<T: Payload + Send + Sync> Source for Typed<T> {
         py: Python<'py>,
         losses: &mut Losses,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let mut newest = None;
+        let mut rows: Vec<Row<T>> = Vec::new();
         let seen = |payload: &T| {
             losses.see(payload);
-            newest = Some(*payload);
+            rows.clear();
+            rows.push(Row(*payload));
         };
         self.subscriber.drain(self.most, seen).map_err(of_bus)?;
-        newest.map(|payload| rows::row(py, &payload)).transpose()
+        if rows.is_empty() {
+            return Ok(None);
+        }
+        rows::array(py, rows).get_item(0).map(Some)
     }
 
     fn has_news(&self) -> bool {
