@@ -2,7 +2,8 @@
 //!
 //! A hold begins when both fingertips of a hand press an object and its support no longer carries all of its weight, so that
 //! centring and turning while the fingers close do not count. From then on the object is compared with where it was
-//! in the hand. It ends when a fingertip lets go; what was found stays until the next one begins.
+//! in the hand, but not while its support carries it again: what was set down may be let go as the hand likes. The hold
+//! ends when a fingertip lets go; what was found stays until the next one begins.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -51,14 +52,16 @@ impl Hold {
             return;
         };
         let now = Reference::of(grip, body);
+        let carried = body.table_n < CARRIED_SHARE * body.weight_n();
         match &self.since {
+            Some(before) if before.hand == grip.hand && !carried => {}
             Some(before) if before.hand == grip.hand => {
                 let slid_m = body.base_from_body * (now.middle_m - before.middle_m);
                 let along_m = slid_m - grip.closing * slid_m.dot(&grip.closing);
                 self.slip_m = self.slip_m.max(along_m.norm());
                 self.turn_rad = self.turn_rad.max(now.turned_rad(before));
             }
-            _ if body.table_n < CARRIED_SHARE * body.weight_n() => {
+            _ if carried => {
                 *self = Self {
                     since: Some(now),
                     ..Self::default()
@@ -134,6 +137,12 @@ mod tests {
         hold.follow(Some(&GRIP), &body);
         assert!((hold.turn_rad - 0.1).abs() < 1e-9, "{hold:?}");
         assert!(hold.slip_m >= 0.002, "the greatest counts");
+        body.table_n = weight_n;
+        at(&mut body, [0.303, 0.004, 0.024], 0.6);
+        hold.follow(Some(&GRIP), &body);
+        assert!(hold.slip_m < 0.003, "it stands: {hold:?}");
+        body.table_n = 0.0;
+        at(&mut body, [0.303, 0.001, 0.024], 0.3);
         hold.follow(None, &body);
         assert!(hold.slip_m >= 0.002, "it stays known");
         hold.follow(Some(&GRIP), &body);

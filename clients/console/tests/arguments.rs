@@ -159,7 +159,10 @@ fn values_and_defaults() {
         Ok(Command::Eval {
             task: Eval::Grasp(eval),
         }) => {
-            assert_eq!((eval.trials, eval.seeds, eval.first_seed), (200, None, 1));
+            assert_eq!(
+                (eval.trials, eval.seeds, eval.first_seed),
+                (200, None, None)
+            );
             assert_eq!(
                 (eval.noise, eval.rate_hz, eval.fixed_force),
                 (None, None, None)

@@ -4,7 +4,8 @@
 //!  Plan (task, objects, conditions, baselines, seeds)
 //!   └─▶ trial ─ Scene (a member of a family), goal from nominal knowledge, GripPolicy
 //!        └─▶ OfflineRun ─ controller and world in turn ─▶ judge: what physics allows, what became of it
-//!             ├─▶ Report: counts, ratios, intervals
+//!             ├─▶ Report: counts, ratios, intervals; markdown: the README's tables
+//!             ├─▶ TrialRow: one row per trial
 //!             └─▶ figures: the same run, tick by tick, as SVG
 //! ```
 //!
@@ -21,20 +22,30 @@ mod execute;
 pub mod figures;
 mod finding;
 pub mod judge;
+mod markdown;
 pub mod offline;
+mod physics;
 mod plan;
 mod policy;
 pub mod replay;
 mod report;
+mod rows;
+pub mod seeds;
 mod statistics;
+mod tally;
 mod task;
 mod trial;
 
 pub use condition::{Condition, Named, Noise};
-pub use finding::{Finding, Grasped};
+pub use execute::Evaluated;
+pub use finding::Finding;
+pub use markdown::{errors_table, table};
+pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::Plan;
 pub use policy::GripPolicy;
-pub use report::{Baseline, Family, Feasible, Infeasible, Physics, Report, Row, Tally};
+pub use report::{Baseline, Family, Report, Row};
+pub use rows::TrialRow;
 pub use statistics::{median, wilson};
+pub use tally::Tally;
 pub use task::{SIDE, Task};
 pub use trial::{Record, trial_seed};

@@ -20,8 +20,10 @@ pub struct Plan {
     pub first_seed: u64,
     /// Under which conditions; the first is the one that the report is about, the others are its rows.
     pub conditions: Vec<Condition>,
-    /// What to compare with, under the first condition.
+    /// What to compare with.
     pub baselines: Vec<GripPolicy>,
+    /// Whether the baselines are tried under every condition, and not only under the first.
+    pub compare_everywhere: bool,
     /// Threads; 0 for one per core.
     pub threads: usize,
     /// The controller's settings.
@@ -48,15 +50,26 @@ impl Plan {
         self.trials * self.series().len() as u64
     }
 
-    /// Every law with its condition: ours under all of them, then the baselines under the first.
+    /// Every law with its condition: ours under all of them, then each baseline.
     pub(crate) fn series(&self) -> Vec<(GripPolicy, Condition)> {
-        let ours = self
-            .conditions
-            .iter()
-            .map(|c| (GripPolicy::Ours, c.clone()));
-        let first = self.conditions.first();
-        let baselines = first.map(|c| self.baselines.iter().map(|law| (*law, c.clone())));
-        ours.chain(baselines.into_iter().flatten()).collect()
+        let compared = match self.compare_everywhere {
+            true => self.conditions.len(),
+            false => 1.min(self.conditions.len()),
+        };
+        let under = |law: GripPolicy, conditions: &[Condition]| {
+            let conditions = conditions.iter().cloned();
+            conditions.map(move |c| (law, c)).collect::<Vec<_>>()
+        };
+        let ours = under(GripPolicy::Ours, &self.conditions);
+        let baselines = self.baselines.iter();
+        let baselines = baselines.flat_map(|law| under(*law, &self.conditions[..compared]));
+        ours.into_iter().chain(baselines).collect()
+    }
+
+    /// Trials of each object, rounded up.
+    #[must_use]
+    pub fn seeds(&self) -> u64 {
+        self.trials.div_ceil(self.objects.len().max(1) as u64)
     }
 
     /// Trial by trial, so that progress is even although some series take longer.

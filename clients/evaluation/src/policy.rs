@@ -1,48 +1,70 @@
 //! What governs the grip: our modules, or a baseline to beat.
 //!
 //! A baseline is a task made of the built-in one: the same motions, the same guard, the same Module 4; but where the
-//! built-in task has its modules for the grip (stiffness probe, modules 1, 2 and 3, what gives force back and what proves
-//! a lift), the baseline has one that knows neither stiffness nor F_2. It runs in the same controller, by the same arms.
+//! built-in task has its modules for the grip (stiffness probe, modules 1 and 2, what gives force back), the baseline has one
+//! that knows no stiffness. It runs in the same controller, by the same arms.
+//!
+//! It may refuse as ours do: Module 3 stops at the most that the baseline presses with and sets down what slides there all the
+//! same, the load test presses up to that force what does not hang, and then sets it down. That force, and the one it
+//! starts from, are the best of [`GripPolicy::candidates`] on [`crate::seeds::TUNING`]: `atas eval tune`.
 
 use atas_core::Settings;
 use atas_core::modules::Selection;
 use atas_core::tasks::{self, Name, Step, Task, Track, Transition};
 use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
-/// What the built-in tasks govern the grip with.
-const OURS: [ModuleId; 6] = [
+/// What the built-in tasks govern the grip with, and a baseline does without.
+const OURS: [ModuleId; 4] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,
-    ModuleId::FORCE_LIMIT,
     ModuleId::RELAX,
-    ModuleId::LOAD_TEST,
 ];
 /// Share of F_2 that F_1 never exceeds ([`atas_core::thresholds::Thresholds`]).
 const F1_BELOW_F2: f64 = 0.8;
-
-/// Force per finger from which the slip-reactive baseline starts, N: the best of 0.35, 0.6 and 1 N over other seeds.
-const START_N: f64 = 0.6;
+/// Fixed forces that are tried, N: up to what the hand may press.
+const FIXED_N: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+/// Forces from which the slip-reactive baseline is tried, N.
+const START_N: [f64; 3] = [0.35, 0.6, 1.0];
+/// Most that it presses with, as tried, N.
+const CEILING_N: [f64; 3] = [2.0, 4.0, 8.0];
 
 /// A law of the grip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GripPolicy {
     /// Modules 1, 2, 3, the stiffness probe and relaxing, as the built-in tasks have them.
     Ours,
-    /// A gripper that closes until it presses with this force per finger, N, and keeps it: Module 1 alone, F_1 being the
-    /// force.
+    /// A gripper that closes until it presses with this force per finger, N, and keeps it: F_1 is the force. What the load
+    /// test finds standing it presses with up to a quarter more before it sets it down.
     FixedForce(f64),
-    /// The force rises by 8 % per 41 ms of slip from this force per finger, N, after Romano et al. 2011:
-    /// [`ModuleId::SLIP_REACTION`].
-    SlipReactive(f64),
+    /// The force rises by 8 % per 41 ms of slip, after Romano et al. 2011: [`ModuleId::SLIP_REACTION`].
+    SlipReactive {
+        /// From this force per finger, N.
+        start_n: f64,
+        /// Up to this one, N.
+        ceiling_n: f64,
+    },
 }
 
 impl GripPolicy {
     /// The baselines of a task, the first with this force or the best for the task.
     #[must_use]
     pub fn baselines(task: crate::task::Task, force_n: Option<f64>) -> [Self; 2] {
-        let force_n = force_n.unwrap_or(task.best_fixed_force_n());
-        [Self::FixedForce(force_n), Self::SlipReactive(START_N)]
+        let [fixed, slip_reactive] = task.best_baselines();
+        [force_n.map_or(fixed, Self::FixedForce), slip_reactive]
+    }
+
+    /// Everything that is tried for the baselines.
+    #[must_use]
+    pub fn candidates() -> Vec<Self> {
+        let slip_reactive = START_N.into_iter().flat_map(|start_n| {
+            CEILING_N.map(|ceiling_n| Self::SlipReactive { start_n, ceiling_n })
+        });
+        FIXED_N
+            .map(Self::FixedForce)
+            .into_iter()
+            .chain(slip_reactive)
+            .collect()
     }
 
     /// Its name in reports.
@@ -51,7 +73,17 @@ impl GripPolicy {
         match self {
             Self::Ours => "ours",
             Self::FixedForce(_) => "fixed_force",
-            Self::SlipReactive(_) => "slip_reactive",
+            Self::SlipReactive { .. } => "slip_reactive",
+        }
+    }
+
+    /// Its forces, in words; empty for ours.
+    #[must_use]
+    pub fn setting(self) -> String {
+        match self {
+            Self::Ours => String::new(),
+            Self::FixedForce(force_n) => format!("{force_n} N"),
+            Self::SlipReactive { start_n, ceiling_n } => format!("{start_n} to {ceiling_n} N"),
         }
     }
 
@@ -60,7 +92,7 @@ impl GripPolicy {
         match self {
             Self::Ours => None,
             Self::FixedForce(_) => Some(ModuleId::FIRST_TOUCH),
-            Self::SlipReactive(_) => Some(ModuleId::SLIP_REACTION),
+            Self::SlipReactive { .. } => Some(ModuleId::SLIP_REACTION),
         }
     }
 
@@ -68,11 +100,14 @@ impl GripPolicy {
     #[must_use]
     pub fn settings(self, ours: &Settings) -> Settings {
         let mut settings = *ours;
-        if let Self::FixedForce(force_n) | Self::SlipReactive(force_n) = self {
-            let grasp = &mut settings.grasp;
-            (grasp.f1_min_n, grasp.f1_max_n) = (force_n, force_n);
-            (grasp.f2_min_n, grasp.f2_max_n) = (force_n / F1_BELOW_F2, force_n / F1_BELOW_F2);
-        }
+        let (f1_n, f2_n) = match self {
+            Self::Ours => return settings,
+            Self::FixedForce(force_n) => (force_n, force_n / F1_BELOW_F2),
+            Self::SlipReactive { start_n, ceiling_n } => (start_n, ceiling_n),
+        };
+        let grasp = &mut settings.grasp;
+        (grasp.f1_min_n, grasp.f1_max_n) = (f1_n, f1_n);
+        (grasp.f2_min_n, grasp.f2_max_n) = (f2_n, f2_n);
         settings
     }
 
@@ -133,7 +168,11 @@ mod tests {
             GoalKind::SCREW,
             GoalKind::ASSEMBLE,
         ];
-        let laws = [GripPolicy::FixedForce(3.0), GripPolicy::SlipReactive(0.5)];
+        let slip_reactive = GripPolicy::SlipReactive {
+            start_n: 0.5,
+            ceiling_n: 8.0,
+        };
+        let laws = [GripPolicy::FixedForce(3.0), slip_reactive];
         for (kind, law) in kinds.into_iter().flat_map(|k| laws.map(|l| (k, l))) {
             let ours = tasks::of(kind).expect("built in");
             let asked = GoalRequest {
@@ -157,14 +196,51 @@ mod tests {
             assert_eq!(motions(&task.acting), motions(&ours.acting));
             let tracks = [Some(task.acting), task.helping];
             for step in tracks.iter().flatten().flat_map(|track| track.iter()) {
-                let ours = [ModuleId::PROBE, ModuleId::SLIP, ModuleId::FORCE_LIMIT];
+                let ours = [ModuleId::PROBE, ModuleId::SLIP, ModuleId::RELAX];
                 assert!(
                     !ours.iter().any(|id| step.modules.contains(*id)),
                     "{step:?}"
                 );
             }
         }
+        let lift = slip_reactive_lift();
+        for refuses in [ModuleId::FORCE_LIMIT, ModuleId::LOAD_TEST] {
+            assert!(lift.contains(refuses), "a baseline may refuse");
+        }
         assert_eq!(GripPolicy::Ours.goal(&GoalRequest::default()).1, None);
+    }
+
+    /// The modules of a baseline's step that lifts.
+    fn slip_reactive_lift() -> Selection {
+        let law = GripPolicy::baselines(crate::task::Task::Grasp, None)[1];
+        let asked = GoalRequest {
+            kind: GoalKind::GRASP,
+            ..GoalRequest::default()
+        };
+        let task = law.goal(&asked).1.expect("a baseline has its own task");
+        let lift = task
+            .acting
+            .iter()
+            .find(|step| step.name == Name::new("lift"));
+        lift.expect("a step that lifts").modules
+    }
+
+    #[test]
+    fn every_candidate_can_be_set() {
+        for law in GripPolicy::candidates() {
+            let settings = law.settings(&Settings::default());
+            assert_eq!(settings.check(), Ok(()), "{law:?}");
+        }
+        for task in [
+            crate::task::Task::Grasp,
+            crate::task::Task::PickPlace,
+            crate::task::Task::Screw,
+            crate::task::Task::Assembly,
+        ] {
+            for best in GripPolicy::baselines(task, None) {
+                assert!(GripPolicy::candidates().contains(&best), "{best:?}");
+            }
+        }
     }
 
     #[test]

@@ -7,10 +7,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::condition::{Condition, Noise};
-use crate::finding::Grasped;
-use crate::judge::Outcome;
+use crate::physics::Physics;
 use crate::plan::Plan;
-use crate::statistics::{deviation, median, wilson};
+use crate::policy::GripPolicy;
+use crate::seeds;
+use crate::tally::Tally;
 use crate::trial::Record;
 
 /// What an evaluation found.
@@ -21,7 +22,7 @@ pub struct Report {
     /// Our modules under the first condition.
     #[serde(flatten)]
     pub tally: Tally,
-    /// What physics allows, of a grasp.
+    /// What physics allows, where something is to be held.
     #[serde(flatten)]
     pub physics: Option<Physics>,
     /// Success of each baseline on the same trials, by its name.
@@ -32,6 +33,10 @@ pub struct Report {
     pub wall_s: f64,
     /// Trials of each object, rounded up.
     pub seeds: u64,
+    /// The first seed.
+    pub first_seed: u64,
+    /// What these seeds are good for: `judging`, or `tuning`.
+    pub seeds_for: &'static str,
     /// Scale of the sensors' noise under the first condition.
     pub noise: Noise,
     /// Frames per second of the sensors under the first condition.
@@ -46,64 +51,6 @@ pub struct Report {
     pub baseline_rows: Vec<Baseline>,
 }
 
-/// How many trials went how.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Tally {
-    /// Trials in all.
-    pub trials: u64,
-    /// Share of them that are a success.
-    pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
-    pub ci95: [f64; 2],
-    /// How many are not, by what became of them.
-    pub failures: BTreeMap<String, u64>,
-    /// Medians of what was measured, over successes.
-    pub medians: BTreeMap<&'static str, f64>,
-    /// The largest of the same.
-    pub largest: BTreeMap<&'static str, f64>,
-}
-
-/// Trials by what physics allows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Physics {
-    /// Trials whose object can be held: see [`crate::judge::Load::is_feasible`].
-    pub feasible: Feasible,
-    /// All others.
-    pub infeasible: Infeasible,
-    /// How many of both lie so near to F_2 that either end would be right.
-    pub borderline: u64,
-    /// Median of the measured F_2 over the F_2 at the true stiffness.
-    pub f2_ratio_median: Option<f64>,
-    /// Standard deviation of the same.
-    pub f2_ratio_deviation: Option<f64>,
-}
-
-/// Trials whose object can be held.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Feasible {
-    /// How many there were.
-    pub trials: u64,
-    /// Lifted, in the hand after the hold, neither crushed nor dropped.
-    pub held: u64,
-    /// Crushed.
-    pub crushed: u64,
-    /// Dropped.
-    pub dropped: u64,
-    /// Median over held trials of true normal force over needed force; `null` if none was held.
-    pub over_grip_median: Option<f64>,
-}
-
-/// Trials whose object cannot be held.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Infeasible {
-    /// How many there were.
-    pub trials: u64,
-    /// Put back unharmed.
-    pub refused: u64,
-    /// Crushed.
-    pub crushed: u64,
-}
-
 /// One family of objects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Family {
@@ -112,7 +59,7 @@ pub struct Family {
     /// Its trials.
     #[serde(flatten)]
     pub tally: Tally,
-    /// What physics allows, of a grasp.
+    /// What physics allows, where something is to be held.
     #[serde(flatten)]
     pub physics: Option<Physics>,
 }
@@ -129,22 +76,21 @@ pub struct Row {
     /// Its trials.
     #[serde(flatten)]
     pub tally: Tally,
-    /// What physics allows, of a grasp.
+    /// What physics allows, where something is to be held.
     #[serde(flatten)]
     pub physics: Option<Physics>,
 }
 
-/// One baseline.
+/// One baseline under one condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Baseline {
     /// Its name.
     pub baseline: &'static str,
-    /// Its trials.
+    /// Its forces, in words.
+    pub setting: String,
+    /// Condition and trials.
     #[serde(flatten)]
-    pub tally: Tally,
-    /// What physics allows, of a grasp.
-    #[serde(flatten)]
-    pub physics: Option<Physics>,
+    pub row: Row,
 }
 
 impl Report {
@@ -152,75 +98,43 @@ impl Report {
     pub(super) fn of(plan: &Plan, series: &[Vec<Record>], wall_s: f64) -> Self {
         let (ours, theirs) = series.split_at(plan.conditions.len());
         let first: Vec<&Record> = ours[0].iter().collect();
-        let Condition {
-            noise,
-            rate_hz,
-            errors,
-        } = &plan.conditions[0];
+        let condition = &plan.conditions[0];
         let sum = |value: fn(&Record) -> f64| ours.iter().flatten().map(value).sum::<f64>();
-        let rows = plan.conditions.iter().zip(ours);
-        let baseline_rows: Vec<Baseline> = plan
-            .baselines
+        let named = plan.series();
+        let baseline_rows: Vec<Baseline> = named[ours.len()..]
             .iter()
             .zip(theirs)
-            .map(|(law, records)| Baseline::of(law.name(), &records.iter().collect::<Vec<_>>()))
+            .map(|(of, records)| Baseline::of(of, records))
             .collect();
-        let success = |row: &Baseline| (row.baseline, row.tally.success);
         Self {
             task: plan.task.name(),
             tally: Tally::of(&first),
             physics: Physics::of(&first),
-            baselines: baseline_rows.iter().map(success).collect(),
+            baselines: successes(&baseline_rows),
             realtime_factor: sum(|r| r.simulated_s) / sum(|r| r.cpu_s),
             wall_s,
-            seeds: plan.trials.div_ceil(plan.objects.len() as u64),
-            noise: *noise,
-            rate_hz: *rate_hz,
-            errors: errors.name.clone(),
+            seeds: plan.seeds(),
+            first_seed: plan.first_seed,
+            seeds_for: seeds::purpose(plan.first_seed, plan.seeds()),
+            noise: condition.noise,
+            rate_hz: condition.rate_hz,
+            errors: condition.errors.name.clone(),
             families: (0..plan.objects.len())
                 .map(|object| Family::of(plan, &first, object))
                 .collect(),
-            rows: rows.map(|(c, records)| Row::of(c, records)).collect(),
+            rows: plan.conditions.iter().zip(ours).map(Row::of).collect(),
             baseline_rows,
         }
     }
 }
 
-impl Tally {
-    fn of(records: &[&Record]) -> Self {
-        let trials = records.len() as u64;
-        let mut failures = BTreeMap::<String, u64>::new();
-        let mut measures = BTreeMap::<&'static str, Vec<f64>>::new();
-        for record in records {
-            if let Some(key) = record.finding.failure() {
-                *failures.entry(key.to_owned()).or_default() += 1;
-                continue;
-            }
-            for (name, value) in record.finding.measures() {
-                measures.entry(name).or_default().push(value);
-            }
-        }
-        let successes = trials - failures.values().sum::<u64>();
-        let largest = |values: &Vec<f64>| values.iter().copied().reduce(f64::max);
-        Self {
-            trials,
-            success: successes as f64 / trials.max(1) as f64,
-            ci95: wilson(successes, trials),
-            failures,
-            largest: of_each(&measures, largest),
-            medians: of_each(&measures, |values| median(values.clone())),
-        }
+/// The first row of each baseline.
+fn successes(rows: &[Baseline]) -> BTreeMap<&'static str, f64> {
+    let mut successes = BTreeMap::new();
+    for of in rows {
+        successes.entry(of.baseline).or_insert(of.row.tally.success);
     }
-}
-
-fn of_each(
-    measures: &BTreeMap<&'static str, Vec<f64>>,
-    figure: impl Fn(&Vec<f64>) -> Option<f64>,
-) -> BTreeMap<&'static str, f64> {
-    let figures = measures
-        .iter()
-        .map(|(name, values)| (*name, figure(values)));
-    figures.filter_map(|(name, f)| Some((name, f?))).collect()
+    successes
 }
 
 impl Family {
@@ -236,7 +150,7 @@ impl Family {
 }
 
 impl Row {
-    fn of(condition: &Condition, records: &[Record]) -> Self {
+    fn of((condition, records): (&Condition, &Vec<Record>)) -> Self {
         let records: Vec<&Record> = records.iter().collect();
         Self {
             noise: condition.noise,
@@ -249,56 +163,11 @@ impl Row {
 }
 
 impl Baseline {
-    fn of(baseline: &'static str, records: &[&Record]) -> Self {
+    fn of((law, condition): &(GripPolicy, Condition), records: &Vec<Record>) -> Self {
         Self {
-            baseline,
-            tally: Tally::of(records),
-            physics: Physics::of(records),
+            baseline: law.name(),
+            setting: law.setting(),
+            row: Row::of((condition, records)),
         }
     }
-}
-
-impl Physics {
-    /// `None` unless there are grasps.
-    fn of(records: &[&Record]) -> Option<Self> {
-        let grasps: Vec<&Grasped> = records.iter().filter_map(|r| r.finding.grasped()).collect();
-        if grasps.is_empty() {
-            return None;
-        }
-        let f2_ratios: Vec<f64> = grasps.iter().filter_map(|g| g.f2_ratio).collect();
-        Some(Self {
-            feasible: feasible(&grasps),
-            infeasible: infeasible(&grasps),
-            borderline: count(&grasps, |g| g.load.is_borderline()),
-            f2_ratio_deviation: deviation(&f2_ratios),
-            f2_ratio_median: median(f2_ratios),
-        })
-    }
-}
-
-fn feasible(grasps: &[&Grasped]) -> Feasible {
-    let count_of = |outcome| count(grasps, |g| g.load.is_feasible() && g.outcome == outcome);
-    let over_grips = grasps.iter().filter(|g| g.load.is_feasible());
-    Feasible {
-        trials: count(grasps, |g| g.load.is_feasible()),
-        held: count_of(Outcome::Held),
-        crushed: count_of(Outcome::Crushed),
-        dropped: count_of(Outcome::Dropped),
-        over_grip_median: median(over_grips.filter_map(|g| g.over_grip).collect()),
-    }
-}
-
-fn infeasible(grasps: &[&Grasped]) -> Infeasible {
-    let is = |g: &Grasped| !g.load.is_feasible();
-    Infeasible {
-        trials: count(grasps, is),
-        refused: count(grasps, |g| {
-            is(g) && matches!(g.outcome, Outcome::Refused(_))
-        }),
-        crushed: count(grasps, |g| is(g) && g.outcome == Outcome::Crushed),
-    }
-}
-
-fn count(grasps: &[&Grasped], is: impl Fn(&Grasped) -> bool) -> u64 {
-    grasps.iter().filter(|grasp| is(grasp)).count() as u64
 }

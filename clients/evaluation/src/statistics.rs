@@ -1,4 +1,4 @@
-//! Medians, deviations and confidence.
+//! Medians, deviations and confidence. Of our own: `statrs` and its like have no Wilson interval, and it is one line.
 
 /// Two-sided 95 % quantile of the normal distribution.
 const Z_95: f64 = 1.959_963_984_540_054;

@@ -4,11 +4,12 @@ use anyhow::Context;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use robot_model::Side;
 use shm_schemas::GoalRequest;
-use sim_backend::{GraspHint, Object, ObjectError, Scene};
+use sim_backend::{Errors, GraspHint, Object, ObjectError, Scene};
 
 use crate::condition::{Condition, Named, Noise};
 use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
+use crate::policy::GripPolicy;
 
 /// The hand that acts.
 pub const SIDE: Side = Side::Right;
@@ -31,6 +32,9 @@ pub enum Task {
 }
 
 impl Task {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Grasp, Self::PickPlace, Self::Screw, Self::Assembly];
+
     /// Its name, as users type it.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -81,13 +85,15 @@ impl Task {
         conditions
     }
 
-    /// The fixed force per finger that serves the task best, N: the least of 1, 2, … 10 N with the most successes under the
-    /// first condition over other seeds than the evaluation's: `atas eval TASK --first-seed 10001 --fixed-force N`.
-    pub(super) fn best_fixed_force_n(self) -> f64 {
-        match self {
-            Self::Grasp | Self::PickPlace => 7.0,
-            Self::Screw | Self::Assembly => 1.0,
-        }
+    /// The baselines that serve the task best: those with the most successes by physics over tuning seeds, of equal ones the
+    /// gentlest (`atas eval tune TASK`).
+    pub(super) fn best_baselines(self) -> [GripPolicy; 2] {
+        let (fixed_n, start_n, ceiling_n) = match self {
+            Self::Grasp | Self::PickPlace => (7.0, 0.6, 8.0),
+            Self::Screw | Self::Assembly => (1.0, 0.6, 2.0),
+        };
+        let slip_reactive = GripPolicy::SlipReactive { start_n, ceiling_n };
+        [GripPolicy::FixedForce(fixed_n), slip_reactive]
     }
 
     /// Longest simulated time of a trial, s (ours: several times what a clean one takes).
@@ -97,6 +103,24 @@ impl Task {
             Self::Screw => 240.0,
             Self::Assembly => 400.0,
         }
+    }
+
+    /// The usual condition with no error, with each kind of error by itself, and with all at once.
+    #[must_use]
+    pub fn error_conditions(self) -> Vec<Condition> {
+        let usual = self.conditions().swap_remove(0);
+        let kinds = Errors::KINDS.iter().map(|kind| (kind.name, kind.errors));
+        let named = [("none", Errors::NONE)].into_iter().chain(kinds);
+        named
+            .chain([("all", Errors::ALL)])
+            .map(|(name, errors)| Condition {
+                errors: Named {
+                    name: name.to_owned(),
+                    errors,
+                },
+                ..usual.clone()
+            })
+            .collect()
     }
 
     /// A member of its family around an object.

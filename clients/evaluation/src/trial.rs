@@ -11,6 +11,8 @@ use crate::finding::{Finding, judge};
 use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
+use crate::rows::Drawn;
+use crate::task::Task;
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -20,12 +22,46 @@ const NOISE_STREAM: u64 = 0x6e_6f69_7365;
 pub struct Record {
     /// Index of the object in the plan.
     pub object: usize,
+    /// The seed of the trial, as users number them.
+    pub number: u64,
+    /// What was drawn.
+    pub drawn: Drawn,
+    /// What physics says of this member of the family; `None` for caps, which anything can turn.
+    pub load: Option<Load>,
     /// What became of it.
     pub finding: Finding,
+    /// Largest force that a fingertip pressed its objects with, N.
+    pub max_force_n: f64,
     /// Simulated time, s.
     pub simulated_s: f64,
     /// Processor time of this thread, s. The only field that is not a function of the plan.
     pub cpu_s: f64,
+}
+
+impl Record {
+    /// Whether the paper's rule allows the task.
+    #[must_use]
+    pub fn feasible(&self) -> bool {
+        self.load.is_none_or(|load| load.is_feasible())
+    }
+
+    /// Whether physics allows the task.
+    #[must_use]
+    pub fn feasible_by_physics(&self) -> bool {
+        self.load.is_none_or(|load| load.is_physically_feasible())
+    }
+
+    /// Why it is no success; `None` if it is.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        self.finding.failure(self.feasible())
+    }
+
+    /// The same by physics alone.
+    #[must_use]
+    pub fn failure_by_physics(&self) -> Option<&str> {
+        self.finding.failure(self.feasible_by_physics())
+    }
 }
 
 /// The seed of a trial: a function of the object's name and the trial's number, so that adding an object to a plan
@@ -58,9 +94,14 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
         return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
     }
     let [x_m, y_m, _] = goal.to_m;
+    let objects = trial.truth.objects.iter();
     Ok(Record {
         object: job.object,
+        number: job.number,
+        drawn: Drawn::of(&scene).context("a task's scene has its objects")?,
+        load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
         finding: judge(plan.task, &trial, &progress, load, [x_m, y_m]),
+        max_force_n: objects.map(|o| o.max_force_n).fold(0.0, f64::max),
         simulated_s: trial.simulated_s,
         cpu_s: cpu_s() - begin_s,
     })

@@ -16,6 +16,7 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
         first_seed: 1,
         conditions: vec![task.conditions().swap_remove(0)],
         baselines: Vec::new(),
+        compare_everywhere: false,
         threads,
         settings: atas_core::Settings::default(),
     }
@@ -28,7 +29,7 @@ fn grasps(threads: usize) -> Plan {
 
 fn run(plan: &Plan) -> Report {
     let report = plan.run(&AtomicBool::new(false), || ());
-    report.expect("it runs").expect("nobody stopped it")
+    report.expect("it runs").expect("nobody stopped it").report
 }
 
 /// The report without the two fields that are times.
@@ -51,6 +52,7 @@ fn the_numbers_do_not_depend_on_the_threads() {
     assert_eq!((one.tally.trials, one.baselines.len()), (4, 2));
     for row in &one.baseline_rows {
         let lifts = row
+            .row
             .physics
             .as_ref()
             .map(|p| p.feasible.held + p.feasible.crushed);
@@ -113,18 +115,28 @@ fn json_fields_are_a_contract() {
         names.sort_unstable();
         names.join(" ")
     };
-    let feasible = sorted("trials held crushed dropped over_grip_median");
-    let infeasible = sorted("trials refused crushed");
+    let feasible = sorted("trials held refused crushed dropped success ci95 over_grip_median");
+    let infeasible = sorted("trials refused held crushed dropped success ci95");
     let tally = "trials success ci95 failures medians largest";
-    let physics = "feasible infeasible borderline f2_ratio_median f2_ratio_deviation";
+    let physics = "feasible infeasible by_physics borderline f2_ratio_median f2_ratio_deviation";
     let shape = |own: &str| sorted(&format!("{own} {tally} {physics}"));
-    let own = "task baselines realtime_factor wall_s seeds noise rate_hz errors families rows baseline_rows";
+    let own = "task baselines realtime_factor wall_s seeds first_seed seeds_for noise rate_hz errors families rows \
+         baseline_rows";
     assert_eq!(keys(&value), shape(own));
     assert_eq!(keys(&value["feasible"]), feasible);
     assert_eq!(keys(&value["infeasible"]), infeasible);
     assert_eq!(keys(&value["families"][0]), shape("object"));
     assert_eq!(keys(&value["rows"][0]), shape("noise rate_hz errors"));
-    assert_eq!(keys(&value["baseline_rows"][0]), shape("baseline"));
+    assert_eq!(
+        keys(&value["baseline_rows"][0]),
+        shape("baseline setting noise rate_hz errors")
+    );
+    assert_eq!(
+        keys(&value["by_physics"]),
+        sorted("success ci95 feasible infeasible")
+    );
+    assert_eq!(keys(&value["by_physics"]["feasible"]), feasible);
+    assert_eq!(value["seeds_for"], "tuning");
     assert_eq!(keys(&value["baselines"]), "fixed_force slip_reactive");
     assert!(
         text.starts_with("{\"task\":\"grasp\",\"trials\":1,\"success\":"),

@@ -1,6 +1,8 @@
 //! What `atas eval` may be told.
 
-use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
 
 use super::values::finite;
 
@@ -16,6 +18,67 @@ pub enum Eval {
     /// Two-hand assembly, over the same caps on free bottles of any size
     #[command(visible_alias = "assemble")]
     Assembly(Evaluation),
+    /// Every task under its usual conditions, beside the baselines: the README's table. About 50 minutes of one core
+    All(Summary),
+    /// What each error costs in every task, one at a time and all at once. About as long
+    Errors(Summary),
+    /// The baselines' forces, tried on the seeds that are for tuning
+    Tune(Tuning),
+}
+
+/// How all tasks are evaluated.
+#[derive(Args, Clone, Debug)]
+pub struct Summary {
+    /// Trials under each condition [default: 200; of each error 48]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: Option<u64>,
+    /// Number of the first seed [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
+    /// Some of the tasks only, separated by commas
+    #[arg(long, value_name = "TASK", value_delimiter = ',')]
+    pub tasks: Vec<TaskName>,
+    /// Print the table as the README has it
+    #[arg(long)]
+    pub markdown: bool,
+    /// Write the table and some of its trials into this folder, for the test that holds the README to them
+    #[arg(long, value_name = "FOLDER")]
+    pub golden: Option<PathBuf>,
+    /// Leave out the baselines
+    #[arg(long)]
+    pub no_baselines: bool,
+    /// Threads; 0 for one per core. The numbers do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// A task by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TaskName {
+    /// The grasp
+    Grasp,
+    /// Pick and place
+    PickPlace,
+    /// Cap screwing
+    Screw,
+    /// Two-hand assembly
+    Assembly,
+}
+
+/// How baselines are tuned.
+#[derive(Args, Clone, Debug)]
+pub struct Tuning {
+    /// Of which task
+    pub task: TaskName,
+    /// Trials of each candidate
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: u64,
+    /// Number of the first seed, one of 1 to 20000
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=20_000))]
+    pub first_seed: u64,
+    /// Threads; 0 for one per core. The numbers do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
 }
 
 /// How a task is evaluated.
@@ -27,9 +90,10 @@ pub struct Evaluation {
     /// Trials of each object, instead
     #[arg(long, value_name = "N", conflicts_with = "trials", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub seeds: Option<u64>,
-    /// Number of the first seed: other seeds are other members of the families
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
-    pub first_seed: u64,
+    /// Number of the first seed: other seeds are other members of the families. 1 to 20000 are for tuning, all others for
+    /// judging [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
     /// Scales the noise of the fingertip sensors [default: 1 and 2 for the grasp, drawn from 1 to 2 for the others]
     #[arg(long, value_name = "FACTOR", value_parser = finite)]
     pub noise: Option<f64>,
@@ -37,7 +101,8 @@ pub struct Evaluation {
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rate_hz: Option<u32>,
     /// Errors of robot, skins and objects, and of what the controller is told: all, none, or names separated by commas, each
-    /// with an amount if it shall not be the usual one, as in `crosstalk,position=2,yaw=5` (`atas-sim errors` lists them) [default: none]
+    /// with an amount if it shall not be the usual one, as in `crosstalk,position=2,yaw=5` (`atas-sim errors` lists them); `each`
+    /// for a row per error and one for all at once [default: none]
     #[arg(long, value_name = "NAME[=AMOUNT]")]
     pub errors: Option<String>,
     /// Built-in objects or files, separated by commas; for screwing and assembly, caps [default: every built-in one that fits]
@@ -49,6 +114,9 @@ pub struct Evaluation {
     /// Force of the first baseline, newtons [default: the best for the task on other seeds]
     #[arg(long, value_name = "N", conflicts_with = "no_baselines", value_parser = finite)]
     pub fixed_force: Option<f64>,
+    /// Write one row per trial into this file: what was drawn, verdict, slip, turn, forces, times; .csv or .jsonl
+    #[arg(long, value_name = "FILE")]
+    pub rows: Option<PathBuf>,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

@@ -43,6 +43,8 @@ const HELPS: &[Help] = &[
         &[
             "atas eval grasp --trials 200",
             "atas eval grasp --objects wood,sponge --noise 2",
+            "atas eval grasp --errors crosstalk=3,position=5,yaw=15 --rows trials.csv",
+            "atas eval grasp --errors each --trials 48 --noise 1",
         ],
         REPORT,
     ),
@@ -53,7 +55,7 @@ const HELPS: &[Help] = &[
     ),
     Help(
         "eval screw",
-        &["atas eval screw --first-seed 10001 --fixed-force 3"],
+        &["atas eval screw --first-seed 1 --fixed-force 3"],
         REPORT,
     ),
     Help(
@@ -61,6 +63,20 @@ const HELPS: &[Help] = &[
         &["atas eval assembly --trials 20 --rate-hz 100"],
         REPORT,
     ),
+    Help(
+        "eval all",
+        &[
+            "atas eval all --markdown",
+            "atas eval all --trials 24 --tasks grasp,screw",
+        ],
+        "one such object per task as `atas eval TASK` prints",
+    ),
+    Help(
+        "eval errors",
+        &["atas eval errors --trials 24 --tasks grasp --no-baselines"],
+        "one such object per task as `atas eval TASK` prints",
+    ),
+    Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
     Help(
         "plot grasp",
         &["atas plot grasp --object bottle --out grasp.svg"],

@@ -1,14 +1,20 @@
-//! `atas eval`: from arguments to a plan, with a bar while it runs.
+//! `atas eval`: from arguments to plans, with a bar while they run.
 
+mod rows;
+mod summary;
 mod table;
+mod tune;
 
 use std::io::IsTerminal;
 
-use atas_console::arguments::{Eval, Evaluation};
+use atas_console::arguments::{Eval, Evaluation, TaskName};
 use atas_console::{Ended, Exit, Interrupt, Output};
-use atas_evaluation::{Condition, GripPolicy, Named, Noise, Plan, Task};
+use atas_evaluation::{Condition, Evaluated, GripPolicy, Noise, Plan, Task, seeds};
 use indicatif::{ProgressBar, ProgressStyle};
 use sim_backend::{Object, ObjectError};
+
+/// What `--errors` calls a row per error.
+const EACH: &str = "each";
 
 /// `atas eval`.
 pub(crate) fn evaluate(
@@ -16,30 +22,48 @@ pub(crate) fn evaluate(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let plan = plan(eval)?;
-    let bar = bar(plan.jobs());
-    let report = plan.run(interrupt.flag(), || bar.inc(1))?;
-    let done = bar.position();
-    bar.finish_and_clear();
-    match report {
-        Some(report) => table::print(&report, output),
-        None => Err(Ended::with(
-            Exit::Interrupted,
-            format!(
-                "interrupted after {done} of {} trials; nothing was reported",
-                plan.jobs()
-            ),
-        )),
+    match eval {
+        Eval::Grasp(arguments) => one(Task::Grasp, arguments, interrupt, output),
+        Eval::PickPlace(arguments) => one(Task::PickPlace, arguments, interrupt, output),
+        Eval::Screw(arguments) => one(Task::Screw, arguments, interrupt, output),
+        Eval::Assembly(arguments) => one(Task::Assembly, arguments, interrupt, output),
+        Eval::All(summary) => summary::all(summary, interrupt, output),
+        Eval::Errors(summary) => summary::errors(summary, interrupt, output),
+        Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),
     }
 }
 
-fn plan(eval: &Eval) -> anyhow::Result<Plan> {
-    let (task, arguments) = match eval {
-        Eval::Grasp(arguments) => (Task::Grasp, arguments),
-        Eval::PickPlace(arguments) => (Task::PickPlace, arguments),
-        Eval::Screw(arguments) => (Task::Screw, arguments),
-        Eval::Assembly(arguments) => (Task::Assembly, arguments),
-    };
+/// One task.
+fn one(
+    task: Task,
+    arguments: &Evaluation,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let plan = plan(task, arguments)?;
+    let file = arguments.rows.as_deref().map(rows::File::create);
+    let file = file.transpose()?;
+    let evaluated = run(&plan, interrupt)?;
+    if let Some(file) = file {
+        file.write(evaluated.rows.iter().flatten())?;
+    }
+    table::print(&evaluated.report, output)
+}
+
+/// Runs a plan behind a bar.
+fn run(plan: &Plan, interrupt: &Interrupt) -> anyhow::Result<Evaluated> {
+    let bar = bar(plan.jobs());
+    let evaluated = plan.run(interrupt.flag(), || bar.inc(1))?;
+    let done = bar.position();
+    bar.finish_and_clear();
+    evaluated.ok_or_else(|| {
+        let jobs = plan.jobs();
+        let sentence = format!("interrupted after {done} of {jobs} trials; nothing was reported");
+        Ended::with(Exit::Interrupted, sentence)
+    })
+}
+
+fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
     let objects: Result<Vec<Object>, ObjectError> = if arguments.objects.is_empty() {
         task.objects()
     } else {
@@ -48,46 +72,61 @@ fn plan(eval: &Eval) -> anyhow::Result<Plan> {
     };
     let objects = objects.map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
     let of_each = |seeds: u64| seeds.saturating_mul(objects.len() as u64);
+    let baselines = match arguments.no_baselines {
+        true => Vec::new(),
+        false => GripPolicy::baselines(task, arguments.fixed_force).to_vec(),
+    };
     Ok(Plan {
         task,
         trials: arguments.seeds.map_or(arguments.trials, of_each),
         objects,
-        first_seed: arguments.first_seed,
+        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
         conditions: conditions(task, arguments)?,
-        baselines: baselines(task, arguments),
+        baselines,
+        compare_everywhere: arguments.errors.as_deref() == Some(EACH),
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     })
 }
 
-/// The one condition that was asked for, or the task's usual ones; all with the errors asked for.
+/// The conditions that were asked for, or the task's usual ones; all with the errors asked for.
 fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Condition>> {
-    let errors = match &arguments.errors {
-        Some(text) => text.parse().map_err(|error| {
-            Ended::with(
-                Exit::Usage,
-                format!("could not use --errors because {error}"),
-            )
-        })?,
-        None => Named::none(),
+    let mut conditions = match arguments.errors.as_deref() {
+        None => task.conditions(),
+        Some(EACH) => task.error_conditions(),
+        Some(text) => {
+            let named = text.parse().map_err(|error| {
+                Ended::with(
+                    Exit::Usage,
+                    format!("could not use --errors because {error}"),
+                )
+            })?;
+            let under = |condition| Condition {
+                errors: Clone::clone(&named),
+                ..condition
+            };
+            task.conditions().into_iter().map(under).collect()
+        }
     };
-    let mut conditions = task.conditions();
-    if arguments.noise.is_some() || arguments.rate_hz.is_some() {
+    let one_was_named = arguments.noise.is_some() || arguments.rate_hz.is_some();
+    if one_was_named && arguments.errors.as_deref() != Some(EACH) {
         conditions.truncate(1);
     }
     for condition in &mut conditions {
         condition.noise = arguments.noise.map_or(condition.noise, Noise::Scale);
         condition.rate_hz = arguments.rate_hz.unwrap_or(condition.rate_hz);
-        condition.errors = errors.clone();
     }
     Ok(conditions)
 }
 
-fn baselines(task: Task, arguments: &Evaluation) -> Vec<GripPolicy> {
-    if arguments.no_baselines {
-        return Vec::new();
+/// The task of this name.
+fn task(name: TaskName) -> Task {
+    match name {
+        TaskName::Grasp => Task::Grasp,
+        TaskName::PickPlace => Task::PickPlace,
+        TaskName::Screw => Task::Screw,
+        TaskName::Assembly => Task::Assembly,
     }
-    GripPolicy::baselines(task, arguments.fixed_force).to_vec()
 }
 
 /// A bar on a terminal, nothing elsewhere.

@@ -12,10 +12,10 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
         return output.json(report);
     }
     let measures: Vec<&'static str> = report.tally.medians.keys().copied().collect();
-    let of_grasps = report.physics.is_some();
+    let can_be_held = report.physics.is_some();
     let mut header = vec!["", "trials", "success"];
-    if of_grasps {
-        header.extend(["held", "refused", "crush", "drop"]);
+    if can_be_held {
+        header.extend(["held", "refused", "by physics", "crush", "drop"]);
     }
     header.extend(measures.iter().map(|name| heading(name)));
     header.push("otherwise");
@@ -36,22 +36,23 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
         );
     }
     for row in &report.rows {
-        let errors = match row.errors.as_str() {
-            "none" => String::new(),
-            errors => format!(", errors {errors}"),
-        };
-        let name = format!(
-            "all, noise × {}, {} Hz{errors}",
-            noise(row.noise),
-            row.rate_hz
-        );
+        let (noise, errors) = (noise(row.noise), errors(&row.errors));
+        let name = format!("all, noise × {noise}, {} Hz{errors}", row.rate_hz);
         add(name, &row.tally, row.physics.as_ref());
     }
-    for row in &report.baseline_rows {
-        add(row.baseline.to_owned(), &row.tally, row.physics.as_ref());
+    for of in &report.baseline_rows {
+        let name = format!("{}, {}{}", of.baseline, of.setting, errors(&of.row.errors));
+        add(name, &of.row.tally, of.row.physics.as_ref());
     }
     output.table(rows)?;
     output.line(summary(report))
+}
+
+fn errors(name: &str) -> String {
+    match name {
+        "none" => String::new(),
+        name => format!(", errors {name}"),
+    }
 }
 
 /// A measure's name as a column's heading.
@@ -59,6 +60,8 @@ fn heading(name: &str) -> &str {
     match name {
         "over_grip" => "over-grip",
         "slip_mm" => "slip mm",
+        "turn_deg" => "turn °",
+        "bottle_turn_deg" => "bottle turns °",
         "off_mm" => "off mm",
         "latency_ms" => "latency ms",
         "parting_ms" => "parting ms",
@@ -68,7 +71,7 @@ fn heading(name: &str) -> &str {
     }
 }
 
-fn counts(physics: &Physics) -> [Cell; 4] {
+fn counts(physics: &Physics) -> [Cell; 5] {
     let (feasible, infeasible) = (&physics.feasible, &physics.infeasible);
     let of = |count: u64, trials: u64| match trials {
         0 => "-".to_owned(),
@@ -77,8 +80,9 @@ fn counts(physics: &Physics) -> [Cell; 4] {
     [
         of(feasible.held, feasible.trials).into(),
         of(infeasible.refused, infeasible.trials).into(),
+        percent(physics.by_physics.success).into(),
         (feasible.crushed + infeasible.crushed).into(),
-        feasible.dropped.into(),
+        (feasible.dropped + infeasible.dropped).into(),
     ]
 }
 
@@ -104,22 +108,43 @@ fn otherwise(failures: &BTreeMap<String, u64>, output: &Output) -> Cell {
 fn summary(report: &Report) -> String {
     let tally = &report.tally;
     let borderline = report.physics.as_ref().map_or_else(String::new, |physics| {
-        format!(", {} borderline", physics.borderline)
+        let by_physics = percent(physics.by_physics.success);
+        format!(
+            ", {by_physics} by physics alone, {} borderline",
+            physics.borderline
+        )
     });
     format!(
         "{}: {} of {} trials (95 % confidence {} to {}){borderline}; figures are median to largest\n\
-         {:.1} × real time per core, {:.1} s",
+         {}; {:.1} × real time per core, {:.1} s",
         report.task,
         percent(tally.success),
         tally.trials,
         percent(tally.ci95[0]),
         percent(tally.ci95[1]),
+        seeds(report),
         report.realtime_factor,
         report.wall_s,
     )
 }
 
-fn percent(share: f64) -> String {
+/// Which seeds these are, and what they are good for.
+pub(super) fn seeds(report: &Report) -> String {
+    let last = report
+        .first_seed
+        .saturating_add(report.seeds.saturating_sub(1));
+    let warning = match report.seeds_for {
+        "judging" => "",
+        _ => "; figures to quote come from seeds beyond",
+    };
+    let end = atas_evaluation::seeds::TUNING.end();
+    format!(
+        "seeds {} to {last}, for {} (1 to {end} are for tuning){warning}",
+        report.first_seed, report.seeds_for
+    )
+}
+
+pub(super) fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 

@@ -1,0 +1,159 @@
+//! Reports as the tables of the README.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::condition::Noise;
+use crate::physics::Physics;
+use crate::report::{Baseline, Report, Row};
+use crate::tally::Tally;
+
+/// What stands for nothing.
+const NONE: &str = "";
+
+/// Reports of whole tasks: a line per condition, the baselines beside the condition that they share.
+#[must_use]
+pub fn table(reports: &[Report]) -> String {
+    let trials = reports.first().map_or(0, |report| report.tally.trials);
+    let mut text = format!(
+        "| task, noise, sensor rate | success of {trials} [95 % interval] | held | refused | by physics | otherwise | fixed force | slip-reactive |\n\
+         |---|---|---|---|---|---|---|---|\n"
+    );
+    for report in reports {
+        for row in &report.rows {
+            let compared = |name| baseline(report, row, name).map_or(NONE.to_owned(), versus);
+            let cells = [
+                format!(
+                    "{}, noise {}, {} Hz",
+                    task(report.task),
+                    noise(row.noise),
+                    row.rate_hz
+                ),
+                interval(&row.tally),
+                apart(row, |p| (p.feasible.held, p.feasible.trials)),
+                apart(row, |p| (p.infeasible.refused, p.infeasible.trials)),
+                by_physics(row),
+                otherwise(&row.tally.failures),
+                compared("fixed_force"),
+                compared("slip_reactive"),
+            ];
+            line(&mut text, &cells);
+        }
+    }
+    text
+}
+
+/// What each error costs: a line per error, a column per task and baseline. All reports have the same conditions.
+#[must_use]
+pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String {
+    let mut heads = vec!["error".to_owned()];
+    for report in reports {
+        heads.push(task(report.task).to_owned());
+        let mut names: Vec<&str> = report.baseline_rows.iter().map(|b| b.baseline).collect();
+        names.dedup();
+        heads.extend(
+            names
+                .iter()
+                .map(|name| format!("{}: {}", task(report.task), name.replace('_', " "))),
+        );
+    }
+    let mut text = String::new();
+    line(&mut text, &heads);
+    line(&mut text, &vec!["---".to_owned(); heads.len()]);
+    let first = reports
+        .first()
+        .map(|report| &report.rows[..])
+        .unwrap_or_default();
+    for (index, row) in first.iter().enumerate() {
+        let name = row.errors.as_str();
+        let mut cells = vec![about.get(name).copied().unwrap_or(name).to_owned()];
+        for report in reports {
+            cells.push(percent(report.rows[index].tally.success));
+            let same = report
+                .baseline_rows
+                .iter()
+                .filter(|b| b.row.errors == row.errors);
+            cells.extend(same.map(|b| percent(b.row.tally.success)));
+        }
+        line(&mut text, &cells);
+    }
+    text
+}
+
+fn line(text: &mut String, cells: &[String]) {
+    // Writing into memory cannot fail.
+    let _ = writeln!(text, "| {} |", cells.join(" | "));
+}
+
+fn task(name: &str) -> &str {
+    match name {
+        "pick-place" => "pick and place",
+        "screw" => "screwing",
+        name => name,
+    }
+}
+
+fn noise(noise: Noise) -> String {
+    match noise {
+        Noise::Scale(scale) => format!("× {scale}"),
+        Noise::Between([low, high]) => format!("× {low} to {high}"),
+    }
+}
+
+fn baseline<'a>(report: &'a Report, row: &Row, name: &str) -> Option<&'a Baseline> {
+    let same = |b: &&Baseline| {
+        let of = &b.row;
+        b.baseline == name
+            && (of.noise, of.rate_hz, &of.errors) == (row.noise, row.rate_hz, &row.errors)
+    };
+    report.baseline_rows.iter().find(same)
+}
+
+/// A share in per cent, with no more digits than it needs.
+fn percent(share: f64) -> String {
+    let tenths = (share * 1000.0).round() / 10.0;
+    format!("{tenths} %")
+}
+
+fn interval(tally: &Tally) -> String {
+    let [low, high] = tally.ci95.map(|share| format!("{:.1}", share * 100.0));
+    let high = high.replace("100.0", "100");
+    format!("**{}** [{low}, {high}]", percent(tally.success))
+}
+
+fn apart(row: &Row, of: fn(&Physics) -> (u64, u64)) -> String {
+    match row.physics.as_ref().map(of) {
+        Some((count, trials)) if trials > 0 => format!("{count} of {trials}"),
+        _ => NONE.to_owned(),
+    }
+}
+
+fn by_physics(row: &Row) -> String {
+    let physics = row.physics.as_ref();
+    physics.map_or(NONE.to_owned(), |p| percent(p.by_physics.success))
+}
+
+/// A baseline's success, then apart, then by physics.
+fn versus(baseline: &Baseline) -> String {
+    let success = percent(baseline.row.tally.success);
+    let held = apart(&baseline.row, |p| (p.feasible.held, p.feasible.trials));
+    let refused = apart(&baseline.row, |p| {
+        (p.infeasible.refused, p.infeasible.trials)
+    });
+    match (held.as_str(), refused.as_str()) {
+        ("", _) => success,
+        (held, "") => format!("{success}: {held} held"),
+        (held, refused) => {
+            let physics = by_physics(&baseline.row);
+            format!("{success}: {held} held, {refused} refused; {physics} by physics")
+        }
+    }
+}
+
+/// The most frequent first.
+fn otherwise(failures: &BTreeMap<String, u64>) -> String {
+    let mut failures: Vec<(&String, &u64)> = failures.iter().collect();
+    failures.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
+    let words = failures.iter().map(|(key, count)| format!("{count} {key}"));
+    words.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,81 @@
+//! One row per trial, into a file.
+
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use atas_console::{Ended, Exit};
+use atas_evaluation::TrialRow;
+
+/// A file of rows, made before the trials begin: a long evaluation shall not end with a wrong path.
+pub(super) struct File {
+    path: PathBuf,
+    kind: Kind,
+    file: fs::File,
+}
+
+/// How rows are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// A line of names, then a line per trial, fields separated by commas; absent values are empty.
+    Csv,
+    /// A JSON object per line; absent values are null.
+    Jsonl,
+}
+
+impl File {
+    /// Makes the file; its suffix says how rows are written.
+    pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
+        let kind = match path.extension().and_then(|suffix| suffix.to_str()) {
+            Some("csv") => Kind::Csv,
+            Some("jsonl") => Kind::Jsonl,
+            _ => {
+                let sentence = format!(
+                    "could not write rows to {} because its suffix says no format, needs .csv or .jsonl; rename it",
+                    path.display()
+                );
+                return Err(Ended::with(Exit::Usage, sentence));
+            }
+        };
+        let file = fs::File::create(path).with_context(|| sentence(path))?;
+        Ok(Self {
+            path: path.to_owned(),
+            kind,
+            file,
+        })
+    }
+
+    /// Writes all rows.
+    pub(super) fn write<'a>(self, rows: impl Iterator<Item = &'a TrialRow>) -> anyhow::Result<()> {
+        let written = match self.kind {
+            Kind::Csv => csv(self.file, rows),
+            Kind::Jsonl => jsonl(self.file, rows),
+        };
+        written.with_context(|| sentence(&self.path))
+    }
+}
+
+fn sentence(path: &Path) -> String {
+    format!(
+        "could not write {}; name a file in a folder that exists and may be written",
+        path.display()
+    )
+}
+
+fn csv<'a>(file: fs::File, rows: impl Iterator<Item = &'a TrialRow>) -> anyhow::Result<()> {
+    let mut writer = csv::Writer::from_writer(file);
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    Ok(writer.flush()?)
+}
+
+fn jsonl<'a>(file: fs::File, rows: impl Iterator<Item = &'a TrialRow>) -> anyhow::Result<()> {
+    let mut writer = BufWriter::new(file);
+    for row in rows {
+        serde_json::to_writer(&mut writer, row)?;
+        writeln!(writer)?;
+    }
+    Ok(writer.flush()?)
+}

@@ -1,0 +1,130 @@
+//! `atas eval all` and `atas eval errors`: all tasks, one table.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Context;
+use atas_console::arguments::Summary;
+use atas_console::{Interrupt, Output};
+use atas_evaluation::{Condition, Evaluated, GripPolicy, Plan, Report, Task, TrialRow};
+use atas_evaluation::{errors_table, seeds, table};
+use sim_backend::Errors;
+
+use super::rows::File;
+
+/// Trials under each condition.
+const TRIALS: u64 = 200;
+/// Trials of each error.
+const ERROR_TRIALS: u64 = 48;
+/// Trials of each series that are kept beside a table: the first, and the one in the middle.
+const SAMPLES: usize = 2;
+
+/// The table of the README.
+pub(super) fn all(
+    summary: &Summary,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let evaluated = run(summary, TRIALS, Task::conditions, interrupt)?;
+    let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
+    let text = table(&reports);
+    if let Some(folder) = &summary.golden {
+        keep(folder, "all", &text, &evaluated)?;
+    }
+    print(summary, &reports, &text, output)
+}
+
+/// What each error costs.
+pub(super) fn errors(
+    summary: &Summary,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let evaluated = run(summary, ERROR_TRIALS, Task::error_conditions, interrupt)?;
+    let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
+    let abouts = Errors::KINDS.iter().map(|kind| (kind.name, kind.about));
+    let abouts: BTreeMap<&str, &str> = abouts.chain([("all", "all at once")]).collect();
+    let text = errors_table(&reports, &abouts);
+    if let Some(folder) = &summary.golden {
+        keep(folder, "errors", &text, &evaluated)?;
+    }
+    print(summary, &reports, &text, output)
+}
+
+fn run(
+    summary: &Summary,
+    trials: u64,
+    conditions: fn(Task) -> Vec<Condition>,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Vec<Evaluated>> {
+    let named: Vec<Task> = summary
+        .tasks
+        .iter()
+        .map(|name| super::task(*name))
+        .collect();
+    let tasks = if named.is_empty() {
+        &Task::ALL[..]
+    } else {
+        &named
+    };
+    let of = |task: &Task| {
+        let baselines = match summary.no_baselines {
+            true => Vec::new(),
+            false => GripPolicy::baselines(*task, None).to_vec(),
+        };
+        let plan = Plan {
+            task: *task,
+            objects: task.objects()?,
+            trials: summary.trials.unwrap_or(trials),
+            first_seed: summary.first_seed.unwrap_or(seeds::JUDGED_FROM),
+            conditions: conditions(*task),
+            baselines,
+            compare_everywhere: trials == ERROR_TRIALS,
+            threads: summary.threads,
+            settings: atas_core::Settings::default(),
+        };
+        super::run(&plan, interrupt)
+    };
+    tasks.iter().map(of).collect()
+}
+
+fn print(
+    summary: &Summary,
+    reports: &[Report],
+    text: &str,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    if output.is_json() {
+        return reports.iter().try_for_each(|report| output.json(report));
+    }
+    output.line(text.trim_end())?;
+    if summary.markdown {
+        return Ok(());
+    }
+    reports.iter().try_for_each(|report| {
+        let (task, wall_s) = (report.task, report.wall_s);
+        output.line(format!(
+            "{task}: {}; {wall_s:.0} s",
+            super::table::seeds(report)
+        ))
+    })
+}
+
+/// Writes the table, and some of its trials, so that a test can run them again.
+fn keep(folder: &Path, name: &str, text: &str, evaluated: &[Evaluated]) -> anyhow::Result<()> {
+    let path = folder.join(format!("{name}.md"));
+    std::fs::write(&path, text).with_context(|| {
+        format!(
+            "could not write {}; name a folder that exists",
+            path.display()
+        )
+    })?;
+    let series = evaluated.iter().flat_map(|e| &e.rows);
+    let samples: Vec<&TrialRow> = series.flat_map(sampled).collect();
+    File::create(&folder.join(format!("{name}.csv")))?.write(samples.into_iter())
+}
+
+/// The first of a series, and the one in the middle.
+fn sampled(rows: &Vec<TrialRow>) -> impl Iterator<Item = &TrialRow> {
+    rows.iter().step_by(rows.len().div_ceil(SAMPLES).max(1))
+}

@@ -1,0 +1,67 @@
+//! `atas eval tune`: which forces serve a baseline best, on the seeds that are for tuning.
+
+use atas_console::arguments::Tuning;
+use atas_console::{Interrupt, Mood, Output, table};
+use atas_evaluation::{Baseline, GripPolicy, Plan, Report};
+use comfy_table::Cell;
+
+/// Tries every candidate.
+pub(super) fn tune(
+    tuning: &Tuning,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let task = super::task(tuning.task);
+    let plan = Plan {
+        task,
+        objects: task.objects()?,
+        trials: tuning.trials,
+        first_seed: tuning.first_seed,
+        conditions: task.conditions()[..1].to_vec(),
+        baselines: GripPolicy::candidates(),
+        compare_everywhere: false,
+        threads: tuning.threads,
+        settings: atas_core::Settings::default(),
+    };
+    let report = super::run(&plan, interrupt)?.report;
+    if output.is_json() {
+        return output.json(&report);
+    }
+    print(&report, output)
+}
+
+fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
+    let mut lines = table(&["baseline", "force", "by physics", "under the rule", ""]);
+    let best = ["fixed_force", "slip_reactive"].map(|name| best(&report.baseline_rows, name));
+    for (index, of) in report.baseline_rows.iter().enumerate() {
+        let is_best = best.contains(&Some(index));
+        let verdict = if is_best { "best" } else { "" };
+        lines.add_row(vec![
+            Cell::new(of.baseline),
+            Cell::new(&of.setting),
+            Cell::new(super::table::percent(by_physics(of))),
+            Cell::new(super::table::percent(of.row.tally.success)),
+            output.verdict(verdict, Mood::Good),
+        ]);
+    }
+    output.table(lines)?;
+    output.line(super::table::seeds(report))
+}
+
+/// The most successes by physics; of equal ones the first, which is the gentlest.
+fn best(rows: &[Baseline], name: &str) -> Option<usize> {
+    let mut best: Option<(usize, f64)> = None;
+    for (index, of) in rows.iter().enumerate() {
+        let success = by_physics(of);
+        if of.baseline == name && best.is_none_or(|(_, most)| success > most) {
+            best = Some((index, success));
+        }
+    }
+    best.map(|(index, _)| index)
+}
+
+/// Success by physics; where nothing is to be held, success.
+fn by_physics(of: &Baseline) -> f64 {
+    let physics = of.row.physics.as_ref();
+    physics.map_or(of.row.tally.success, |physics| physics.by_physics.success)
+}
