@@ -1,6 +1,6 @@
 //! Recording and replay with real processes: what was recorded replays bit for bit, and what was changed is named.
-#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -17,7 +17,12 @@ fn program(name: &str) -> Option<PathBuf> {
     if path.is_file() {
         return Some(path);
     }
-    println!("not tested: {name} is not built; use `cargo test --workspace`");
+    let why = "is not built; use `cargo test --workspace`";
+    // Past the harness, which keeps what a passing test prints to itself.
+    let _ = writeln!(
+        std::io::stderr(),
+        "SKIPPED: recording and replay: {name} {why}"
+    );
     None
 }
 

@@ -1,6 +1,6 @@
 //! The laboratory's part as a process: exit codes, messages, and what it leaves behind.
-#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
 
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -88,7 +88,9 @@ fn neighbours_are_built() -> bool {
         .iter()
         .all(|name| folder.is_some_and(|folder| folder.join(name).is_file()));
     if !built {
-        println!("not tested: atasd and atas-sim are not built; use `cargo test --workspace`");
+        let why = "atasd and atas-sim are not built; use `cargo test --workspace`";
+        // Past the harness, which keeps what a passing test prints to itself.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: the demos' tests: {why}");
     }
     built
 }

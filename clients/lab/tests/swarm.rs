@@ -1,6 +1,6 @@
 //! `atas demo swarm` as a process.
-#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
 
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -17,7 +17,9 @@ fn neighbours_are_built() -> bool {
         .iter()
         .all(|name| folder.is_some_and(|folder| folder.join(name).is_file()));
     if !built {
-        println!("not tested: atas-sim and ebts are not built; use `cargo test --workspace`");
+        let why = "atas-sim and ebts are not built; use `cargo test --workspace`";
+        // Past the harness, which keeps what a passing test prints to itself.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: the swarm's demo: {why}");
     }
     built
 }

@@ -113,11 +113,27 @@ fn lowest(values: impl Iterator<Item = f64>, start: f64) -> f64 {
 fn weightiest(proposals: &[Proposal]) -> Verdict {
     let mut weightiest = Verdict::None;
     for proposal in proposals {
-        if weight(&proposal.verdict) > weight(&weightiest) {
+        let rank = |verdict| (weight(verdict), content(verdict));
+        if rank(&proposal.verdict) > rank(&weightiest) {
             weightiest = proposal.verdict;
         }
     }
     weightiest
+}
+
+/// What decides between two verdicts of equal weight: what they say, and not who was asked first.
+fn content(verdict: &Verdict) -> [u64; 5] {
+    match verdict {
+        Verdict::None | Verdict::Done => [0; 5],
+        Verdict::Stiffness(fit) => [fit.confidence.to_bits(), fit.object_n_m.to_bits(), 0, 0, 0],
+        Verdict::Refuse(reason) => [
+            reason.cause.0.into(),
+            reason.module.0.into(),
+            reason.value.to_bits(),
+            reason.limit.to_bits(),
+            reason.index.into(),
+        ],
+    }
 }
 
 fn weight(verdict: &Verdict) -> u32 {

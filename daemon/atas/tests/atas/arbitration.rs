@@ -7,7 +7,7 @@ use atas_core::perception::StiffnessFit;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::GraspFrame;
-use shm_schemas::{Cause, Reason};
+use shm_schemas::{Cause, ModuleId, Reason};
 
 const STEP_S: f64 = 1e-3;
 
@@ -204,27 +204,44 @@ fn any_proposal() -> impl Strategy<Value = Proposal> {
         })
 }
 
-/// At most one module carries, one refuses and one judges stiffness, as in the list of modules.
-fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
-    (
-        prop::collection::vec(any_proposal(), 3..7),
-        any::<[bool; 3]>(),
-    )
-        .prop_map(|(mut proposals, [carry, refuse, fit])| {
-            if carry {
-                proposals[0].pose = Some(carried(refuse));
-            }
-            if refuse {
-                proposals[1].verdict = Verdict::Refuse(Reason::limit(Cause::TOO_HEAVY, 8.0, 7.0));
-            }
-            if fit {
-                proposals[2].verdict = Verdict::Stiffness(StiffnessFit {
-                    object_n_m: 900.0,
-                    confidence: 0.5,
-                });
-            }
-            proposals
+/// Verdicts from so few values that equal weights, and equal verdicts, are frequent.
+fn any_verdict() -> impl Strategy<Value = Verdict> {
+    let few = || prop::sample::select(vec![7.0, 8.0, -8.0, f64::INFINITY]);
+    let reason = (
+        prop::sample::select(vec![Cause::TOO_HEAVY, Cause::TOO_SOFT, Cause::OBSTRUCTED]),
+        prop::sample::select(vec![ModuleId::FORCE_LIMIT, ModuleId::LOAD_TEST]),
+        few(),
+        few(),
+    );
+    let refuse = reason.prop_map(|(cause, module, value, limit)| {
+        Verdict::Refuse(Reason::limit(cause, value, limit).by(module))
+    });
+    let fit = (few(), few()).prop_map(|(object_n_m, confidence)| {
+        Verdict::Stiffness(StiffnessFit {
+            object_n_m,
+            confidence,
         })
+    });
+    prop_oneof![
+        2 => Just(Verdict::None),
+        1 => Just(Verdict::Done),
+        2 => fit,
+        3 => refuse,
+    ]
+}
+
+/// Any verdicts, ties included; at most one module carries, because the rules of a task allow no step more than one that moves
+/// the hand.
+fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
+    let with_verdict = (any_proposal(), any_verdict()).prop_map(|(proposal, verdict)| Proposal {
+        verdict,
+        ..proposal
+    });
+    let carries = prop::option::of(any::<bool>());
+    (prop::collection::vec(with_verdict, 3..7), carries).prop_map(|(mut proposals, carries)| {
+        proposals[0].pose = carries.map(carried);
+        proposals
+    })
 }
 
 proptest! {

@@ -38,6 +38,29 @@ pub(crate) struct World {
     pub(crate) has_object: bool,
     /// Something presses on the second fingertip of the right hand.
     pub(crate) obstructed: bool,
+    /// What the controller heard, if that is kept.
+    pub(crate) log: Option<Vec<Logged>>,
+}
+
+/// What the controller heard in one tick.
+#[derive(Clone)]
+pub(crate) struct Logged {
+    tick: Tick,
+    pub(crate) frames: [Vec<HandFrame>; 2],
+    joints: Option<JointState>,
+    order: Option<Order>,
+}
+
+impl Logged {
+    /// The same for a controller.
+    pub(crate) fn inputs(&self) -> Inputs<'_> {
+        Inputs {
+            tick: self.tick,
+            frames: [&self.frames[0], &self.frames[1]],
+            joints: self.joints.as_ref(),
+            order: self.order.as_ref(),
+        }
+    }
 }
 
 impl World {
@@ -52,6 +75,7 @@ impl World {
             frame_fault: None,
             has_object: false,
             obstructed: false,
+            log: None,
         }
     }
 
@@ -154,22 +178,21 @@ impl World {
             fault(&mut state);
             state.seal();
         }
-        let heard = |i: usize| {
-            if self.mute[i] {
-                &[][..]
-            } else {
-                &frames[i..=i]
-            }
-        };
-        let outputs = *self.controller.step(&Inputs {
+        let [left, right] = frames;
+        let muted = |frame: HandFrame, i: usize| if self.mute[i] { vec![] } else { vec![frame] };
+        let heard = Logged {
             tick: Tick {
                 index: self.ms,
                 now_ns,
             },
-            frames: [heard(0), heard(1)],
-            joints: (!self.mute[2]).then_some(&state),
-            order,
-        });
+            frames: [muted(left, 0), muted(right, 1)],
+            joints: (!self.mute[2]).then_some(state),
+            order: order.copied(),
+        };
+        let outputs = *self.controller.step(&heard.inputs());
+        if let Some(log) = &mut self.log {
+            log.push(heard);
+        }
         if outputs.command.joint_count > 0 {
             self.q_rad
                 .copy_from_slice(&outputs.command.position_rad[..ROBOT_JOINTS]);
