@@ -24,7 +24,7 @@ mod values;
 
 pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
-pub use evals::{Eval, Evaluation, Summary, TaskName, Tuning};
+pub use evals::{Eval, Evaluation, RecordedEvaluation, Summary, TaskName, Tuning};
 pub use examples::command;
 pub use goals::{
     Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,

@@ -39,6 +39,10 @@ fn accepted() {
     check("atas eval pick-place --trials 20 --no-baselines --format json");
     check("atas eval screw --first-seed 10001 --fixed-force 3");
     check("atas eval assembly --noise 1.5");
+    check("atas eval recording basic.csv --labels label --cross-validate --format json");
+    check(
+        "atas eval recording a.csv --labels l --positive 3,10 --negative 4 --train b.csv --save m.toml",
+    );
     check("atas plot grasp --out grasp.svg");
     check("atas plot screw --object ./cap.toml --seed 7 --out screw.svg");
     check("atas grasp --at 0.32,-0.15,0.04 --width 50");

@@ -7,6 +7,8 @@
 //!             ├─▶ Report: counts, ratios, intervals; markdown: the README's tables
 //!             ├─▶ TrialRow: one row per trial
 //!             └─▶ figures: the same run, tick by tick, as SVG
+//!
+//!  recordings of real fingertips ─▶ recorded: production perception, judged by labels
 //! ```
 //!
 //! * **In:** a [`Plan`], or a task and a seed. **Out:** a [`Report`], or a figure.
@@ -27,6 +29,7 @@ pub mod offline;
 mod physics;
 mod plan;
 mod policy;
+pub mod recorded;
 pub mod replay;
 mod report;
 mod rows;

@@ -141,3 +141,57 @@ fn children_of(id: u32) -> Vec<u32> {
         .filter_map(|id| id.parse().ok())
         .collect()
 }
+
+/// A fingertip of four electrodes, touched by one object and slipping on it.
+fn slips() -> String {
+    let mut text = "label,sequence,object,ff_e1,ff_e2,ff_e3,ff_e4\n".to_owned();
+    for sequence in 0..8 {
+        let (label, speed) = if sequence % 2 == 0 {
+            ("t", 0)
+        } else {
+            ("n", 3)
+        };
+        for frame in 0..250 {
+            let counts = |electrode: i32| {
+                3000 + speed * frame * electrode + (frame * frame * 7 + electrode + sequence) % 11
+            };
+            let counts: Vec<String> = (1..=4).map(|e| counts(e).to_string()).collect();
+            text += &format!(
+                "{label},{sequence},cup{},{}\n",
+                sequence / 2,
+                counts.join(",")
+            );
+        }
+    }
+    text
+}
+
+#[test]
+fn recordings_are_judged_as_one_json_line_and_refused_with_a_cure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(path("slips.csv"), slips()).expect("written");
+    let (file, model) = (path("slips.csv"), path("mine.toml"));
+    let judge = |more: &[&str]| {
+        let line = [&["eval", "recording", &file, "--format", "json"], more].concat();
+        let (code, stdout, stderr) = run(&line);
+        assert_eq!(code, 0, "{more:?}: {stderr}");
+        serde_json::from_str::<serde_json::Value>(&stdout).expect("one object")
+    };
+    let across = judge(&["--labels", "label", "--cross-validate"]);
+    for key in ["balanced_accuracy", "specificity", "sensitivity", "auc"] {
+        assert_eq!(across[key], 1.0, "{across}");
+    }
+    assert_eq!((&across["n"], &across["objects"]), (&8.into(), &4.into()));
+    let trained = judge(&["--labels", "label", "--train", &file, "--save", &model]);
+    assert_eq!(judge(&["--labels", "label", "--model", &model]), trained);
+    let check = |line: &[&str], part: &str| {
+        let (code, _, stderr) = run(&[&["eval", "recording"], line].concat());
+        assert_ne!(code, 0, "{line:?}");
+        assert!(stderr.contains(part), "{line:?}: {stderr}");
+    };
+    check(&[&file], "--labels");
+    check(&[&file, "--labels", "truth"], "--labels-file");
+    check(&["no/such.csv", "--labels", "label"], "no/such.csv");
+    check(&[&model, "--labels", "label"], "could not");
+}

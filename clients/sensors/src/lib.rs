@@ -18,6 +18,7 @@
 //! A further sensor is one file in [`wire`] with its format, one line in [`wire::SENSORS`], and one table of test vectors
 //! in `tests/vectors/`.
 
+pub mod calibration;
 pub mod cli;
 pub mod commands;
 pub mod continuity;

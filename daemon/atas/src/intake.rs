@@ -27,6 +27,12 @@ impl CheckedFrame<'_> {
             .then(|| self.frame.force_n[finger][element].map(f64::from))
     }
 
+    /// All forces of one finger, N, as the sensor said them, and which elements are to be believed.
+    #[must_use]
+    pub fn readings_n(&self, finger: usize) -> (&[[f32; 3]; ELEMENTS], u64) {
+        (&self.frame.force_n[finger], self.mask[finger])
+    }
+
     /// Sensor time since the frame before, s; lost frames included, long pauses cut.
     #[must_use]
     pub fn step_s(&self) -> f64 {

@@ -161,6 +161,10 @@ settings! {
         touch_off_n = 0.03 in 0.0..10000.0;
         /// Window W of the tangential force increment dF_t, s.
         increment_window_s = 0.1 in 0.005..1.0;
+        /// Window over which the readings are averaged before their motion is told, s. Too small: noise. Too large: a slip is over before it is noticed.
+        motion_window_s = 0.15 in 0.02..2.0;
+        /// Motion between two windows that counts as motion, in multiples of the sensor's own noise: a calibration.
+        motion_at = 2.5 in 1.0..1000.0;
         /// Weakest element that takes part in the friction estimate, N.
         element_floor_n = 0.012 in 0.001..1.0;
         /// Time constant of the friction reading, s.

@@ -24,6 +24,8 @@ pub enum Eval {
     Errors(Summary),
     /// The baselines' forces, tried on the seeds that are for tuning
     Tune(Tuning),
+    /// Production perception on a recording of real fingertips, judged by labels
+    Recording(RecordedEvaluation),
 }
 
 /// How all tasks are evaluated.
@@ -79,6 +81,42 @@ pub struct Tuning {
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+}
+
+/// How a recording is judged.
+#[derive(Args, Clone, Debug)]
+pub struct RecordedEvaluation {
+    /// A table with one row per frame. Its columns say what can be judged: ff_e1… slip, f1_x,f1_y,f1_z,pos1_deg… hardness,
+    /// force_N,pos_mm rupture, fx_counts,fy_counts,fz_counts touches
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Column that holds the truth, here or in a table beside FILE that numbers the same cases
+    #[arg(long, value_name = "COLUMN")]
+    pub labels: Option<String>,
+    /// The table that has this column
+    #[arg(long, value_name = "FILE", requires = "labels")]
+    pub labels_file: Option<PathBuf>,
+    /// Values of it that mean slip, or hard, separated by commas [default: the model's]
+    #[arg(long, value_name = "VALUE", value_delimiter = ',', requires = "labels")]
+    pub positive: Vec<String>,
+    /// Values of it that mean stable, or soft [default: the model's]; others than these are left out
+    #[arg(long, value_name = "VALUE", value_delimiter = ',', requires = "labels")]
+    pub negative: Vec<String>,
+    /// Column that tells objects apart, which --cross-validate never splits [default: object, else one per case]
+    #[arg(long, value_name = "COLUMN")]
+    pub objects: Option<String>,
+    /// Constants to judge with, as --save wrote them [default: those that come with the program]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Fit the constants to this recording first; it must have the same labels
+    #[arg(long, value_name = "FILE", requires = "labels")]
+    pub train: Option<PathBuf>,
+    /// Write the constants in force to a new file
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Judge each object with constants fitted to all others of FILE
+    #[arg(long, conflicts_with = "train", requires = "labels")]
+    pub cross_validate: bool,
 }
 
 /// How a task is evaluated.

@@ -78,6 +78,14 @@ const HELPS: &[Help] = &[
     ),
     Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
     Help(
+        "eval recording",
+        &[
+            "atas eval recording basic.csv --labels label --cross-validate",
+            "atas eval recording mine.csv --labels label --train others.csv --save mine.toml",
+        ],
+        "one object: judged, n, objects, balanced_accuracy, specificity, sensitivity, auc; mae_n; touches",
+    ),
+    Help(
         "plot grasp",
         &["atas plot grasp --object bottle --out grasp.svg"],
         "one object: file",

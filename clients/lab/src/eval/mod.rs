@@ -1,5 +1,6 @@
 //! `atas eval`: from arguments to plans, with a bar while they run.
 
+mod recording;
 mod rows;
 mod summary;
 mod table;
@@ -27,6 +28,7 @@ pub(crate) fn evaluate(
         Eval::PickPlace(arguments) => one(Task::PickPlace, arguments, interrupt, output),
         Eval::Screw(arguments) => one(Task::Screw, arguments, interrupt, output),
         Eval::Assembly(arguments) => one(Task::Assembly, arguments, interrupt, output),
+        Eval::Recording(arguments) => recording::judge_recording(arguments, output),
         Eval::All(summary) => summary::all(summary, interrupt, output),
         Eval::Errors(summary) => summary::errors(summary, interrupt, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),

@@ -2,6 +2,7 @@
 
 use super::friction::Friction;
 use super::increment::Increment;
+use super::motion::{Motion, MotionPercept};
 use super::noise::Noise;
 use super::patch::{ElementAxes, Patch};
 use crate::intake::CheckedFrame;
@@ -41,6 +42,8 @@ pub struct FingerPercept {
     pub in_contact: bool,
     /// Touches since the start.
     pub touches: u64,
+    /// Whether the pattern of readings goes on moving.
+    pub motion: MotionPercept,
 }
 
 impl Default for FingerPercept {
@@ -58,6 +61,7 @@ impl Default for FingerPercept {
             gross_slip_s: 0.0,
             in_contact: false,
             touches: 0,
+            motion: MotionPercept::default(),
         }
     }
 }
@@ -71,6 +75,7 @@ pub struct Finger {
     noise: Noise,
     increment: Increment,
     friction: Friction,
+    motion: Motion,
     percept: FingerPercept,
 }
 
@@ -85,6 +90,7 @@ impl Finger {
             noise: Noise::default(),
             increment: Increment::default(),
             friction: Friction::default(),
+            motion: Motion::default(),
             percept: FingerPercept::default(),
         }
     }
@@ -128,6 +134,7 @@ impl Finger {
             gross_slip_s: slipping.gross_s,
             in_contact: self.percept.in_contact,
             touches: self.percept.touches,
+            motion: self.motion.update(finger, self.axes.count, frame, settings),
         };
         self.percept
     }

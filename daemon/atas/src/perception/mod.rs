@@ -10,12 +10,16 @@
 mod finger;
 mod friction;
 mod increment;
+mod motion;
 mod noise;
 mod patch;
 mod stiffness;
+mod yielding;
 
 pub use finger::{Finger, FingerPercept};
+pub use motion::MotionPercept;
 pub use stiffness::{StiffnessEstimate, StiffnessFit};
+pub use yielding::{YieldRule, YieldWatch, Yielded};
 
 use crate::intake::CheckedFrame;
 use crate::settings::Perception as Settings;

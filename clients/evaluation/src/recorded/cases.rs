@@ -1,0 +1,170 @@
+//! From rows to cases: which rows belong together, from which object they are, and what is true of them.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+
+use super::kind::Kind;
+use super::sheet::Sheet;
+
+/// Where the truth is.
+#[derive(Clone, Debug, Default)]
+pub struct Labels {
+    /// The column.
+    pub column: Option<String>,
+    /// A file that has it, if the recording has not; else it is looked for beside the recording.
+    pub file: Option<PathBuf>,
+    /// Values that mean slip, or hard; all but the negative ones if empty.
+    pub positive: Vec<String>,
+    /// Values that mean stable, or soft; the model's if empty.
+    pub negative: Vec<String>,
+    /// The column that tells objects apart.
+    pub objects: Option<String>,
+}
+
+/// Rows that belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Case {
+    /// Rows in order of time.
+    pub(super) rows: Vec<usize>,
+    /// What was touched: cases of one object are never split between fitting and judging.
+    pub(super) object: String,
+    /// What sort of thing it is, where a recording holds several: `fruit`.
+    pub(super) sort: String,
+    /// What the label says.
+    pub(super) label: String,
+}
+
+/// Columns that number cases, by kind.
+fn keys(kind: &Kind) -> &'static [&'static str] {
+    match kind {
+        Kind::Slip { .. } => &["sequence", "sample", "trial"],
+        Kind::Squeeze { .. } => &["sample", "sequence", "trial"],
+        Kind::Press { .. } => &["trial", "sample", "sequence"],
+        Kind::Touch { .. } => &[],
+    }
+}
+
+/// The cases of a sheet, in order of their first rows.
+pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Result<Vec<Case>> {
+    let key = sheet.first_of(keys(kind));
+    let sort = sheet.first_of(&["fruit", "sort"]);
+    let object = match &labels.objects {
+        Some(name) => Some(sheet.column(name).with_context(|| {
+            format!(
+                "could not find the column {name:?} of objects in {}",
+                sheet.path.display()
+            )
+        })?),
+        None => sheet.first_of(&["object"]).or(key),
+    };
+    let truth = truths(sheet, key, labels)?;
+    let mut found: Vec<Case> = Vec::new();
+    let mut places: BTreeMap<(String, String), usize> = BTreeMap::new();
+    for row in 0..sheet.len() {
+        let cell = |column: Option<usize>| column.map_or("", |column| sheet.text(row, column));
+        let identity = (cell(sort).to_owned(), cell(key).to_owned());
+        let place = *places.entry(identity).or_insert_with(|| {
+            found.push(Case {
+                rows: Vec::new(),
+                object: cell(object).to_owned(),
+                sort: cell(sort).to_owned(),
+                label: truth.of(sheet, row, cell(key)),
+            });
+            found.len() - 1
+        });
+        found[place].rows.push(row);
+    }
+    Ok(found)
+}
+
+/// Where the labels of cases come from.
+enum Truth {
+    /// A column of the recording.
+    Column(usize),
+    /// Another table, by the case's number.
+    Table(BTreeMap<String, String>),
+    /// Nothing was asked for.
+    None,
+}
+
+impl Truth {
+    fn of(&self, sheet: &Sheet, row: usize, key: &str) -> String {
+        match self {
+            Self::Column(column) => sheet.text(row, *column).to_owned(),
+            Self::Table(table) => table.get(key).cloned().unwrap_or_default(),
+            Self::None => String::new(),
+        }
+    }
+}
+
+fn truths(sheet: &Sheet, key: Option<usize>, labels: &Labels) -> anyhow::Result<Truth> {
+    let Some(column) = &labels.column else {
+        return Ok(Truth::None);
+    };
+    if let (Some(own), None) = (sheet.column(column), &labels.file) {
+        return Ok(Truth::Column(own));
+    }
+    let recording = sheet.path.display();
+    let Some(key) = key.map(|key| sheet.columns()[key].as_str()) else {
+        bail!(
+            "could not find the column {column:?} in {recording}; it has {:?}",
+            sheet.columns()
+        );
+    };
+    let beside = match &labels.file {
+        Some(file) => Sheet::open(file)?,
+        None => neighbour(sheet, column, key)?,
+    };
+    let place = beside.path.display();
+    let of = |name: &str| {
+        beside.column(name).with_context(|| {
+            format!("could not take labels from {place} because it has no column {name:?}, needs {key:?} and {column:?}")
+        })
+    };
+    let (key, value) = (of(key)?, of(column)?);
+    let pairs = (0..beside.len()).map(|row| {
+        (
+            beside.text(row, key).to_owned(),
+            beside.text(row, value).to_owned(),
+        )
+    });
+    Ok(Truth::Table(pairs.collect()))
+}
+
+/// The one table in the recording's folder that has the labels.
+fn neighbour(sheet: &Sheet, column: &str, key: &str) -> anyhow::Result<Sheet> {
+    let folder = match sheet.path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => std::path::Path::new("."),
+    };
+    let mut found = Vec::new();
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
+        .with_context(|| format!("could not look for labels in {}", folder.display()))?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|end| end == "csv") && *path != sheet.path)
+        .collect();
+    paths.sort();
+    for path in paths {
+        if let Ok(table) = Sheet::open(&path)
+            && table.column(column).is_some()
+            && table.column(key).is_some()
+        {
+            found.push(table);
+        }
+    }
+    match found.len() {
+        1 => Ok(found.remove(0)),
+        0 => bail!(
+            "could not find the column {column:?}: neither {} nor another .csv beside it with a column {key:?} has it; name the \
+             file with --labels-file",
+            sheet.path.display()
+        ),
+        _ => bail!(
+            "could not choose between {} and {} for the column {column:?}; name one with --labels-file",
+            found[0].path.display(),
+            found[1].path.display()
+        ),
+    }
+}

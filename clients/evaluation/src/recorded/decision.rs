@@ -1,0 +1,123 @@
+//! From labels to truths, and from scores to decisions.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::Context;
+use serde::Serialize;
+
+use super::cases::{Case, Labels};
+use super::rates::Scored;
+
+/// Which constants judge a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fit {
+    /// Those of the model.
+    Given,
+    /// Fitted on all cases of the same recording but those of its object, for each object in turn.
+    Across,
+}
+
+/// Fits a threshold to scores and truths.
+pub(super) type Fitter = fn(&[(f64, bool)]) -> anyhow::Result<f64>;
+
+/// What is said when nothing can be judged.
+pub(super) fn no_labels() -> &'static str {
+    "could not judge anything because no case has a label of use; say which values mean what with --positive and --negative"
+}
+
+/// What each label says: `Some(true)` slip or hard. Of two values 0 and 1, or false and true, the meaning is plain.
+pub(super) fn truths(
+    cases: &[Case],
+    labels: &Labels,
+    positive: &[String],
+    negative: &[String],
+) -> Vec<Option<bool>> {
+    let plain = |label: &str| match label.to_ascii_lowercase().as_str() {
+        "1" | "1.0" | "true" | "yes" => Some(true),
+        "0" | "0.0" | "false" | "no" => Some(false),
+        _ => None,
+    };
+    let said = !labels.positive.is_empty() || !labels.negative.is_empty();
+    let (positive, negative) = if said {
+        (labels.positive.as_slice(), labels.negative.as_slice())
+    } else {
+        (positive, negative)
+    };
+    let is_plain = !said
+        && cases
+            .iter()
+            .all(|case| case.label.is_empty() || plain(&case.label).is_some());
+    let among = |label: &str, values: &[String]| values.iter().any(|value| is_same(value, label));
+    let meaning = |case: &Case| match case.label.as_str() {
+        "" => None,
+        label if is_plain => plain(label),
+        label if among(label, negative) => Some(false),
+        label if among(label, positive) => Some(true),
+        _ if positive.is_empty() => Some(true),
+        _ if negative.is_empty() => Some(false),
+        _ => None,
+    };
+    cases.iter().map(meaning).collect()
+}
+
+/// Numbers are the same however they are written.
+fn is_same(a: &str, b: &str) -> bool {
+    match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a.eq_ignore_ascii_case(b),
+    }
+}
+
+/// The cases whose truth is known.
+pub(super) fn known(
+    scores: impl Iterator<Item = f64>,
+    truths: &[Option<bool>],
+) -> Vec<(f64, bool)> {
+    let pairs = scores.zip(truths);
+    pairs
+        .filter_map(|(score, truth)| Some((score, (*truth)?)))
+        .collect()
+}
+
+/// Decisions by a threshold, which may not know the objects that it decides on.
+pub(super) fn decide(
+    cases: &[Case],
+    scores: &[f64],
+    truths: &[Option<bool>],
+    threshold: f64,
+    across: Option<Fitter>,
+) -> anyhow::Result<Vec<Scored>> {
+    let mut thresholds: BTreeMap<&str, f64> = BTreeMap::new();
+    if let Some(fit) = across {
+        for object in objects(cases, truths) {
+            let others: Vec<(f64, bool)> = (0..cases.len())
+                .filter(|&case| cases[case].object != object)
+                .filter_map(|case| Some((scores[case], truths[case]?)))
+                .collect();
+            let fitted = fit(&others).with_context(|| format!("leaving out {object:?}"))?;
+            thresholds.insert(object, fitted);
+        }
+    }
+    let decided = (0..cases.len()).filter_map(|case| {
+        let at = thresholds
+            .get(cases[case].object.as_str())
+            .copied()
+            .unwrap_or(threshold);
+        Some(Scored {
+            score: scores[case],
+            said: scores[case] > at,
+            is: truths[case]?,
+        })
+    });
+    Ok(decided.collect())
+}
+
+/// The objects of these cases.
+pub(super) fn objects<'a>(cases: &'a [Case], truths: &[Option<bool>]) -> BTreeSet<&'a str> {
+    let known = cases.iter().zip(truths);
+    known
+        .filter(|(_, truth)| truth.is_some())
+        .map(|(case, _)| case.object.as_str())
+        .collect()
+}

@@ -1,0 +1,171 @@
+//! Hard against soft: the production stiffness probe on all fingers together, over the whole squeeze and at its first step.
+
+use anyhow::ensure;
+use atas_core::perception::StiffnessEstimate;
+use atas_core::settings::Settings;
+
+use super::cases::{Case, Labels};
+use super::decision::{Fit, Fitter, decide, no_labels, truths};
+use super::kind::Judged;
+use super::model::{Hardness, Model};
+use super::rates::Rates;
+use super::sheet::Sheet;
+use super::skin::{Reading, Skin};
+use super::verdict::Verdict;
+
+/// Frames at the beginning, before the fingers can have touched, after which what is felt is taken as zero (ours).
+const SILENT_FRAMES: usize = 4;
+/// Faces that a squeeze presses on.
+const FACES: f64 = 2.0;
+/// Compression of the fingertips that is not known here, m at 1 N: the least that there is.
+const TIP_COMPRESSION_M: f64 = 1e-6;
+
+/// Least closing that a stiffness is divided by, m (ours: what an actuator's encoder resolves).
+const CLOSING_MIN_M: f64 = 1e-5;
+
+/// Stiffness of one face, N/m; 0 if nothing was touched or it cannot be told.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Felt {
+    /// From the whole squeeze.
+    pub(super) whole_n_m: f64,
+    /// With the first frame after the one that touched.
+    pub(super) first_step_n_m: f64,
+}
+
+/// What production perception feels in one squeeze.
+pub(super) fn feel(
+    sheet: &Sheet,
+    (forces, angles): (&[[usize; 3]], &[usize]),
+    rows: &[usize],
+    steps_s: &[f64],
+    model: &Hardness,
+) -> anyhow::Result<Felt> {
+    let settings = settings(model)?;
+    let probe_settings = settings.perception;
+    let mut skin = Skin::new(forces.len(), 1, model.rate_hz, settings);
+    let mut probe = StiffnessEstimate::default();
+    let mut felt = Felt::default();
+    let (mut after_touch, mut before) = (0, None);
+    for (frame, (&row, &step_s)) in rows.iter().zip(steps_s).enumerate() {
+        let readings: Vec<Reading> = forces
+            .iter()
+            .map(|&axes| vec![three(sheet, row, axes)])
+            .collect();
+        let percept = *skin.feel(step_s, &readings);
+        if frame < SILENT_FRAMES {
+            skin.bias();
+            continue;
+        }
+        let total_n: f64 = percept.fingers[..forces.len()]
+            .iter()
+            .map(|finger| finger.force_tip_n.norm())
+            .sum();
+        let face_n = total_n / FACES;
+        let Some(closing_m) = closing_m(sheet, row, angles, model.lever_m) else {
+            continue;
+        };
+        if let Some(fit) = probe.add(closing_m, face_n, percept.step_s, &probe_settings) {
+            felt.whole_n_m = fit.object_n_m;
+        }
+        // The frame that touches is the first; the step after it ends with the next one.
+        if after_touch < 2 && (after_touch > 0 || face_n > model.touch_on_n) {
+            after_touch += 1;
+            felt.first_step_n_m = if felt.whole_n_m > 0.0 {
+                felt.whole_n_m
+            } else {
+                chord_n_m(before, (closing_m, face_n))
+            };
+        } else if after_touch == 0 {
+            before = Some((closing_m, face_n));
+        }
+    }
+    Ok(felt)
+}
+
+/// Stiffness from the last frame without touch to this one: something so hard that the probe has had no three frames yet.
+fn chord_n_m(before: Option<(f64, f64)>, (closing_m, face_n): (f64, f64)) -> f64 {
+    before.map_or(0.0, |(before_m, before_n)| {
+        let closed_m = (closing_m - before_m).max(CLOSING_MIN_M);
+        FACES * (face_n - before_n).max(0.0) / closed_m
+    })
+}
+
+fn settings(model: &Hardness) -> anyhow::Result<Settings> {
+    let mut settings = Settings::default();
+    for (name, value) in [
+        ("perception.touch_off_n", 0.0),
+        ("perception.touch_on_n", model.touch_on_n),
+        ("perception.touch_off_n", model.touch_off_n),
+        ("perception.filter_s", model.filter_s),
+        ("perception.tip_compression_m", TIP_COMPRESSION_M),
+    ] {
+        settings
+            .set(name, value)
+            .map_err(|error| anyhow::anyhow!("{error}"))?;
+    }
+    Ok(settings)
+}
+
+/// x, y, z as the tangential and normal axes of one element; only the size of the force is used.
+fn three(sheet: &Sheet, row: usize, [x, y, z]: [usize; 3]) -> Option<[f64; 3]> {
+    Some([
+        sheet.number(row, z)?,
+        sheet.number(row, x)?,
+        sheet.number(row, y)?,
+    ])
+}
+
+/// Mean angle of the fingers that say theirs, as total closing.
+fn closing_m(sheet: &Sheet, row: usize, angles: &[usize], lever_m: f64) -> Option<f64> {
+    let said: Vec<f64> = angles
+        .iter()
+        .filter_map(|&column| sheet.number(row, column))
+        .collect();
+    let mean_deg = said.iter().sum::<f64>() / said.len() as f64;
+    (!said.is_empty()).then(|| mean_deg.to_radians() * lever_m)
+}
+
+/// The threshold midway between what hard and soft objects feel like, in the logarithm.
+pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
+    let mean = |class: bool| {
+        let of: Vec<f64> = scores
+            .iter()
+            .filter(|(score, is)| *is == class && *score > 0.0)
+            .map(|(score, _)| score.ln())
+            .collect();
+        let mean = of.iter().sum::<f64>() / of.len() as f64;
+        (!of.is_empty()).then_some(mean)
+    };
+    let (hard, soft) = (mean(true), mean(false));
+    ensure!(
+        hard.is_some() && soft.is_some(),
+        "could not fit hardness because nothing was felt of {} objects, needs both",
+        if hard.is_none() { "hard" } else { "soft" }
+    );
+    Ok((0.5 * (hard.unwrap_or(0.0) + soft.unwrap_or(0.0))).exp())
+}
+
+/// Judges what was felt of every squeeze.
+pub(super) fn judge(
+    cases: &[Case],
+    felt: &[Felt],
+    labels: &Labels,
+    model: &Model,
+    how: Fit,
+) -> anyhow::Result<Verdict> {
+    let model = &model.hardness;
+    let truths = truths(cases, labels, &model.positive, &model.negative);
+    let across = (how == Fit::Across).then_some(fit as Fitter);
+    let rates = |of: fn(&Felt) -> f64, threshold: f64| -> anyhow::Result<_> {
+        let scores: Vec<f64> = felt.iter().map(of).collect();
+        Ok(Rates::of(&decide(
+            cases, &scores, &truths, threshold, across,
+        )?))
+    };
+    let mut verdict = Verdict::of(Judged::Hardness, cases, &truths, how);
+    ensure!(verdict.n > 0, "{}", no_labels());
+    verdict.rates = rates(|felt| felt.whole_n_m, model.whole_n_m)?;
+    verdict.first_step = rates(|felt| felt.first_step_n_m, model.first_step_n_m)?;
+    verdict.threshold = Some(model.whole_n_m);
+    Ok(verdict)
+}

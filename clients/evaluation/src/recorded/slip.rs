@@ -1,0 +1,151 @@
+//! Slip against stable touch: for most of the time the pattern of readings must move, beyond the sensor's own noise.
+
+use anyhow::{Context, ensure};
+use atas_core::settings::Settings;
+
+use super::cases::{Case, Labels};
+use super::decision::{Fit, Fitter, decide, no_labels, truths};
+use super::kind::Judged;
+use super::model::{Model, Slip};
+use super::rates::{Rates, Scored};
+use super::sheet::Sheet;
+use super::skin::{Reading, Skin};
+use super::verdict::{After, Verdict};
+
+/// Times after which slip is judged as well: what the waiting buys, s.
+const AFTER_S: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+/// Standard deviations of the logarithm by which the threshold stands above what stable touches do (ours: one in two hundred of
+/// them lies beyond).
+const CLEARANCE: f64 = 2.6;
+/// Least deviation of that logarithm (ours: three stable touches may be alike by chance).
+const DEVIATION_MIN: f64 = 0.1;
+/// Least score, so that it has a logarithm.
+const SCORE_MIN: f64 = 1e-3;
+
+/// What was felt at one comparison of windows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level {
+    /// Since the beginning of the case, s.
+    pub(super) at_s: f64,
+    /// Motion in multiples of the noise.
+    pub(super) level: f64,
+}
+
+/// What production perception feels in one case.
+pub(super) fn levels(
+    sheet: &Sheet,
+    elements: &[[Option<usize>; 3]],
+    rows: &[usize],
+    steps_s: &[f64],
+    model: &Slip,
+) -> anyhow::Result<Vec<Level>> {
+    let mut settings = Settings::default();
+    for (name, value) in [
+        ("perception.motion_window_s", model.motion_window_s),
+        ("perception.motion_at", model.motion_at),
+    ] {
+        settings
+            .set(name, value)
+            .map_err(|error| anyhow::anyhow!("{error}"))?;
+    }
+    // Bare electrodes count; forces are newtons already.
+    let scale = if elements.iter().all(|axes| axes[1].is_none()) {
+        model.newtons_per_count
+    } else {
+        1.0
+    };
+    let mut skin = Skin::new(1, elements.len(), model.rate_hz, settings);
+    let (mut found, mut at_s, mut seen) = (Vec::new(), 0.0, 0);
+    for (&row, &step_s) in rows.iter().zip(steps_s) {
+        at_s += step_s;
+        let motion = skin
+            .feel(step_s, &[reading(sheet, elements, row, scale)])
+            .fingers[0]
+            .motion;
+        if motion.comparisons != seen {
+            seen = motion.comparisons;
+            found.push(Level {
+                at_s,
+                level: motion.level,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// An element whose first axis is missing says nothing; further axes that are missing are taken to feel nothing.
+fn reading(sheet: &Sheet, elements: &[[Option<usize>; 3]], row: usize, scale: f64) -> Reading {
+    let axis = |column: Option<usize>| column.and_then(|column| sheet.number(row, column));
+    elements
+        .iter()
+        .map(|&[n, t1, t2]| {
+            axis(n).map(|n| {
+                [n, axis(t1).unwrap_or(0.0), axis(t2).unwrap_or(0.0)].map(|value| value * scale)
+            })
+        })
+        .collect()
+}
+
+/// The motion that was exceeded for the share of the time that slip needs; 0 for what is too short to say.
+pub(super) fn score(levels: &[Level], until_s: f64, model: &Slip) -> f64 {
+    let mut of: Vec<f64> = levels
+        .iter()
+        .filter(|level| level.at_s <= until_s)
+        .map(|level| level.level)
+        .collect();
+    of.sort_by(f64::total_cmp);
+    let Some(last) = of.len().checked_sub(1) else {
+        return 0.0;
+    };
+    let place = (1.0 - model.moving_share) * last as f64;
+    let (below, above) = (place.floor() as usize, place.ceil() as usize);
+    of[below] + (of[above] - of[below]) * place.fract()
+}
+
+/// The threshold that stable touches keep below: learnt from them alone, so that no slip need be recorded.
+pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
+    let stable: Vec<f64> = scores
+        .iter()
+        .filter(|(_, is)| !is)
+        .map(|(score, _)| score.max(SCORE_MIN).ln())
+        .collect();
+    ensure!(
+        stable.len() >= 3,
+        "could not fit slip to {} stable touches, needs 3 or more",
+        stable.len()
+    );
+    let mean = stable.iter().sum::<f64>() / stable.len() as f64;
+    let deviation = crate::statistics::deviation(&stable).context("a deviation")?;
+    let threshold = (mean + CLEARANCE * deviation.max(DEVIATION_MIN)).exp();
+    // Less than the noise is no motion.
+    Ok(threshold.max(1.0))
+}
+
+/// Judges what was felt of every case.
+pub(super) fn judge(
+    cases: &[Case],
+    levels: &[Vec<Level>],
+    labels: &Labels,
+    model: &Model,
+    how: Fit,
+) -> anyhow::Result<Verdict> {
+    let truths = truths(cases, labels, &[], &model.slip.negative);
+    let across = (how == Fit::Across).then_some(fit as Fitter);
+    let until = |until_s: f64| -> anyhow::Result<Vec<Scored>> {
+        let scores: Vec<f64> = levels
+            .iter()
+            .map(|levels| score(levels, until_s, &model.slip))
+            .collect();
+        decide(cases, &scores, &truths, model.slip.motion_at, across)
+    };
+    let mut verdict = Verdict::of(Judged::Slip, cases, &truths, how);
+    ensure!(verdict.n > 0, "{}", no_labels());
+    verdict.rates = Rates::of(&until(f64::INFINITY)?);
+    verdict.threshold = Some(model.slip.motion_at);
+    for s in AFTER_S {
+        if let Some(rates) = Rates::of(&until(s)?) {
+            verdict.after.push(After { s, rates });
+        }
+    }
+    Ok(verdict)
+}

@@ -1,0 +1,331 @@
+//! Recordings judged: made ones, where the truth is known to the last digit, and the real ones where they lie beside the tree.
+#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use atas_evaluation::recorded::{Fit, Labels, Model, Sheet, Verdict, judge, train};
+
+/// Uniform noise from −1 to 1, by index.
+fn noise(index: usize) -> f64 {
+    let mut z = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
+}
+
+fn sheet(text: &str) -> Sheet {
+    Sheet::read(Path::new("made.csv"), text.as_bytes()).expect("a table")
+}
+
+fn labelled(column: &str) -> Labels {
+    Labels {
+        column: Some(column.to_owned()),
+        ..Labels::default()
+    }
+}
+
+/// Three objects, each touched four times and slipped on four times, by a skin of 24 electrodes; `rows` in order.
+fn slips(rate_hz: usize, mut cell: impl FnMut(usize, usize, String) -> String) -> String {
+    let mut text = "label,sequence,object,t_s".to_owned();
+    (1..=24).for_each(|e| write!(text, ",ff_e{e}").expect("a string"));
+    text.push('\n');
+    for sequence in 0..24 {
+        let (object, slips) = (sequence % 3, sequence / 3 % 2 == 1);
+        let label = if slips {
+            ["n", "aw", "e", "s"][sequence / 6]
+        } else {
+            "t"
+        };
+        for frame in 0..5 * rate_hz / 2 {
+            let at_s = frame as f64 / rate_hz as f64;
+            write!(text, "{label},{label}_{sequence},o{object},{at_s}").expect("a string");
+            for electrode in 0..24 {
+                let speed = if slips {
+                    40.0 + 10.0 * object as f64
+                } else {
+                    1.0
+                };
+                let moved = speed * at_s * (1.0 + (electrode % 5) as f64 * 0.3);
+                let flicker = 6.0 * noise((sequence * 1000 + frame) * 24 + electrode);
+                let counts = format!("{:.0}", 3300.0 + moved + flicker);
+                write!(text, ",{}", cell(frame, electrode, counts)).expect("a string");
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+#[test]
+fn slip_is_told_from_touch_at_any_rate_and_with_holes() {
+    let shipped = Model::shipped().expect("a model");
+    let check = |name: &str, text: &str| {
+        for fit in [Fit::Given, Fit::Across] {
+            let verdict = judge(&sheet(text), &labelled("label"), &shipped, fit).expect(name);
+            let rates = verdict.rates.expect("two classes");
+            assert_eq!(
+                (verdict.n, verdict.objects, rates.auc),
+                (24, 3, 1.0),
+                "{name} {fit:?}: {verdict:?}"
+            );
+            assert_eq!(rates.balanced_accuracy, 1.0, "{name} {fit:?}: {verdict:?}");
+        }
+    };
+    check("100 Hz", &slips(100, |_, _, counts| counts));
+    check("30 Hz", &slips(30, |_, _, counts| counts));
+    check("400 Hz", &slips(400, |_, _, counts| counts));
+    let holes = |frame: usize, electrode: usize, counts: String| match (frame % 17, electrode) {
+        (3, 5) => "NaN".to_owned(),
+        (4, 6) => String::new(),
+        (5, _) => "inf".to_owned(),
+        (_, 7) => "broken".to_owned(),
+        _ => counts,
+    };
+    check("holes", &slips(100, holes));
+    // Without the column of time, half of the electrodes, and with other words.
+    let fewer = slips(100, |_, _, counts| counts)
+        .lines()
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            [&cells[..3], &cells[4..16]].concat().join(",") + "\n"
+        })
+        .collect::<String>();
+    check("fewer columns", &fewer);
+    let plain = slips(100, |_, _, counts| counts)
+        .lines()
+        .map(|line| {
+            let (label, rest) = line.split_once(',').expect("cells");
+            let plain = match label {
+                "label" => "label",
+                "t" => "0",
+                _ => "1",
+            };
+            format!("{plain},{rest}\n")
+        })
+        .collect::<String>();
+    check("0 and 1", &plain);
+}
+
+#[test]
+fn a_verdict_does_not_depend_on_what_it_is_asked_before() {
+    let text = slips(100, |_, _, counts| counts);
+    let model = Model::shipped().expect("a model");
+    let once = || {
+        let verdict = judge(&sheet(&text), &labelled("label"), &model, Fit::Across);
+        serde_json::to_string(&verdict.expect("a verdict")).expect("JSON")
+    };
+    assert_eq!(once(), once());
+}
+
+/// Fruits that rupture at 3 to 8 N.
+fn presses() -> (String, String) {
+    let mut text = "fruit,trial,force_N,pos_mm,t_s\n".to_owned();
+    let mut truths = "fruit,trial,rupture_N\n".to_owned();
+    for trial in 0..12 {
+        let rupture_n = 3.0 + 0.45 * f64::from(trial);
+        writeln!(truths, "plum,p{trial},{rupture_n}").expect("a string");
+        let mut position_mm = 35.0;
+        for frame in 0..1000 {
+            let force_n = 0.2 + 0.01 * f64::from(frame);
+            position_mm += 0.01 * if force_n < rupture_n { 0.5 } else { 5.0 };
+            let at_s = 0.01 * f64::from(frame);
+            writeln!(text, "plum,p{trial},{force_n},{position_mm},{at_s}").expect("a string");
+        }
+    }
+    (text, truths)
+}
+
+#[test]
+fn rupture_is_found_with_labels_beside_the_recording() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (text, truths) = presses();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path
+    };
+    let (recording, _) = (write("traces.csv", &text), write("trials.csv", &truths));
+    let sheet = Sheet::open(&recording).expect("a table");
+    let shipped = Model::shipped().expect("a model");
+    let labels = labelled("rupture_N");
+    // A fruit that nobody has pressed yet: the force at which it gave way stands for itself.
+    let unknown = judge(&sheet, &labels, &shipped, Fit::Given).expect("judged");
+    assert!(unknown.mae_n.expect("an error") < 0.5, "{unknown:?}");
+    let across = judge(&sheet, &labels, &shipped, Fit::Across).expect("judged");
+    let plums = across.sorts["plum"];
+    assert!(plums.n == 12 && plums.mae_n < 0.03, "{plums:?}");
+    assert!((0.0..0.6).contains(&plums.beyond_n), "{plums:?}");
+    assert!(plums.mae_of_mean_n > 1.0, "{plums:?}");
+    // What was fitted is saved, read again, and judges the same.
+    let trained = train(&sheet, &labels, &shipped).expect("fitted");
+    let saved = folder.path().join("mine.toml");
+    trained.save(&saved).expect("saved");
+    assert_eq!(Model::open(&saved).expect("read"), trained);
+    assert!(trained.save(&saved).is_err(), "a model overwrote a file");
+    let known = judge(&sheet, &labels, &trained, Fit::Given).expect("judged");
+    assert!(known.mae_n.expect("an error") < 0.03, "{known:?}");
+}
+
+/// Squeezes by two fingers of stiff and of soft things, in N per degree.
+fn squeezes() -> String {
+    let mut text =
+        "sample,label,step,f1_x,f1_y,f1_z,f2_x,f2_y,f2_z,pos1_deg,pos2_deg,t_s\n".to_owned();
+    for sample in 0..12 {
+        let (label, stiffness) = if sample % 2 == 0 {
+            (3, 0.5)
+        } else {
+            (13, 0.05)
+        };
+        for step in 0..50 {
+            let angle_deg = 20.0 + 0.7 * f64::from(step);
+            let pressed = (angle_deg - 32.0 - 0.3 * f64::from(sample)).max(0.0) * stiffness;
+            let flicker =
+                |axis: usize| 0.004 * noise((sample as usize * 50 + step as usize) * 6 + axis);
+            writeln!(
+                text,
+                "{sample},{label}.0,{step},{},{},{},{},{},{},{angle_deg},{angle_deg},{}",
+                0.2 + flicker(0),
+                flicker(1),
+                pressed + flicker(2),
+                flicker(3),
+                pressed * 0.6 + flicker(4),
+                pressed * 0.8 + flicker(5),
+                0.26 * f64::from(step)
+            )
+            .expect("a string");
+        }
+    }
+    text
+}
+
+#[test]
+fn hard_is_told_from_soft() {
+    let text = squeezes();
+    let labels = Labels {
+        objects: Some("label".to_owned()),
+        ..labelled("label")
+    };
+    let shipped = Model::shipped().expect("a model");
+    let verdict = judge(&sheet(&text), &labels, &shipped, Fit::Given).expect("judged");
+    assert_eq!((verdict.n, verdict.objects), (12, 2));
+    assert_eq!(verdict.rates.expect("two classes").auc, 1.0);
+    assert_eq!(verdict.first_step.expect("two classes").auc, 1.0);
+    let trained = train(&sheet(&text), &labels, &shipped).expect("fitted");
+    let verdict = judge(&sheet(&text), &labels, &trained, Fit::Given).expect("judged");
+    assert_eq!(verdict.rates.expect("two classes").balanced_accuracy, 1.0);
+}
+
+#[test]
+fn touches_are_counted_and_judged_frame_by_frame() {
+    let mut text = "fx_counts,fy_counts,fz_counts,touch\n".to_owned();
+    for frame in 0..5000 {
+        let touched = frame / 500 % 2 == 1;
+        // Flickering between touches is none.
+        let fz = if touched {
+            -100 - (frame % 7)
+        } else {
+            -10 - 12 * (frame % 2)
+        };
+        writeln!(
+            text,
+            "{},{},{fz},{}",
+            frame % 3,
+            frame % 5,
+            u8::from(touched)
+        )
+        .expect("a string");
+    }
+    let shipped = Model::shipped().expect("a model");
+    let verdict = judge(&sheet(&text), &labelled("touch"), &shipped, Fit::Given).expect("judged");
+    assert_eq!(verdict.touches.expect("touches").len(), 5);
+    // The low-pass makes every beginning and end a few frames late.
+    assert!(verdict.rates.expect("two classes").balanced_accuracy > 0.98);
+    let bare = judge(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
+    assert_eq!((bare.n, bare.touches.expect("touches").len()), (5000, 5));
+}
+
+#[test]
+fn what_cannot_be_judged_is_refused_with_a_cure() {
+    let shipped = Model::shipped().expect("a model");
+    let check = |text: &str, labels: &Labels, fit: Fit, part: &str| {
+        let error = judge(&sheet(text), labels, &shipped, fit).expect_err(part);
+        assert!(format!("{error:#}").contains(part), "{error:#}");
+    };
+    let label = labelled("label");
+    check(
+        "a,b\n1,2\n",
+        &label,
+        Fit::Given,
+        "no kind of recording has its columns (a, b)",
+    );
+    check(
+        "ff_e1,sequence\n1,2\n",
+        &Labels::default(),
+        Fit::Given,
+        "--labels",
+    );
+    check("ff_e1,sequence\n1,2\n", &label, Fit::Given, "--labels-file");
+    check(
+        "force_N,pos_mm,label\n1,2,soft\n",
+        &label,
+        Fit::Given,
+        "label of use",
+    );
+    let one_object = "ff_e1,sequence,object,label\n1,1,cup,t\n1,2,cup,t\n1,3,cup,n\n";
+    check(one_object, &label, Fit::Across, "leaving out \"cup\"");
+    assert!(Sheet::read(Path::new("empty.csv"), &b"a,b\n"[..]).is_err());
+    let model = tempfile::NamedTempFile::new().expect("a file");
+    std::fs::write(model.path(), "format = 2\n").expect("written");
+    assert!(Model::open(model.path()).is_err());
+}
+
+/// The real recordings lie beside the tree where developers and CI have them; they are not ours to commit.
+fn real(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(name);
+    if !path.exists() {
+        println!("not judged: {} is not there", path.display());
+    }
+    path.exists().then_some(path)
+}
+
+fn judged(name: &str, labels: Labels, fit: Fit) -> Option<Verdict> {
+    let sheet = Sheet::open(&real(name)?).expect("a table");
+    Some(judge(&sheet, &labels, &Model::shipped().expect("a model"), fit).expect(name))
+}
+
+#[test]
+fn slip_on_real_recordings_keeps_its_rates_on_objects_that_were_not_seen() {
+    for fit in [Fit::Given, Fit::Across] {
+        let Some(verdict) = judged("biotacsp_dos_basic/basic.csv", labelled("label"), fit) else {
+            return;
+        };
+        let rates = verdict.rates.expect("two classes");
+        assert_eq!((verdict.n, verdict.objects, verdict.skipped), (111, 4, 0));
+        assert!(rates.specificity >= 0.96, "{fit:?}: {rates:?}");
+        assert!(rates.balanced_accuracy >= 0.95, "{fit:?}: {rates:?}");
+    }
+}
+
+#[test]
+fn hard_and_soft_on_real_squeezes_are_told_apart_at_the_first_step() {
+    let Some(verdict) = judged("grasp20_even/grasps.csv", labelled("label"), Fit::Across) else {
+        return;
+    };
+    let auc = |rates: Option<atas_evaluation::recorded::Rates>| rates.expect("two classes").auc;
+    assert_eq!((verdict.n, verdict.objects), (26, 7));
+    assert!(auc(verdict.rates) >= 0.99, "{verdict:?}");
+    assert!(auc(verdict.first_step) >= 0.90, "{verdict:?}");
+}
+
+#[test]
+fn rupture_of_real_fruit_is_known_within_its_bounds() {
+    let labels = || labelled("rupture_N");
+    let Some(verdict) = judged("fruit_training/traces.csv", labels(), Fit::Across) else {
+        return;
+    };
+    assert!(verdict.sorts["kiwi"].mae_n < 0.455, "{verdict:?}");
+    assert!(verdict.sorts["mango"].mae_n < 1.035, "{verdict:?}");
+}

@@ -1,0 +1,111 @@
+//! `atas eval recording`: which constants judge which file, and the verdict for people.
+
+use std::path::Path;
+
+use atas_console::arguments::RecordedEvaluation;
+use atas_console::{Ended, Exit, Output, table};
+use atas_evaluation::recorded::{Fit, Labels, Model, Rates, Sheet, Verdict, judge, train};
+use comfy_table::Cell;
+
+/// `atas eval recording`.
+pub(super) fn judge_recording(
+    arguments: &RecordedEvaluation,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let verdict =
+        run(arguments).map_err(|error| Ended::with(Exit::Failed, format!("{error:#}")))?;
+    if output.is_json() {
+        return output.json(&verdict);
+    }
+    print(&arguments.file, &verdict, output)
+}
+
+fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
+    let labels = Labels {
+        column: arguments.labels.clone(),
+        file: arguments.labels_file.clone(),
+        positive: arguments.positive.clone(),
+        negative: arguments.negative.clone(),
+        objects: arguments.objects.clone(),
+    };
+    let mut model = match &arguments.model {
+        Some(path) => Model::open(path)?,
+        None => Model::shipped()?,
+    };
+    if let Some(path) = &arguments.train {
+        // The table beside one recording says nothing about another.
+        let own = Labels {
+            file: None,
+            ..labels.clone()
+        };
+        model = train(&Sheet::open(path)?, &own, &model)?;
+    }
+    if let Some(path) = &arguments.save {
+        model.save(path)?;
+    }
+    let fit = if arguments.cross_validate {
+        Fit::Across
+    } else {
+        Fit::Given
+    };
+    judge(&Sheet::open(&arguments.file)?, &labels, &model, fit)
+}
+
+fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<()> {
+    let mut rates = table(&["", "balanced accuracy", "specificity", "sensitivity", "AUC"]);
+    let mut rows = 0;
+    let mut add = |name: String, of: &Rates| {
+        let figures = [of.balanced_accuracy, of.specificity, of.sensitivity, of.auc];
+        let cells = figures.map(|figure| Cell::from(format!("{figure:.3}")));
+        rates.add_row([Cell::from(name)].into_iter().chain(cells));
+        rows += 1;
+    };
+    if let Some(of) = &verdict.rates {
+        add("whole".to_owned(), of);
+    }
+    if let Some(of) = &verdict.first_step {
+        add("first step after touch".to_owned(), of);
+    }
+    for after in &verdict.after {
+        add(format!("after {} s", after.s), &after.rates);
+    }
+    if rows > 0 {
+        output.table(rates)?;
+    }
+    if !verdict.sorts.is_empty() {
+        let mut errors = table(&[
+            "",
+            "presses",
+            "error N",
+            "of the mean N",
+            "known beyond it by N",
+        ]);
+        for (sort, of) in &verdict.sorts {
+            errors.add_row([
+                sort.clone(),
+                of.n.to_string(),
+                format!("{:.3}", of.mae_n),
+                format!("{:.3}", of.mae_of_mean_n),
+                format!("{:.2}", of.beyond_n),
+            ]);
+        }
+        output.table(errors)?;
+    }
+    if let Some(touches) = &verdict.touches {
+        output.line(format_args!(
+            "{} touches, beginning in rows {touches:?}",
+            touches.len()
+        ))?;
+    }
+    let constants = match verdict.fit {
+        Fit::Given => "constants of the model",
+        Fit::Across => "constants fitted to the other objects",
+    };
+    output.line(format_args!(
+        "{}: {} judged of {} objects, {} without a label of use; {constants}",
+        file.display(),
+        verdict.n,
+        verdict.objects,
+        verdict.skipped
+    ))
+}

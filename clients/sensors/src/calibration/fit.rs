@@ -1,0 +1,308 @@
+//! Fits a calibration to presses whose total force is known, and judges it on presses that were left out.
+
+use shm_schemas::Layout;
+
+use super::least_squares::Normal;
+use super::{AXES, Calibration, FORMAT, Model, Quality, Silence};
+
+/// Parts that the presses are dealt into for judging: each is left out once.
+const FOLDS: usize = 5;
+/// How far the matrices of elements may be expected to lie apart, over their size (ours: gains spread by 3 %, crosstalk is a few
+/// per cent).
+const DEPARTURE: f64 = 0.05;
+/// Ridge of a resultant, over what is seen of each term: it settles only what presses do not.
+const SETTLE: f64 = 1e-7;
+/// Entries of one element's matrix.
+const ENTRIES: usize = AXES * AXES;
+
+/// One frame of a press.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Values of the fingertip in the device's unit, element by element.
+    pub values: Vec<f64>,
+    /// The known force `[f_n, f_t1, f_t2]` along the axes that an element at the pole of the fingertip has, N.
+    pub force_n: [f64; AXES],
+}
+
+/// One press, from touch to letting go: never split between fitting and judging.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Press {
+    /// Its frames.
+    pub points: Vec<Point>,
+}
+
+/// A calibration, and how it did on presses that it was not fitted to.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The calibration.
+    pub calibration: Calibration,
+    /// Known force and error of every frame, N.
+    pub residuals: Vec<([f64; AXES], [f64; AXES])>,
+}
+
+/// Why presses make no calibration.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Too few presses.
+    #[error(
+        "could not calibrate with {0} presses, needs {FOLDS} or more, in different directions and places"
+    )]
+    Few(usize),
+    /// Widths that do not belong together.
+    #[error(
+        "could not calibrate {found} values per frame, needs {needed}: {AXES} for each element of the layout"
+    )]
+    Width {
+        /// Found.
+        found: usize,
+        /// Needed.
+        needed: usize,
+    },
+    /// A number that is none.
+    #[error(
+        "could not calibrate because press {0} holds a number that is not finite; leave that press out"
+    )]
+    NotFinite(usize),
+    /// Directions that were not pressed.
+    #[error(
+        "could not tell all axes apart; press along the normal and push along both tangential axes as well"
+    )]
+    Undetermined,
+}
+
+/// Fits and judges.
+///
+/// # Errors
+/// [`FitError`] that says which presses are missing.
+pub fn fit(
+    presses: &[Press],
+    silence: &Silence,
+    model: Model,
+    layout: &Layout,
+    source: &str,
+) -> Result<Fitted, FitError> {
+    check(presses, silence, model, layout)?;
+    let all: Vec<usize> = (0..presses.len()).collect();
+    let newtons = fit_some(presses, &all, silence, model, layout)?;
+    let mut calibration = Calibration {
+        format: FORMAT,
+        source: source.to_owned(),
+        model,
+        zero: silence.zero.clone(),
+        newtons,
+        quality: Quality::default(),
+    };
+    let mut residuals = Vec::new();
+    for fold in 0..FOLDS {
+        let (left_out, others): (Vec<usize>, Vec<usize>) =
+            all.iter().partition(|&&press| press % FOLDS == fold);
+        let judged = Calibration {
+            newtons: fit_some(presses, &others, silence, model, layout)?,
+            ..calibration.clone()
+        };
+        for point in left_out.iter().flat_map(|&press| &presses[press].points) {
+            let told_n = total_n(&judged, layout, &point.values);
+            let error_n = core::array::from_fn(|axis| told_n[axis] - point.force_n[axis]);
+            residuals.push((point.force_n, error_n));
+        }
+    }
+    let root = |of: fn(&([f64; AXES], [f64; AXES])) -> &[f64; AXES], axis: usize| {
+        let squares: f64 = residuals.iter().map(|pair| of(pair)[axis].powi(2)).sum();
+        (squares / residuals.len() as f64).sqrt()
+    };
+    let quality = &mut calibration.quality;
+    quality.presses = presses.len() as u32;
+    quality.error_n = core::array::from_fn(|axis| root(|pair| &pair.1, axis));
+    quality.error_share = core::array::from_fn(|axis| {
+        let known_n = root(|pair| &pair.0, axis);
+        if known_n > 0.0 {
+            quality.error_n[axis] / known_n
+        } else {
+            0.0
+        }
+    });
+    Ok(Fitted {
+        calibration,
+        residuals,
+    })
+}
+
+/// The total force that a calibration tells, along the axes at the pole, N.
+#[must_use]
+pub fn total_n(calibration: &Calibration, layout: &Layout, values: &[f64]) -> [f64; AXES] {
+    let mut total_n = [0.0; AXES];
+    for element in 0..calibration.elements_out() {
+        let force_n = calibration.force_n(element, values);
+        let turned = match calibration.model {
+            Model::Matrix => turn(layout, element),
+            Model::Resultant | Model::ResultantSquares => IDENTITY,
+        };
+        for (total_n, row) in total_n.iter_mut().zip(turned) {
+            *total_n += row.iter().zip(force_n).map(|(p, n)| p * n).sum::<f64>();
+        }
+    }
+    total_n
+}
+
+const IDENTITY: [[f64; AXES]; AXES] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// From an element's axes to those at the pole: how the force `[f_n, f_t1, f_t2]` of one looks from the other.
+fn turn(layout: &Layout, element: usize) -> [[f64; AXES]; AXES] {
+    let axes = |element: usize| {
+        [
+            layout.normal[element].map(|n| -n),
+            layout.tangent1[element],
+            layout.tangent2[element],
+        ]
+    };
+    let (pole, own) = (axes(0), axes(element));
+    let dot = |a: [f64; AXES], b: [f64; AXES]| a.iter().zip(b).map(|(a, b)| a * b).sum();
+    core::array::from_fn(|k| core::array::from_fn(|j| dot(pole[k], own[j])))
+}
+
+fn check(
+    presses: &[Press],
+    silence: &Silence,
+    model: Model,
+    layout: &Layout,
+) -> Result<(), FitError> {
+    if presses.len() < FOLDS {
+        return Err(FitError::Few(presses.len()));
+    }
+    let found = silence.zero.len();
+    let needed = match model {
+        Model::Matrix => AXES * layout.count,
+        Model::Resultant | Model::ResultantSquares => (found / AXES * AXES).max(AXES),
+    };
+    let widths = presses
+        .iter()
+        .flat_map(|press| &press.points)
+        .map(|p| p.values.len());
+    if let Some(found) = widths.chain([found]).find(|&width| width != needed) {
+        return Err(FitError::Width { found, needed });
+    }
+    let is_finite = |point: &Point| {
+        let mut numbers = point.values.iter().chain(&point.force_n);
+        numbers.all(|number| number.is_finite())
+    };
+    match presses
+        .iter()
+        .position(|press| !press.points.iter().all(is_finite))
+    {
+        Some(press) => Err(FitError::NotFinite(press)),
+        None => Ok(()),
+    }
+}
+
+type Newtons = Vec<[Vec<f64>; AXES]>;
+
+fn fit_some(
+    presses: &[Press],
+    of: &[usize],
+    silence: &Silence,
+    model: Model,
+    layout: &Layout,
+) -> Result<Newtons, FitError> {
+    let points: Vec<(Vec<f64>, [f64; AXES])> = of
+        .iter()
+        .flat_map(|&press| &presses[press].points)
+        .map(|point| {
+            let pairs = point.values.iter().zip(&silence.zero);
+            (pairs.map(|(v, zero)| v - zero).collect(), point.force_n)
+        })
+        .collect();
+    match model {
+        Model::Matrix => matrices(&points, layout),
+        Model::Resultant | Model::ResultantSquares => resultant(&points, model),
+    }
+}
+
+/// One matrix for all elements, then how each departs from it.
+fn matrices(points: &[(Vec<f64>, [f64; AXES])], layout: &Layout) -> Result<Newtons, FitError> {
+    let turns: Vec<_> = (0..layout.count).map(|e| turn(layout, e)).collect();
+    let shared_row = |values: &[f64], k: usize| {
+        let mut row = [0.0; ENTRIES];
+        for (turn, value) in turns.iter().zip(values.chunks_exact(AXES)) {
+            for (entry, sum) in row.iter_mut().enumerate() {
+                *sum += turn[k][entry / AXES] * value[entry % AXES];
+            }
+        }
+        row
+    };
+    let mut normal = Normal::new(ENTRIES);
+    for (values, force_n) in points {
+        (0..AXES).for_each(|k| normal.add(&shared_row(values, k), force_n[k]));
+    }
+    let shared = normal
+        .solve(&[0.0; ENTRIES])
+        .ok_or(FitError::Undetermined)?;
+    let departures = if layout.count == 1 {
+        vec![0.0; ENTRIES]
+    } else {
+        // What the shared matrix leaves over is what the elements' own can be asked to explain.
+        let left = |values: &[f64], force_n: &[f64; AXES], k: usize| {
+            let row = shared_row(values, k);
+            force_n[k] - row.iter().zip(&shared).map(|(a, x)| a * x).sum::<f64>()
+        };
+        let squares: f64 = points
+            .iter()
+            .flat_map(|(values, force_n)| (0..AXES).map(move |k| left(values, force_n, k).powi(2)))
+            .sum();
+        let variance = squares / (AXES * points.len()) as f64;
+        let size = shared.iter().map(|x| x * x).sum::<f64>() / AXES as f64;
+        let mut normal = Normal::new(ENTRIES * layout.count);
+        let mut row = vec![0.0; ENTRIES * layout.count];
+        for (values, force_n) in points {
+            for k in 0..AXES {
+                for (element, value) in values.chunks_exact(AXES).enumerate() {
+                    for entry in 0..ENTRIES {
+                        row[ENTRIES * element + entry] =
+                            turns[element][k][entry / AXES] * value[entry % AXES];
+                    }
+                }
+                normal.add(&row, left(values, force_n, k));
+            }
+        }
+        let ridge = variance / (DEPARTURE * DEPARTURE * size);
+        normal
+            .solve(&vec![ridge.max(f64::MIN_POSITIVE); ENTRIES * layout.count])
+            .unwrap_or_else(|| vec![0.0; ENTRIES * layout.count])
+    };
+    let matrix = |own: &[f64]| {
+        core::array::from_fn(|j| {
+            (0..AXES)
+                .map(|i| shared[AXES * j + i] + own[AXES * j + i])
+                .collect()
+        })
+    };
+    Ok(departures.chunks_exact(ENTRIES).map(matrix).collect())
+}
+
+/// Each axis of one force from all terms.
+fn resultant(points: &[(Vec<f64>, [f64; AXES])], model: Model) -> Result<Newtons, FitError> {
+    let terms = model.terms();
+    let elements = points.first().map_or(0, |(values, _)| values.len() / AXES);
+    let unknowns = elements * terms;
+    let mut rows = [const { Vec::new() }; AXES];
+    let mut normals = [
+        Normal::new(unknowns),
+        Normal::new(unknowns),
+        Normal::new(unknowns),
+    ];
+    for (values, force_n) in points {
+        let row: Vec<f64> = values
+            .chunks_exact(AXES)
+            .flat_map(|v| model.expand([v[0], v[1], v[2]])[..terms].to_vec())
+            .collect();
+        for (normal, force_n) in normals.iter_mut().zip(force_n) {
+            normal.add(&row, *force_n);
+        }
+    }
+    for (row, normal) in rows.iter_mut().zip(&normals) {
+        let ridge: Vec<f64> = (0..unknowns)
+            .map(|i| SETTLE * normal.scale(i..i + 1))
+            .collect();
+        *row = normal.solve(&ridge).ok_or(FitError::Undetermined)?;
+    }
+    Ok(vec![rows])
+}

@@ -1,0 +1,98 @@
+//! Least squares with a ridge, by normal equations and Cholesky's decomposition.
+
+/// Sums over rows `a·x = b`: `aᵀa` (lower triangle, row by row) and `aᵀb`.
+#[derive(Clone, Debug)]
+pub(super) struct Normal {
+    unknowns: usize,
+    squares: Vec<f64>,
+    products: Vec<f64>,
+}
+
+impl Normal {
+    /// No row yet.
+    pub(super) fn new(unknowns: usize) -> Self {
+        Self {
+            unknowns,
+            squares: vec![0.0; unknowns * unknowns],
+            products: vec![0.0; unknowns],
+        }
+    }
+
+    /// Takes in one row.
+    pub(super) fn add(&mut self, row: &[f64], value: f64) {
+        for (i, &a) in row.iter().enumerate() {
+            // Elements that a press does not reach say nothing.
+            if a == 0.0 {
+                continue;
+            }
+            self.products[i] += a * value;
+            let line = &mut self.squares[i * self.unknowns..][..=i];
+            for (sum, &b) in line.iter_mut().zip(row) {
+                *sum += a * b;
+            }
+        }
+    }
+
+    /// Mean of the diagonal over some unknowns: what a ridge is measured by.
+    pub(super) fn scale(&self, of: core::ops::Range<usize>) -> f64 {
+        let count = of.len().max(1) as f64;
+        of.map(|i| self.squares[i * self.unknowns + i]).sum::<f64>() / count
+    }
+
+    /// The solution with a ridge on each unknown; `None` if some unknown cannot be told.
+    pub(super) fn solve(&self, ridge: &[f64]) -> Option<Vec<f64>> {
+        let n = self.unknowns;
+        let mut lower = self.squares.clone();
+        for i in 0..n {
+            lower[i * n + i] += ridge[i];
+        }
+        // L·Lᵀ in place.
+        for j in 0..n {
+            for i in j..n {
+                let dot: f64 = (0..j).map(|k| lower[i * n + k] * lower[j * n + k]).sum();
+                let rest = lower[i * n + j] - dot;
+                if i == j {
+                    let relative = self.squares[i * n + i] + ridge[i];
+                    if !rest.is_finite() || rest <= 1e-12 * relative {
+                        return None;
+                    }
+                    lower[i * n + j] = rest.sqrt();
+                } else {
+                    lower[i * n + j] = rest / lower[j * n + j];
+                }
+            }
+        }
+        let mut x = self.products.clone();
+        for i in 0..n {
+            let dot: f64 = (0..i).map(|k| lower[i * n + k] * x[k]).sum();
+            x[i] = (x[i] - dot) / lower[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let dot: f64 = (i + 1..n).map(|k| lower[k * n + i] * x[k]).sum();
+            x[i] = (x[i] - dot) / lower[i * n + i];
+        }
+        x.iter().all(|value| value.is_finite()).then_some(x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_found_and_what_cannot_be_told_is_not() {
+        let mut normal = Normal::new(3);
+        for i in 0..20 {
+            let row = [1.0, f64::from(i), f64::from(i * i % 7)];
+            normal.add(&row, 2.0 - 0.5 * row[1] + 3.0 * row[2]);
+        }
+        let found = normal.solve(&[0.0; 3]).expect("a solution");
+        for (found, expected) in found.iter().zip([2.0, -0.5, 3.0]) {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        let mut twice = Normal::new(2);
+        (1..9).for_each(|i| twice.add(&[f64::from(i), f64::from(2 * i)], 1.0));
+        assert_eq!(twice.solve(&[0.0; 2]), None);
+        assert!(twice.solve(&[1.0; 2]).is_some());
+    }
+}

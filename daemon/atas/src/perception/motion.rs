@@ -1,0 +1,159 @@
+//! Motion: whether the pattern of readings goes on moving. What real sensors show of slip.
+//!
+//! On recordings of real fingertips the paper's rule dF_t > dr raises false alarms, because a stable touch also moves now and
+//! then: skin creeps, an object settles. Slip moves *most of the time*. So the means of two adjacent windows are compared
+//! element by element; how far they differ is told in multiples of what the sensor's own noise would do to them; and a share
+//! of the last comparisons says how persistent that is. Offsets, units and the meaning of an element do not matter, so it
+//! works for one element, and for a skin that knows no newtons, where nothing can be said about friction.
+//!
+//! It costs time: a window, and then most of the comparisons that count (settings: `motion_window_s`, `motion_at`).
+
+use crate::intake::CheckedFrame;
+use crate::settings::Perception as Settings;
+use shm_schemas::capacity::ELEMENTS;
+
+/// Values of one fingertip.
+const VALUES: usize = ELEMENTS * 3;
+/// Half windows that are kept: two windows.
+const HALVES: usize = 4;
+/// Comparisons that the share is taken of (ours: 1.2 s of a window of 0.15 s).
+const COMPARISONS: u32 = 16;
+/// Time over which the noise is averaged, s (ours: long beside a window, short beside what warms a sensor up).
+const NOISE_S: f64 = 1.0;
+
+/// What the comparison of windows says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotionPercept {
+    /// How far the pattern has moved from one window to the next, in multiples of what the sensor's noise alone would do;
+    /// 0 before there are two windows, and for a sensor without any noise.
+    pub level: f64,
+    /// Share of the last 16 comparisons that found more than `motion_at`.
+    pub share: f64,
+    /// Comparisons since the start.
+    pub comparisons: u32,
+}
+
+/// The memory of one fingertip.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    /// Sums over half windows, N; `sums[newest]` grows.
+    sums: [[f32; VALUES]; HALVES],
+    frames: [u32; HALVES],
+    newest: usize,
+    covered_s: f64,
+    /// The readings of the frame before, N.
+    before: [f32; VALUES],
+    /// Sum of the variances of all values, N², from the differences between frames.
+    noise_n2: f64,
+    heard_s: f64,
+    has_begun: bool,
+    recent: u16,
+    percept: MotionPercept,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            sums: [[0.0; VALUES]; HALVES],
+            frames: [0; HALVES],
+            newest: 0,
+            covered_s: 0.0,
+            before: [0.0; VALUES],
+            noise_n2: 0.0,
+            heard_s: 0.0,
+            has_begun: false,
+            recent: 0,
+            percept: MotionPercept::default(),
+        }
+    }
+}
+
+impl Motion {
+    /// Takes in this finger's part of one frame, as the sensor said it: a low-pass would make its noise look smaller.
+    pub(super) fn update(
+        &mut self,
+        finger: usize,
+        count: usize,
+        frame: &CheckedFrame<'_>,
+        settings: &Settings,
+    ) -> MotionPercept {
+        let mut now = self.before;
+        let (readings, mask) = frame.readings_n(finger);
+        for (element, reading) in readings.iter().enumerate().take(count) {
+            // What an element does not say now is taken to be as before.
+            if mask >> element & 1 == 1 {
+                now[3 * element..3 * element + 3].copy_from_slice(reading);
+            }
+        }
+        let step_s = frame.step_s();
+        self.listen(&now[..3 * count], step_s);
+        let sum = &mut self.sums[self.newest];
+        for (sum, value) in sum.iter_mut().zip(&now[..3 * count]) {
+            *sum += value;
+        }
+        self.frames[self.newest] += 1;
+        self.covered_s += step_s;
+        self.before = now;
+        // A frame belongs to the window in which most of its time lies.
+        if self.covered_s + 0.5 * step_s >= 0.5 * settings.motion_window_s {
+            self.close(3 * count, settings.motion_at);
+        }
+        self.percept
+    }
+
+    /// Half the mean square of differences is the variance of white noise, whatever the readings do slowly.
+    fn listen(&mut self, now: &[f32], step_s: f64) {
+        if !self.has_begun {
+            self.has_begun = true;
+            return;
+        }
+        let sum: f32 = now
+            .iter()
+            .zip(&self.before)
+            .map(|(now, before)| (now - before) * (now - before))
+            .sum();
+        self.heard_s += step_s;
+        let share = step_s / self.heard_s.min(NOISE_S).max(1e-9);
+        self.noise_n2 += (0.5 * f64::from(sum) - self.noise_n2) * share.min(1.0);
+    }
+
+    /// Ends a half window: the last two are compared with the two before them.
+    fn close(&mut self, values: usize, motion_at: f64) {
+        let half = |age: usize| (self.newest + HALVES - age) % HALVES;
+        let [a, b, c, d] = [half(0), half(1), half(2), half(3)];
+        if self.frames[d] > 0 {
+            let (late, early) = (
+                self.frames[a] + self.frames[b],
+                self.frames[c] + self.frames[d],
+            );
+            let (late, early) = (1.0 / late as f32, 1.0 / early as f32);
+            let moved_n2: f32 = (0..values)
+                .map(|value| {
+                    let sums = &self.sums;
+                    let change = (sums[a][value] + sums[b][value]) * late
+                        - (sums[c][value] + sums[d][value]) * early;
+                    change * change
+                })
+                .sum();
+            let expected_n2 = self.noise_n2 * f64::from(late + early);
+            self.compare(f64::from(moved_n2), expected_n2, motion_at);
+        }
+        self.newest = (self.newest + 1) % HALVES;
+        self.sums[self.newest] = [0.0; VALUES];
+        self.frames[self.newest] = 0;
+        self.covered_s = 0.0;
+    }
+
+    fn compare(&mut self, moved_n2: f64, expected_n2: f64, motion_at: f64) {
+        let percept = &mut self.percept;
+        percept.level = if expected_n2 > 0.0 {
+            libm::sqrt(moved_n2 / expected_n2)
+        } else {
+            0.0
+        };
+        percept.comparisons = percept.comparisons.saturating_add(1);
+        self.recent = self.recent << 1 | u16::from(percept.level > motion_at);
+        let of = percept.comparisons.min(COMPARISONS);
+        percept.share = f64::from(self.recent.count_ones()) / f64::from(of);
+    }
+}

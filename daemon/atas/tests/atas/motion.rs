@@ -1,0 +1,99 @@
+//! Motion in multiples of the sensor's noise: what is noise, what moves, at any rate and in any unit.
+
+use crate::support::{MS_NS, frame};
+use atas_core::intake::FrameIntake;
+use atas_core::perception::{MotionPercept, Perception};
+use atas_core::settings::Settings;
+use atas_core::{HandWiring, Tick};
+use shm_schemas::Hand;
+
+/// Uniform noise from −1 to 1 without a generator's state: SplitMix64 of the index.
+fn noise(index: u64) -> f64 {
+    let mut z = index.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
+}
+
+/// Every comparison in three seconds of readings of 41 elements that move at `speed` per second, in a unit of so many newtons.
+fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec<MotionPercept> {
+    let wiring = HandWiring::default();
+    let settings = Settings::default();
+    let mut intake = FrameIntake::new(Hand::LEFT, &wiring);
+    let mut perception = Perception::new(&wiring);
+    let mut found = Vec::new();
+    for index in 0..3 * rate_hz {
+        let now_ns = 1_000 * MS_NS + index * 1_000_000_000 / rate_hz;
+        let mut frame = frame(Hand::LEFT, index, now_ns);
+        for element in 0..41 {
+            for axis in 0..3 {
+                let still = 0.5 + 0.01 * element as f64;
+                let moved = speed * index as f64 / rate_hz as f64 * ((element + axis) % 3) as f64;
+                let flicker = noise_n * noise(index * 123 + (3 * element + axis) as u64);
+                frame.force_n[0][element][axis] = ((still + moved + flicker) * unit_n) as f32;
+            }
+        }
+        frame.valid_mask[0] &= !masked;
+        if masked != 0 {
+            frame.force_n[0][0] = [f32::NAN; 3];
+        }
+        frame.seal();
+        let tick = Tick { index, now_ns };
+        perception.begin();
+        let checked = intake
+            .check(&frame, tick, &settings.intake)
+            .expect("a good frame");
+        perception.update(&checked, &settings.perception);
+        let motion = perception.percept().fingers[0].motion;
+        if motion.comparisons as usize > found.len() {
+            found.push(motion);
+        }
+    }
+    found
+}
+
+#[test]
+fn noise_alone_does_not_move_and_a_slow_drift_of_all_elements_does() {
+    for rate_hz in [30, 100, 1000] {
+        let still = felt(rate_hz, 0.0, 0.01, 1.0, 0);
+        assert!(still.len() > 25, "{rate_hz} Hz: {}", still.len());
+        for motion in &still[2..] {
+            assert!(
+                (0.6..1.6).contains(&motion.level) && motion.share == 0.0,
+                "{rate_hz} Hz: {motion:?}"
+            );
+        }
+        // A fifth of the noise per window of 0.15 s would be lost on one element.
+        let moving = felt(rate_hz, 0.1, 0.01, 1.0, 0);
+        let last = moving.last().expect("comparisons");
+        assert!(last.share == 1.0, "{rate_hz} Hz: {last:?}");
+    }
+}
+
+#[test]
+fn the_unit_does_not_matter() {
+    let newtons = felt(100, 0.05, 0.01, 1.0, 0);
+    let counts = felt(100, 0.05, 0.01, 8.0, 0);
+    assert_eq!(newtons.len(), counts.len());
+    for (a, b) in newtons.iter().zip(&counts) {
+        assert!((a.level - b.level).abs() < 0.01 * a.level, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_sensor_without_noise_says_nothing() {
+    for motion in felt(1000, 0.0, 0.0, 1.0, 0) {
+        assert_eq!((motion.level, motion.share), (0.0, 0.0));
+    }
+}
+
+/// Regression: an element that fell silent must not look as if everything had moved to zero.
+#[test]
+fn an_element_that_says_nothing_does_not_move() {
+    for motion in &felt(1000, 0.0, 0.01, 1.0, 1)[2..] {
+        assert!(
+            motion.level.is_finite() && motion.share == 0.0,
+            "{motion:?}"
+        );
+    }
+}
