@@ -73,6 +73,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Eval { .. }
         | Command::Plot { .. }
         | Command::Bench { .. }
+        | Command::Calibrate { .. }
         | Command::Replay { .. } => lab::hand_over(),
     }
 }

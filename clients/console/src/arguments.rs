@@ -14,6 +14,7 @@ use shm_schemas::EventKind;
 use values::{event_kind, finite};
 
 mod benches;
+mod calibrates;
 mod demos;
 mod evals;
 mod examples;
@@ -23,6 +24,7 @@ mod records;
 mod values;
 
 pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
+pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
 pub use evals::{Eval, Evaluation, RecordedEvaluation, Summary, TaskName, Tuning};
 pub use examples::command;
@@ -104,6 +106,12 @@ pub enum Command {
     },
     /// Show how punctual the daemon is: wake-up, frame age, tick by stage, sensor to command
     Latency(Latency),
+    /// Calibrate a fingertip from recorded presses: scale, axes, crosstalk, noise, thresholds, compression
+    Calibrate {
+        /// Which step of it
+        #[command(subcommand)]
+        action: Calibrate,
+    },
     /// Measure this machine
     Bench {
         /// What
@@ -158,6 +166,7 @@ impl Command {
                 | Self::Eval { .. }
                 | Self::Plot { .. }
                 | Self::Bench { .. }
+                | Self::Calibrate { .. }
                 | Self::Replay { .. }
         )
     }

@@ -39,6 +39,10 @@ fn accepted() {
     check("atas eval pick-place --trials 20 --no-baselines --format json");
     check("atas eval screw --first-seed 10001 --fixed-force 3");
     check("atas eval assembly --noise 1.5");
+    check("atas calibrate guide --normal 0.5,1 --tangential -1,1 --seconds 2 --out steps.csv");
+    check(
+        "atas calibrate fit --presses p.csv --reference s.csv --model resultant --out tip.toml --figure tip.svg",
+    );
     check("atas eval recording basic.csv --labels label --cross-validate --format json");
     check(
         "atas eval recording a.csv --labels l --positive 3,10 --negative 4 --train b.csv --save m.toml",

@@ -8,7 +8,7 @@ use atas_core::tasks::Task;
 use atas_core::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::{
-    GoalRequest, GoalState, GoalUpdate, Hand, JointCommand, Mode, Reason, WorldTruth,
+    GoalRequest, GoalState, GoalUpdate, Hand, HandFrame, JointCommand, Mode, Reason, WorldTruth,
 };
 use sim_backend::{GraspHint, Scene, SceneError, Sensed, TICK_NS, World};
 
@@ -92,7 +92,17 @@ impl OfflineRun {
 
     /// One tick: sense, decide, move.
     pub fn step(&mut self, order: Option<&Order>) -> &Outputs {
+        self.step_through(order, |_| {})
+    }
+
+    /// The same with something between fingertips and controller: `skin` may change every frame, and must seal it again.
+    pub fn step_through(
+        &mut self,
+        order: Option<&Order>,
+        mut skin: impl FnMut(&mut HandFrame),
+    ) -> &Outputs {
         self.world.sense(&mut self.sensed);
+        self.sensed.frames.iter_mut().flatten().for_each(&mut skin);
         let frames = [
             as_slice(&self.sensed.frames[0]),
             as_slice(&self.sensed.frames[1]),

@@ -329,3 +329,28 @@ fn rupture_of_real_fruit_is_known_within_its_bounds() {
     assert!(verdict.sorts["kiwi"].mae_n < 0.455, "{verdict:?}");
     assert!(verdict.sorts["mango"].mae_n < 1.035, "{verdict:?}");
 }
+
+#[test]
+fn five_touches_of_a_real_dome_are_five_wherever_its_stamps_come_from() {
+    let Some(path) = real("optoforce_wire/capture.bin") else {
+        return;
+    };
+    let bytes = std::fs::read(path).expect("a capture");
+    // After a 7-byte acknowledgement frames of 16 bytes without a gap; what is read at once has stamps without meaning.
+    for stamp_ns in [1_000_000, 650] {
+        let mut text = "fx_counts,fy_counts,fz_counts,captured_ns\n".to_owned();
+        for (index, frame) in bytes[7..].chunks_exact(16).enumerate().take(34_374) {
+            let count = |at: usize| i16::from_be_bytes([frame[at], frame[at + 1]]);
+            let at_ns = 5_000_000_000 + index * stamp_ns;
+            writeln!(text, "{},{},{},{at_ns}", count(8), count(10), count(12)).expect("a string");
+        }
+        let shipped = Model::shipped().expect("a model");
+        let verdict =
+            judge(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
+        let begins = verdict.touches.expect("touches");
+        assert_eq!(begins.len(), 5, "{begins:?}");
+        for (begin, expected) in begins.iter().zip([12_803, 24_320, 25_442, 26_757, 28_327]) {
+            assert!((expected..expected + 20).contains(begin), "{begins:?}");
+        }
+    }
+}

@@ -1,10 +1,11 @@
 //! `atas-lab`: the laboratory's part of the `atas` command, which needs the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|plot|bench|replay ─▶ atas-lab
+//!  atas demo|eval|plot|calibrate|bench|replay ─▶ atas-lab
 //!   ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
 //!   ├─ eval ────▶ atas-evaluation on all cores
 //!   ├─ plot ────▶ atas-evaluation, one run, as a figure
+//!   ├─ calibrate ▶ recorded presses into a calibration of a sensor
 //!   ├─ bench ───▶ this machine, beside cyclictest and other transports
 //!   └─ replay ──▶ the production controller on a recording
 //! ```
@@ -15,6 +16,7 @@
 //! * **Absent on purpose:** what an operator needs: that is `atas`, which links nothing of this.
 
 mod bench;
+mod calibrate;
 mod demo;
 mod eval;
 mod plot;
@@ -35,6 +37,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
         Command::Plot { figure } => plot::plot(figure, output),
         Command::Bench { what } => bench::bench(what, interrupt, output),
+        Command::Calibrate { action } => calibrate::calibrate(action, interrupt, output),
         Command::Replay { files } => replay::replay(files, output),
         _ => Err(Ended::with(
             Exit::Usage,

@@ -17,6 +17,7 @@ Examples:
   atas-sensor probe /dev/ttyUSB0
   atas-sensor optoforce --device /dev/ttyUSB0 --dry-run
   atas-sensor optoforce --device /dev/ttyUSB0 --hand left --newtons-per-count 300/7925,300/8641,2000/6049
+  atas-sensor anyskin --device /dev/ttyACM0 --hand left --calibration tip.toml
   atas-sensor hand left.toml
   atas-sensor hz --hand left
 
@@ -46,6 +47,10 @@ pub struct PortArgs {
     /// Scale X,Y,Z from the unit's own sheet, N per unit of the device; quotients such as 300/7925 are allowed.
     #[arg(long, alias = "newtons-per-unit")]
     pub newtons_per_count: Option<Scale>,
+    /// Calibration of the device's fingertip, as `atas calibrate` writes it, instead of a scale and axes. Once per fingertip, in
+    /// the order of the devices.
+    #[arg(long, action = ArgAction::Append, value_name = "FILE")]
+    pub calibration: Vec<PathBuf>,
     /// Which of the device's axes give the normal force and the two tangential forces.
     #[arg(long, allow_hyphen_values = true)]
     pub axes: Axes,
@@ -236,7 +241,7 @@ fn subcommand(sensor: &SensorType) -> Command {
     .mut_arg("axes", |arg| arg.required(false).default_value(sensor.axes))
     .mut_arg("newtons_per_count", |arg| match sensor.newtons_per_unit {
         Some(scale) => arg.default_value(scale),
-        None => arg.required_unless_present("dry_run"),
+        None => arg.required_unless_present_any(["dry_run", "calibration"]),
     });
     (sensor.options)(common)
 }

@@ -13,12 +13,12 @@
 use std::time::Duration;
 
 use shm_bus::{Bus as Node, BusName, Publisher, Realtime, now_ns, writer_epoch};
-use shm_schemas::capacity::FINGERS;
+use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
 use shm_schemas::{Hand, HandFrame, Layout, SensorStatus, Stamp, Text};
 
 use crate::failure::Failure;
-use crate::mapping::Mapping;
+use crate::newtons::Newtons;
 use crate::reading::{Batch, Condition, Health, Output, Reading, Shape};
 
 /// How much later than three periods a device's reading may come before its finger is invalid. Ours: a USB bridge
@@ -53,7 +53,7 @@ pub struct Seat {
     /// What its frames hold.
     pub shape: Shape,
     /// From its units to newtons.
-    pub mapping: Mapping,
+    pub newtons: Newtons,
     /// Its nominal period, ns.
     pub period_ns: u64,
 }
@@ -166,13 +166,15 @@ impl Assembly {
         let seat = &self.seats[port];
         let quantity = seat.shape.quantity;
         let group = quantity.axes().len();
-        for (finger, tip) in seat
+        for (tip, (finger, values)) in seat
             .fingers()
             .zip(values.chunks_exact(group * seat.shape.taxels))
+            .enumerate()
         {
             let mut mask = self.elements;
-            for (element, taxel) in tip.chunks_exact(group).enumerate() {
-                let force_n = seat.mapping.force_n(quantity.vector(taxel));
+            let mut forces_n = [[0.0; 3]; ELEMENTS];
+            let count = seat.newtons.write(tip, quantity, values, &mut forces_n);
+            for (element, force_n) in forces_n.into_iter().enumerate().take(count) {
                 let is_finite = force_n.iter().all(|f| f.is_finite());
                 self.frame.force_n[finger][element] = if is_finite { force_n } else { [0.0; 3] };
                 mask &= !(u64::from(!is_finite) << element);

@@ -13,6 +13,7 @@
 //! * **Invariants:** no valid frame is lost to damage around it (`tests/decoder.rs`, `tests/peers.rs`); every byte is
 //!   accounted for (same places); stamps increase and are never in the future ([`stamping`]); sequences show the
 //!   device's own gaps ([`intake`]); nothing that a device sends makes a parser panic (`tests/any_bytes.rs`).
+//! * **Calibration** ([`calibration`]) is fitted by `atas calibrate` and applied here: `--calibration FILE`.
 //! * **Absent on purpose:** filtering, thresholds and any judgement about touch: that is perception, in `atas`.
 //!
 //! A further sensor is one file in [`wire`] with its format, one line in [`wire::SENSORS`], and one table of test vectors
@@ -26,6 +27,7 @@ pub mod failure;
 pub mod hand;
 pub mod intake;
 pub mod mapping;
+pub mod newtons;
 pub mod plan;
 pub mod port;
 pub mod reading;

@@ -6,10 +6,12 @@ use clap::{ArgMatches, FromArgMatches};
 use shm_schemas::Layout;
 use toml::Value;
 
+use crate::calibration::Calibration;
 use crate::cli::{self, PortArgs};
 use crate::failure::Failure;
 use crate::hand::{self, Place, Seat};
 use crate::mapping::Mapping;
+use crate::newtons::Newtons;
 use crate::port::Settings;
 use crate::reading::Shape;
 use crate::wire::{Driver, Request, SensorType, Zero, named};
@@ -23,7 +25,7 @@ pub struct Port {
     /// Its driver.
     pub driver: Box<dyn Driver>,
     /// From its units to newtons, where that is known.
-    pub mapping: Option<Mapping>,
+    pub newtons: Option<Newtons>,
     /// The finger of its first fingertip.
     pub finger: usize,
 }
@@ -54,10 +56,17 @@ impl Plan {
             .map_err(|error| Failure::Usage(error.to_string()))?;
         let mut finger = args.finger as usize;
         let mut ports = Vec::new();
+        let mut calibrations = calibrations(&args)?;
         for device in &args.device {
-            let port = make_port(sensor, matches, &args, device, finger)?;
+            let port = make_port(sensor, matches, &args, device, finger, &mut calibrations)?;
             finger += port.shape().fingers;
             ports.push(port);
+        }
+        if !calibrations.is_empty() {
+            return Err(Failure::Usage(format!(
+                "could not use all calibrations: {} are left over; give --calibration once per fingertip",
+                calibrations.len()
+            )));
         }
         if args.dry_run && ports.len() > 1 {
             return Err(Failure::Usage(
@@ -130,7 +139,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The seats of the ports; all have a mapping when there is a place.
+    /// The seats of the ports; of all it is known how they become newtons when there is a place.
     #[must_use]
     pub fn seats(&self) -> Vec<Seat> {
         let seat = |port: &Port| {
@@ -139,7 +148,7 @@ impl Plan {
                 device: port.settings.device.clone(),
                 finger: port.finger,
                 shape: port.shape(),
-                mapping: port.mapping?,
+                newtons: port.newtons.clone()?,
                 period_ns: port.settings.period_ns,
             })
         };
@@ -153,6 +162,7 @@ fn make_port(
     args: &PortArgs,
     device: &str,
     finger: usize,
+    calibrations: &mut Vec<Calibration>,
 ) -> Result<Port, Failure> {
     let request = Request {
         rate_hz: args.rate_hz,
@@ -168,16 +178,59 @@ fn make_port(
         recording_allowed: args.dry_run,
         reconnect: args.reconnect,
     };
+    let scaled = || {
+        let of = |scale| Mapping {
+            scale,
+            axes: args.axes,
+        };
+        args.newtons_per_count.map(of).map(Newtons::Scaled)
+    };
+    let newtons = if args.calibration.is_empty() {
+        scaled()
+    } else {
+        Some(fitted(driver.shape(), device, calibrations)?)
+    };
     Ok(Port {
         sensor,
         settings,
         driver,
-        mapping: args.newtons_per_count.map(|scale| Mapping {
-            scale,
-            axes: args.axes,
-        }),
+        newtons,
         finger,
     })
+}
+
+/// The calibrations that were named, one per fingertip of all devices.
+fn calibrations(args: &PortArgs) -> Result<Vec<Calibration>, Failure> {
+    args.calibration
+        .iter()
+        .map(|path| Calibration::open(path).map_err(|error| Failure::Usage(error.to_string())))
+        .collect()
+}
+
+/// Takes the next device's calibrations.
+fn fitted(
+    shape: Shape,
+    device: &str,
+    calibrations: &mut Vec<Calibration>,
+) -> Result<Newtons, Failure> {
+    if calibrations.len() < shape.fingers {
+        return Err(Failure::Usage(format!(
+            "could not calibrate {device}: it has {} fingertips and {} calibrations are left; give --calibration once per \
+             fingertip, in the order of the devices",
+            shape.fingers,
+            calibrations.len()
+        )));
+    }
+    let own: Vec<Calibration> = calibrations.drain(..shape.fingers).collect();
+    match own.iter().find(|of| of.elements_in() != shape.taxels) {
+        Some(other) => Err(Failure::Usage(format!(
+            "could not use {:?} for {device}: it is of {} elements, the sensor has {}; calibrate it",
+            other.source,
+            other.elements_in(),
+            shape.taxels
+        ))),
+        None => Ok(Newtons::Fitted(own)),
+    }
 }
 
 /// One `[[port]]` of a file, by way of the command line that says the same.
@@ -205,6 +258,14 @@ fn one_port(port: &Value, table: &toml::Table) -> Result<Plan, String> {
             Value::Boolean(false) => {}
             Value::Boolean(true) => line.push(format!("--{key}")),
             Value::String(text) => line.push(format!("--{key}={text}")),
+            Value::Array(several) => {
+                let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
+                line.extend(
+                    several
+                        .iter()
+                        .map(|value| format!("--{key}={}", text(value))),
+                );
+            }
             other => line.push(format!("--{key}={other}")),
         }
     }
@@ -234,7 +295,12 @@ fn refuse_conflicts(ports: &[Port]) -> Result<(), Failure> {
 fn layout(wanted: Option<&str>, ports: &[Port]) -> Result<Layout, Failure> {
     let taxels = ports
         .iter()
-        .map(|port| port.shape().taxels)
+        .map(|port| {
+            let newtons = port.newtons.as_ref();
+            newtons.map_or(port.shape().taxels, |newtons| {
+                newtons.elements(port.shape())
+            })
+        })
         .max()
         .unwrap_or(1);
     let made = format!("pad-{taxels}");
@@ -265,6 +331,18 @@ mod tests {
         Plan::from_sensor(named(name).unwrap(), matches).map_err(|error| error.to_string())
     }
 
+    /// Normal force of the first element under this z of the device, N.
+    fn normal_n(newtons: &crate::newtons::Newtons, z: f64) -> f32 {
+        let mut forces_n = [[0.0; 3]; shm_schemas::capacity::ELEMENTS];
+        newtons.write(
+            0,
+            crate::reading::Quantity::Force,
+            &[0.0, 0.0, z],
+            &mut forces_n,
+        );
+        forces_n[0][0]
+    }
+
     #[test]
     fn defaults_configure_and_publish() {
         let plan = plan("--hand left --newtons-per-count 0.1,0.1,0.1").unwrap();
@@ -272,10 +350,7 @@ mod tests {
         assert!(plan.ports[0].settings.configure && dialogue.acknowledged);
         assert_eq!(dialogue.start[4..7], [1, 0, 0]);
         let seat = &plan.seats()[0];
-        assert_eq!(
-            (seat.finger, seat.mapping.force_n([0.0, 0.0, -10.0])[0]),
-            (0, 1.0)
-        );
+        assert_eq!((seat.finger, normal_n(&seat.newtons, -10.0)), (0, 1.0));
         assert_eq!(plan.place.unwrap().layout.count, 1);
     }
 

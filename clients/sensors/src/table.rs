@@ -6,8 +6,10 @@
 
 use std::io::{self, BufWriter, Write};
 
+use shm_schemas::capacity::ELEMENTS;
+
 use crate::failure::Failure;
-use crate::mapping::Mapping;
+use crate::newtons::Newtons;
 use crate::reading::{Batch, Health, Output, Reading, Shape};
 
 /// Writes the table.
@@ -15,7 +17,7 @@ use crate::reading::{Batch, Health, Output, Reading, Shape};
 pub struct Table<W: Write> {
     sink: BufWriter<W>,
     shape: Shape,
-    mapping: Option<Mapping>,
+    newtons: Option<Newtons>,
 }
 
 impl<W: Write> Table<W> {
@@ -23,11 +25,11 @@ impl<W: Write> Table<W> {
     ///
     /// # Errors
     /// When the sink is gone.
-    pub fn new(sink: W, shape: Shape, mapping: Option<Mapping>) -> Result<Self, Failure> {
+    pub fn new(sink: W, shape: Shape, newtons: Option<Newtons>) -> Result<Self, Failure> {
         let mut table = Self {
             sink: BufWriter::new(sink),
             shape,
-            mapping,
+            newtons,
         };
         table
             .header()
@@ -54,7 +56,16 @@ impl<W: Write> Table<W> {
             }
         }
         write!(self.sink, ",arrival,captured_ns")?;
-        for group in groups.iter().filter(|_| self.mapping.is_some()) {
+        let forces = self
+            .newtons
+            .as_ref()
+            .map_or(0, |newtons| fingers * newtons.elements(self.shape));
+        for group in 0..forces {
+            let group = if forces == 1 {
+                String::new()
+            } else {
+                group.to_string()
+            };
             write!(
                 self.sink,
                 ",normal{group}_n,tangential1{group}_n,tangential2{group}_n"
@@ -83,12 +94,15 @@ impl<W: Write> Table<W> {
             reading.arrival.name(),
             reading.captured_ns
         )?;
-        if let Some(mapping) = self.mapping {
+        if let Some(newtons) = &self.newtons {
             let quantity = self.shape.quantity;
-            for taxel in values.chunks_exact(quantity.axes().len()) {
-                let [normal_n, tangential1_n, tangential2_n] =
-                    mapping.force_n(quantity.vector(taxel));
-                write!(self.sink, ",{normal_n},{tangential1_n},{tangential2_n}")?;
+            let tips = values.chunks_exact(quantity.axes().len() * self.shape.taxels);
+            for (tip, values) in tips.enumerate() {
+                let mut forces_n = [[0.0; 3]; ELEMENTS];
+                let count = newtons.write(tip, quantity, values, &mut forces_n);
+                for [normal_n, tangential1_n, tangential2_n] in &forces_n[..count] {
+                    write!(self.sink, ",{normal_n},{tangential1_n},{tangential2_n}")?;
+                }
             }
         }
         writeln!(self.sink)

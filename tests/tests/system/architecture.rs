@@ -67,6 +67,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "atas-core",
             "atas-evaluation",
             "atas-recording",
+            "atas-sensors",
             "ebts",
             "robot-model",
             "shm-bus",

@@ -78,6 +78,18 @@ const HELPS: &[Help] = &[
     ),
     Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
     Help(
+        "calibrate guide",
+        &["atas calibrate guide --normal 0.5,1,2 --seconds 2 --out steps.csv"],
+        "one object: file, steps",
+    ),
+    Help(
+        "calibrate fit",
+        &[
+            "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml --daemon tip-daemon.toml",
+        ],
+        "one object: calibration, model, elements, presses, error_n, error_share, thresholds, motion_at, block, warnings",
+    ),
+    Help(
         "eval recording",
         &[
             "atas eval recording basic.csv --labels label --cross-validate",

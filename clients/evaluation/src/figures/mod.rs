@@ -10,11 +10,13 @@
 //! | `placing` | the release: the support's force, the grip, opening and height around the contact |
 //! | `screwing` | Fig. 6 (the square and what contact made of it, cycle by cycle), the cap's angle and torque |
 //! | `assembling` | what both hands do, their grips, the cap's angle and torque |
+//! | `residuals` | errors of a calibration over the known force |
 
 mod assembling;
 mod figure;
 mod grasping;
 mod placing;
+mod residuals;
 mod screwing;
 mod trace;
 
@@ -22,6 +24,8 @@ use sim_backend::{Object, Scene};
 
 use crate::task::Task;
 use trace::Trace;
+
+pub use residuals::residuals;
 
 /// Runs a task offline with an object and draws it.
 ///

@@ -35,4 +35,5 @@ pub use kind::{Judged, Kind};
 pub use model::{Hardness, Line, Model, Rupture, Slip, Touch};
 pub use rates::{Rates, auc};
 pub use sheet::Sheet;
+pub use slip::greatest_motion;
 pub use verdict::{After, Errors, Verdict, judge, train};

@@ -149,3 +149,19 @@ pub(super) fn judge(
     }
     Ok(verdict)
 }
+
+/// The greatest motion of frames of forces, N, in multiples of their own noise: of a sensor that nothing touches, what a threshold
+/// must lie above. 0 for what is too short to say.
+#[must_use]
+pub fn greatest_motion(frames: &[Vec<[f64; 3]>], step_s: f64) -> f64 {
+    let elements = frames.first().map_or(1, Vec::len);
+    let rate_hz = if step_s > 0.0 { 1.0 / step_s } else { 1.0 };
+    let mut skin = Skin::new(1, elements, rate_hz, Settings::default());
+    let mut greatest: f64 = 0.0;
+    for frame in frames {
+        let reading: Reading = frame.iter().copied().map(Some).collect();
+        let motion = skin.feel(step_s, &[reading]).fingers[0].motion;
+        greatest = greatest.max(motion.level);
+    }
+    greatest
+}

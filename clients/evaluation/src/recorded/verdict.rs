@@ -12,7 +12,9 @@ use super::kind::{Judged, Kind};
 use super::model::Model;
 use super::rates::Rates;
 use super::sheet::Sheet;
+use super::skin::RATE_MAX_HZ;
 use super::{hardness, rupture, slip, touches};
+use crate::statistics::median;
 
 /// What a recording says about perception.
 #[derive(Clone, Debug, Serialize)]
@@ -195,7 +197,8 @@ fn rate_hz(kind: &Kind, model: &Model) -> f64 {
     }
 }
 
-/// Time from frame to frame, s: as recorded, else as the model says. Time that does not go on is taken to do so.
+/// Time from frame to frame, s: as recorded, else as the model says. Time that does not go on is taken to do so, and frames
+/// that came faster than any sensor's were stamped when a file was decoded.
 pub(super) fn steps_s(sheet: &Sheet, rows: &[usize], rate_hz: f64) -> Vec<f64> {
     let (column, unit_s) = match (
         sheet.first_of(&["t_s", "time_s", "t_s_approx"]),
@@ -207,7 +210,8 @@ pub(super) fn steps_s(sheet: &Sheet, rows: &[usize], rate_hz: f64) -> Vec<f64> {
     let usual_s = 1.0 / rate_hz;
     let time_s = |row: usize| Some(sheet.number(row, column?)? * unit_s);
     let mut before_s: Option<f64> = None;
-    rows.iter()
+    let steps: Vec<f64> = rows
+        .iter()
         .map(|&row| {
             let now_s = time_s(row);
             let step_s = match (before_s, now_s) {
@@ -217,7 +221,11 @@ pub(super) fn steps_s(sheet: &Sheet, rows: &[usize], rate_hz: f64) -> Vec<f64> {
             before_s = now_s.or(before_s.map(|before_s| before_s + usual_s));
             step_s
         })
-        .collect()
+        .collect();
+    if median(steps.clone()).is_some_and(|step_s| step_s < 1.0 / RATE_MAX_HZ) {
+        return vec![usual_s; rows.len()];
+    }
+    steps
 }
 
 impl Verdict {

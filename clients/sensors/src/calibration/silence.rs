@@ -7,6 +7,9 @@ use super::{AXES, Calibration};
 /// Fewest frames that tell noise (ours: a standard deviation within 10 %).
 const FRAMES_MIN: usize = 50;
 
+/// Standard deviations that are no chance (ours).
+const SURE: f64 = 3.0;
+
 /// A sensor in silence, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Silence {
@@ -72,9 +75,12 @@ impl Thresholds {
         let noise_n: [f64; AXES] =
             core::array::from_fn(|axis| flicker(totals.iter().map(|total| total[axis])));
         let tenth = (totals.len() / 10).max(1);
+        // What both ends differ by chance is no drift.
+        let chance = SURE * (2.0 / tenth as f64).sqrt();
         let ends = |axis: usize| {
             let end = |of: &[[f64; AXES]]| mean(of.iter().map(|total| total[axis]));
-            (end(&totals[totals.len() - tenth..]) - end(&totals[..tenth])).abs()
+            let moved_n = end(&totals[totals.len() - tenth..]) - end(&totals[..tenth]);
+            (moved_n.abs() - chance * noise_n[axis]).max(0.0)
         };
         let drift_n_min = (0..AXES).map(ends).fold(0.0, f64::max) * 60.0 / seconds;
         let element_noise_n = elements.map(|element| {

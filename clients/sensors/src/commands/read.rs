@@ -41,7 +41,7 @@ pub(super) fn run(plan: Plan) -> Result<(), Failure> {
 }
 
 fn print_table(port: Port, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut table = Table::new(io::stdout(), port.shape(), port.mapping)?;
+    let mut table = Table::new(io::stdout(), port.shape(), port.newtons.clone())?;
     read(port, &mut table, stop)
 }
 

@@ -1,0 +1,112 @@
+//! `atas calibrate guide`: says what to load the fingertip with, waits until it rests, and writes down when it did.
+
+use std::io::{BufRead, Write};
+use std::time::Duration;
+
+use anyhow::{Context, ensure};
+use atas_console::arguments::Guide;
+use atas_console::{Ended, Exit, Interrupt, Output};
+use serde_json::json;
+
+/// Names of the axes, as people and tables know them.
+const AXES: [&str; 3] = ["normal", "tangential1", "tangential2"];
+/// Longest rest of a load, s (ours: what a hand can hold still).
+const SECONDS_MAX: f64 = 600.0;
+
+/// `atas calibrate guide`.
+pub(super) fn guide(
+    guide: &Guide,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    ensure!(
+        guide.seconds > 0.0 && guide.seconds <= SECONDS_MAX,
+        "could not wait {} s, needs a time above 0 and up to {SECONDS_MAX} s",
+        guide.seconds
+    );
+    let loads = loads(guide);
+    let path = guide.out.display();
+    let mut file = std::fs::File::create_new(&guide.out).with_context(|| {
+        format!("could not write {path}; a table of steps never overwrites a file")
+    })?;
+    let mut write =
+        |line: String| writeln!(file, "{line}").with_context(|| format!("could not write {path}"));
+    write("from_ns,to_ns,normal_n,tangential1_n,tangential2_n".to_owned())?;
+    let mut entered = std::io::stdin().lock();
+    for (step, load) in loads.iter().enumerate() {
+        say(&format!(
+            "{} of {}: {}. Press Enter when it rests.",
+            step + 1,
+            loads.len(),
+            sentence(load)
+        ))?;
+        let mut line = String::new();
+        let read = entered
+            .read_line(&mut line)
+            .context("could not read standard input")?;
+        let interrupted = || {
+            Ended::with(
+                Exit::Interrupted,
+                format!("interrupted; {path} holds {step} steps"),
+            )
+        };
+        if read == 0 || interrupt.is_set() {
+            return Err(interrupted());
+        }
+        let from_ns = shm_bus::now_ns();
+        std::thread::sleep(Duration::from_secs_f64(guide.seconds));
+        if interrupt.is_set() {
+            return Err(interrupted());
+        }
+        let to_ns = shm_bus::now_ns();
+        write(format!(
+            "{from_ns},{to_ns},{},{},{}",
+            load[0], load[1], load[2]
+        ))?;
+    }
+    if output.is_json() {
+        return output.json(&json!({ "file": path.to_string(), "steps": loads.len() }));
+    }
+    output.line(format_args!("wrote {path}: {} steps", loads.len()))
+}
+
+/// Silence, the normal loads, and each tangential load under the middle one of them.
+fn loads(guide: &Guide) -> Vec<[f64; 3]> {
+    let under = guide
+        .normal
+        .get(guide.normal.len() / 2)
+        .copied()
+        .unwrap_or(0.0);
+    let normal = guide.normal.iter().map(|&n| [n, 0.0, 0.0]);
+    let along = |axis: usize| {
+        guide.tangential.iter().map(move |&t| {
+            let mut load = [under, 0.0, 0.0];
+            load[axis] = t;
+            load
+        })
+    };
+    [[0.0; 3]]
+        .into_iter()
+        .chain(normal)
+        .chain(along(1))
+        .chain(along(2))
+        .collect()
+}
+
+fn sentence(load: &[f64; 3]) -> String {
+    let parts: Vec<String> = AXES
+        .iter()
+        .zip(load)
+        .filter(|(_, n)| **n != 0.0)
+        .map(|(axis, n)| format!("{n} N along {axis}"))
+        .collect();
+    if parts.is_empty() {
+        "touch nothing".to_owned()
+    } else {
+        format!("load it with {}", parts.join(" and "))
+    }
+}
+
+fn say(line: &str) -> anyhow::Result<()> {
+    writeln!(std::io::stderr(), "{line}").context("could not write to standard error")
+}

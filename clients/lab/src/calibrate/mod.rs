@@ -1,0 +1,294 @@
+//! `atas calibrate`: from recorded silence and presses to a calibration file, what it is worth, and what the daemon is told.
+
+mod guide;
+mod rows;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::{Context, anyhow, ensure};
+use atas_console::arguments::{Calibrate, CalibrateFit, CalibrationModel};
+use atas_console::{Ended, Exit, Interrupt, Output, table};
+use atas_core::Settings;
+use atas_evaluation::figures;
+use atas_evaluation::recorded::{Sheet, greatest_motion};
+use atas_sensors::calibration::{
+    Block, Calibration, Fitted, Model, Thresholds, fit, listen, press_block,
+};
+use serde::Serialize;
+use shm_schemas::Layout;
+
+/// How far above what a silent sensor shows motion must lie to count (ours; a stable touch moves more than silence).
+const MOTION_CLEARANCE: f64 = 1.5;
+/// Frames per second of a table without times.
+const USUAL_HZ: f64 = 100.0;
+
+/// What was written, and how good it is.
+#[derive(Serialize)]
+struct Report {
+    calibration: String,
+    model: Model,
+    elements: usize,
+    presses: u32,
+    error_n: [f64; 3],
+    error_share: [f64; 3],
+    thresholds: Thresholds,
+    motion_at: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    block: Option<Block>,
+    /// What a user should know before trusting it.
+    warnings: Vec<String>,
+}
+
+/// `atas calibrate`.
+pub(crate) fn calibrate(
+    action: &Calibrate,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    match action {
+        Calibrate::Guide(arguments) => guide::guide(arguments, interrupt, output),
+        Calibrate::Fit(arguments) => {
+            let report =
+                run(arguments).map_err(|error| Ended::with(Exit::Failed, format!("{error:#}")))?;
+            if output.is_json() {
+                return output.json(&report);
+            }
+            print(&report, output)
+        }
+    }
+}
+
+fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
+    let layout = Layout::named(&arguments.layout).with_context(|| {
+        format!(
+            "could not use the layout {:?}: needs dome-1, dome-41 or pad-N with N taxels",
+            arguments.layout
+        )
+    })?;
+    let (mut fitted, quiet, seconds) = fitted(arguments, &layout)?;
+    let motion_at = motion_at(&fitted.calibration, &quiet, seconds);
+    let thresholds = Thresholds::of(&fitted.calibration, &quiet, seconds, arguments.multiple)
+        .context("could not tell the noise; record the sensor for some seconds while nothing touches it, and name it with --silence")?;
+    fitted.calibration.quality.noise_n = thresholds.noise_n;
+    fitted.calibration.quality.drift_n_min = thresholds.drift_n_min;
+    let block = match &arguments.block {
+        Some(path) => Some(block(path, thresholds.touch_on_n, arguments.block_tips)?),
+        None => None,
+    };
+    let told = daemon(&thresholds, motion_at, block.as_ref())?;
+    fitted.calibration.save(&arguments.out)?;
+    if let Some(path) = &arguments.daemon {
+        write_new(path, &told)?;
+    }
+    if let Some(path) = &arguments.figure {
+        let title = format!("errors of {}", arguments.out.display());
+        write(path, &figures::residuals(&title, &fitted.residuals)?)?;
+    }
+    let quality = fitted.calibration.quality;
+    Ok(Report {
+        calibration: arguments.out.display().to_string(),
+        model: fitted.calibration.model,
+        elements: fitted.calibration.elements_in(),
+        presses: quality.presses,
+        error_n: quality.error_n,
+        error_share: quality.error_share,
+        warnings: warnings(&fitted, &thresholds, seconds),
+        thresholds,
+        motion_at,
+        block,
+    })
+}
+
+/// The calibration, the silent frames and how long they lasted, s.
+fn fitted(
+    arguments: &CalibrateFit,
+    layout: &Layout,
+) -> anyhow::Result<(Fitted, Vec<Vec<f64>>, f64)> {
+    let sheet = Sheet::open(&arguments.presses)?;
+    let recording = rows::recording(&sheet)?;
+    let reference = arguments
+        .reference
+        .as_deref()
+        .map(Sheet::open)
+        .transpose()?;
+    let (presses, mut quiet) = rows::presses(&sheet, &recording, reference.as_ref())?;
+    let mut seconds = lasted(
+        recording.times_ns.as_deref(),
+        quiet.len(),
+        recording.frames.len(),
+    );
+    if let Some(path) = &arguments.silence {
+        let silence = rows::recording(&Sheet::open(path)?)?;
+        let frames = silence.frames.len();
+        seconds = lasted(silence.times_ns.as_deref(), frames, frames);
+        quiet = silence.frames;
+    }
+    let silence = listen(&quiet).with_context(|| {
+        format!("could not tell zero and noise from {} silent frames, needs some seconds; name a recording with --silence", quiet.len())
+    })?;
+    let model = match arguments.model {
+        Some(CalibrationModel::Matrix) => Model::Matrix,
+        Some(CalibrationModel::Resultant) => Model::Resultant,
+        Some(CalibrationModel::ResultantSquares) => Model::ResultantSquares,
+        None if recording.is_flux => Model::ResultantSquares,
+        None => Model::Matrix,
+    };
+    let source = format!("{} presses of {}", presses.len(), sheet.path.display());
+    Ok((
+        fit(&presses, &silence, model, layout, &source)?,
+        quiet,
+        seconds,
+    ))
+}
+
+/// Time that some of a recording's frames took, s.
+fn lasted(times_ns: Option<&[f64]>, some: usize, all: usize) -> f64 {
+    let span_ns = times_ns.and_then(|times| Some(times.last()? - times.first()?));
+    match span_ns {
+        Some(span_ns) if span_ns > 0.0 => span_ns * 1e-9 * some as f64 / all.max(1) as f64,
+        _ => some as f64 / USUAL_HZ,
+    }
+}
+
+fn motion_at(calibration: &Calibration, quiet: &[Vec<f64>], seconds: f64) -> f64 {
+    let frames: Vec<Vec<[f64; 3]>> = quiet
+        .iter()
+        .map(|values| {
+            let elements = 0..calibration.elements_out();
+            elements
+                .map(|element| calibration.force_n(element, values))
+                .collect()
+        })
+        .collect();
+    let step_s = seconds / quiet.len().max(1) as f64;
+    let usual = Settings::default().perception.motion_at;
+    (MOTION_CLEARANCE * greatest_motion(&frames, step_s)).max(usual)
+}
+
+fn block(path: &Path, from_n: f64, tips: u32) -> anyhow::Result<Block> {
+    let sheet = Sheet::open(path)?;
+    let (closing, force) = (sheet.column("closing_m"), sheet.column("normal_n"));
+    let point = |row: usize| Some((sheet.number(row, closing?)?, sheet.number(row, force?)?));
+    let points: Vec<(f64, f64)> = (0..sheet.len()).filter_map(point).collect();
+    press_block(&points, from_n, tips).with_context(|| {
+        format!(
+            "could not tell how the fingertips compress from {} rows of {}: needs closing_m and normal_n of presses on something \
+             rigid, 10 rows or more above {from_n:.3} N",
+            points.len(),
+            path.display()
+        )
+    })
+}
+
+/// What the daemon is told, held to the ranges that it has.
+fn daemon(
+    thresholds: &Thresholds,
+    motion_at: f64,
+    block: Option<&Block>,
+) -> anyhow::Result<String> {
+    let mut settings = Settings::default();
+    // Whatever the thresholds were, the lower one goes out of the way first.
+    let mut told = vec![
+        ("touch_off_n", 0.0),
+        ("touch_on_n", thresholds.touch_on_n),
+        ("touch_off_n", thresholds.touch_off_n),
+        ("element_floor_n", thresholds.element_floor_n),
+        ("motion_at", motion_at),
+    ];
+    if let Some(block) = block {
+        told.push(("tip_compression_m", block.tip_compression_m));
+        told.push(("tip_exponent", block.tip_exponent));
+    }
+    for &(key, value) in &told {
+        let name = format!("perception.{key}");
+        let known = atas_core::settings::find(&name);
+        let known = known.with_context(|| format!("{name} is no parameter"))?;
+        let value = value.clamp(known.lower, known.upper);
+        settings
+            .set(&name, value)
+            .map_err(|error| anyhow!("{error}"))?;
+    }
+    let mut text = "# Made by atas calibrate. atasd --config THIS, after your own configuration.\n[perception]\n".to_owned();
+    for (key, _) in &told[1..] {
+        let name = format!("perception.{key}");
+        let value = atas_core::settings::find(&name).map(|known| (known.get)(&settings));
+        let value = value.with_context(|| format!("{name} is no parameter"))?;
+        writeln!(text, "{key} = {value:?}").context("could not write")?;
+    }
+    Ok(text)
+}
+
+fn warnings(fitted: &Fitted, thresholds: &Thresholds, seconds: f64) -> Vec<String> {
+    let quality = &fitted.calibration.quality;
+    let mut warnings = Vec::new();
+    for (axis, share) in ["normal", "tangential1", "tangential2"]
+        .iter()
+        .zip(quality.error_share)
+    {
+        if share > 0.1 {
+            warnings.push(format!(
+                "the error along {axis} is {:.0} % of what was pressed; press more often, or check the reference",
+                100.0 * share
+            ));
+        }
+    }
+    if thresholds.drift_n_min > thresholds.touch_off_n - thresholds.drift_n_min {
+        warnings.push(format!(
+            "the zero drifts by {:.3} N a minute, more than its noise: let the sensor warm up, and take its zero before each use",
+            thresholds.drift_n_min
+        ));
+    }
+    if seconds < 10.0 {
+        warnings.push(format!(
+            "drift was watched for {seconds:.0} s only; a minute of silence tells it better"
+        ));
+    }
+    warnings
+}
+
+fn write_new(path: &Path, text: &str) -> anyhow::Result<()> {
+    let name = path.display();
+    let mut file = std::fs::File::create_new(path)
+        .with_context(|| format!("could not write {name}; it is never overwritten"))?;
+    std::io::Write::write_all(&mut file, text.as_bytes())
+        .with_context(|| format!("could not write {name}"))
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("could not write {}", path.display()))
+}
+
+fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["axis", "error N", "of what was pressed", "noise N"]);
+    for (axis, name) in ["normal", "tangential1", "tangential2"].iter().enumerate() {
+        rows.add_row([
+            (*name).to_owned(),
+            format!("{:.4}", report.error_n[axis]),
+            format!("{:.1} %", 100.0 * report.error_share[axis]),
+            format!("{:.4}", report.thresholds.noise_n[axis]),
+        ]);
+    }
+    output.table(rows)?;
+    let thresholds = &report.thresholds;
+    output.line(format_args!(
+        "touch from {:.4} N, until {:.4} N; motion from {:.2} times the noise; drift {:.4} N a minute",
+        thresholds.touch_on_n, thresholds.touch_off_n, report.motion_at, thresholds.drift_n_min
+    ))?;
+    if let Some(block) = &report.block {
+        output.line(format_args!(
+            "each tip compresses by {:.0} µm at 1 N, exponent {:.2}, error {:.1} µm",
+            1e6 * block.tip_compression_m,
+            block.tip_exponent,
+            1e6 * block.error_m
+        ))?;
+    }
+    for warning in &report.warnings {
+        output.line(format_args!("beware: {warning}"))?;
+    }
+    ensure!(report.presses > 0, "nothing was pressed");
+    output.line(format_args!(
+        "wrote {}: {} elements, judged on presses that were left out of {}",
+        report.calibration, report.elements, report.presses
+    ))
+}

@@ -1,0 +1,209 @@
+//! Tables as numbers: a device's values, the time, and what is known of the force.
+
+use anyhow::{Context, bail, ensure};
+use atas_evaluation::recorded::Sheet;
+use atas_sensors::calibration::{AXES, Point, Press};
+
+/// Columns of a known force.
+const FORCE: [&str; AXES] = ["normal_n", "tangential1_n", "tangential2_n"];
+/// Rows of a stream without steps that count as one press (ours).
+const ROWS_OF_PRESS: usize = 100;
+
+/// A recording of a device in its own units.
+pub(super) struct Recording {
+    /// Per frame its values, three per element.
+    pub(super) frames: Vec<Vec<f64>>,
+    /// Per frame its time, ns; `None` if the table has none.
+    pub(super) times_ns: Option<Vec<f64>>,
+    /// Whether the values are magnetic flux.
+    pub(super) is_flux: bool,
+}
+
+/// The device's columns of `atas-sensor --dry-run`: those between `status` and `arrival`.
+pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
+    let path = sheet.path.display();
+    let (Some(status), Some(arrival)) = (sheet.column("status"), sheet.column("arrival")) else {
+        bail!(
+            "could not find a device's values in {path}: needs the table that `atas-sensor SENSOR --dry-run` prints"
+        );
+    };
+    let columns: Vec<usize> = (status + 1..arrival).collect();
+    let first = columns
+        .first()
+        .map_or("", |&column| sheet.columns()[column].as_str());
+    let group = match first.chars().next() {
+        Some('p') => 1,
+        Some('f')
+            if columns
+                .iter()
+                .any(|&c| sheet.columns()[c].starts_with("tx")) =>
+        {
+            6
+        }
+        Some('f' | 'b') => AXES,
+        _ => bail!(
+            "could not calibrate the values {first:?} of {path}; needs forces, pressures or flux"
+        ),
+    };
+    ensure!(
+        !columns.is_empty() && columns.len() % group == 0,
+        "could not calibrate {} values per row of {path}, needs {group} per element",
+        columns.len()
+    );
+    let mut frames = Vec::with_capacity(sheet.len());
+    for row in 0..sheet.len() {
+        let value = |column: usize| {
+            sheet.number(row, column).with_context(|| {
+                let name = &sheet.columns()[column];
+                format!("could not calibrate with row {} of {path}: {name} is no number; leave the row out", row + 1)
+            })
+        };
+        let mut frame = Vec::new();
+        for element in columns.chunks_exact(group) {
+            match element {
+                [pressure] => frame.extend([0.0, 0.0, value(*pressure)?]),
+                _ => {
+                    for &column in &element[..AXES] {
+                        frame.push(value(column)?);
+                    }
+                }
+            }
+        }
+        frames.push(frame);
+    }
+    Ok(Recording {
+        frames,
+        times_ns: times_ns(sheet),
+        is_flux: first.starts_with('b'),
+    })
+}
+
+fn times_ns(sheet: &Sheet) -> Option<Vec<f64>> {
+    let column = sheet.column("captured_ns")?;
+    (0..sheet.len())
+        .map(|row| sheet.number(row, column))
+        .collect()
+}
+
+/// Presses with known forces, and the frames of which it is known that nothing touched.
+pub(super) fn presses(
+    sheet: &Sheet,
+    recording: &Recording,
+    reference: Option<&Sheet>,
+) -> anyhow::Result<(Vec<Press>, Vec<Vec<f64>>)> {
+    let known: Vec<Option<(usize, [f64; AXES])>> = match reference {
+        None => own(sheet)?,
+        Some(steps) if steps.column("from_ns").is_some() => by_steps(sheet, recording, steps)?,
+        Some(stream) => by_stream(sheet, recording, stream)?,
+    };
+    let (mut presses, mut silence) = (Vec::<Press>::new(), Vec::new());
+    let mut last = None;
+    for (frame, known) in recording.frames.iter().zip(known) {
+        let Some((press, force_n)) = known else {
+            continue;
+        };
+        if force_n == [0.0; AXES] {
+            silence.push(frame.clone());
+            continue;
+        }
+        if last != Some(press) {
+            presses.push(Press::default());
+            last = Some(press);
+        }
+        if let Some(press) = presses.last_mut() {
+            let values = frame.clone();
+            press.points.push(Point { values, force_n });
+        }
+    }
+    Ok((presses, silence))
+}
+
+fn columns(sheet: &Sheet) -> anyhow::Result<[usize; AXES]> {
+    let path = sheet.path.display();
+    let of = |name: &str| {
+        sheet.column(name).with_context(|| {
+            format!("could not find the known force in {path}: it has no column {name}")
+        })
+    };
+    Ok([of(FORCE[0])?, of(FORCE[1])?, of(FORCE[2])?])
+}
+
+fn force(sheet: &Sheet, row: usize, columns: [usize; AXES]) -> Option<[f64; AXES]> {
+    let mut force_n = [0.0; AXES];
+    for (force_n, column) in force_n.iter_mut().zip(columns) {
+        *force_n = sheet.number(row, column)?;
+    }
+    Some(force_n)
+}
+
+/// The recording has the forces itself; its column `press` numbers presses, else a hundred rows make one.
+fn own(sheet: &Sheet) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
+    let columns = columns(sheet)?;
+    let press = sheet.column("press");
+    let number = |row: usize| match press {
+        Some(column) => sheet.number(row, column).map(|number| number as usize),
+        None => Some(row / ROWS_OF_PRESS),
+    };
+    let of = |row: usize| Some((number(row)?, force(sheet, row, columns)?));
+    Ok((0..sheet.len()).map(of).collect())
+}
+
+/// A person was guided: each step is a press.
+fn by_steps(
+    sheet: &Sheet,
+    recording: &Recording,
+    steps: &Sheet,
+) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
+    let (from, to) = (steps.column("from_ns"), steps.column("to_ns"));
+    let columns = columns(steps)?;
+    let step = |row: usize| {
+        let range = (steps.number(row, from?)?, steps.number(row, to?)?);
+        Some((range, force(steps, row, columns)?))
+    };
+    let steps: Vec<_> = (0..steps.len()).filter_map(step).collect();
+    let times = needed_times(sheet, recording)?;
+    let of = |time_ns: &f64| {
+        let step = steps
+            .iter()
+            .position(|((from, to), _)| (*from..=*to).contains(time_ns))?;
+        Some((step, steps[step].1))
+    };
+    Ok(times.iter().map(of).collect())
+}
+
+/// Another sensor felt the same force: between two of its frames it is interpolated.
+fn by_stream(
+    sheet: &Sheet,
+    recording: &Recording,
+    stream: &Sheet,
+) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
+    let columns = columns(stream)?;
+    let path = stream.path.display();
+    let when = stream.column("captured_ns").with_context(|| {
+        format!("could not find captured_ns in {path}, needs the time of the known force")
+    })?;
+    let mut known: Vec<(f64, [f64; AXES])> = (0..stream.len())
+        .filter_map(|row| Some((stream.number(row, when)?, force(stream, row, columns)?)))
+        .collect();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let times = needed_times(sheet, recording)?;
+    let of = |(row, time_ns): (usize, &f64)| {
+        let after = known.partition_point(|(at_ns, _)| at_ns < time_ns);
+        let (early, late) = (known.get(after.checked_sub(1)?)?, known.get(after)?);
+        let share = (time_ns - early.0) / (late.0 - early.0);
+        let between = |axis: usize| early.1[axis] + (late.1[axis] - early.1[axis]) * share;
+        let force_n = [between(0), between(1), between(2)];
+        force_n
+            .iter()
+            .all(|n| n.is_finite())
+            .then_some((row / ROWS_OF_PRESS, force_n))
+    };
+    Ok(times.iter().enumerate().map(of).collect())
+}
+
+fn needed_times<'a>(sheet: &Sheet, recording: &'a Recording) -> anyhow::Result<&'a [f64]> {
+    recording.times_ns.as_deref().with_context(|| {
+        let path = sheet.path.display();
+        format!("could not find captured_ns in every row of {path}, needs it to know which force belongs to which frame")
+    })
+}

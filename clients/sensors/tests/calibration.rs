@@ -1,0 +1,267 @@
+//! Calibrations fitted to presses whose truth is known, saved, read, and refused when they cannot be right.
+
+use atas_sensors::calibration::{
+    Calibration, FitError, Model, Point, Press, Silence, Thresholds, fit, listen, press_block,
+    total_n,
+};
+use atas_sensors::plan::Plan;
+use atas_sensors::reading::Quantity;
+use proptest::prelude::*;
+use shm_schemas::Layout;
+use shm_schemas::capacity::ELEMENTS;
+
+/// Numbers from −1 to 1 (SplitMix64).
+struct Draw(u64);
+
+impl Draw {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Counts per newton of one dome: axes that are swapped and turned, 8 % of crosstalk.
+const COUNTS_PER_N: [[f64; 3]; 3] = [[3.0, 25.0, 2.0], [-1.5, 2.2, 30.0], [-60.0, 3.0, 4.0]];
+const ZERO: [f64; 3] = [120.0, -35.0, 7.0];
+
+fn dome(force_n: [f64; 3], noise: f64, draw: &mut Draw) -> Vec<f64> {
+    let row = |row: usize| -> f64 { (0..3).map(|k| COUNTS_PER_N[row][k] * force_n[k]).sum() };
+    (0..3)
+        .map(|axis| ZERO[axis] + row(axis) + noise * draw.next())
+        .collect()
+}
+
+/// Five magnetometers: flux that bends with the force.
+fn skin(force_n: [f64; 3], noise: f64, draw: &mut Draw) -> Vec<f64> {
+    let [n, a, b] = force_n;
+    let magnet = |m: usize| {
+        let m = m as f64;
+        let bent = n / (1.0 + 0.04 * n);
+        [
+            40.0 * a + 6.0 * m * n + 4.0 * b,
+            -35.0 * b + 5.0 * (m - 2.0) * n,
+            -90.0 * bent - 8.0 * m * a,
+        ]
+    };
+    (0..5)
+        .flat_map(magnet)
+        .map(|flux| flux + noise * draw.next())
+        .collect()
+}
+
+fn bench(
+    of: impl Fn([f64; 3], f64, &mut Draw) -> Vec<f64>,
+    noise: f64,
+) -> (Vec<Press>, Silence, Vec<Vec<f64>>) {
+    let mut draw = Draw(3);
+    let quiet: Vec<Vec<f64>> = (0..400).map(|_| of([0.0; 3], noise, &mut draw)).collect();
+    let press = |draw: &mut Draw| {
+        let direction = [
+            3.0 + 2.5 * draw.next(),
+            2.0 * draw.next(),
+            2.0 * draw.next(),
+        ];
+        let points = (1..=30).map(|step| {
+            let force_n = direction.map(|n| n * f64::from(step) / 30.0);
+            let values = of(force_n, noise, draw);
+            Point { values, force_n }
+        });
+        Press {
+            points: points.collect(),
+        }
+    };
+    let presses = (0..40).map(|_| press(&mut draw)).collect();
+    let silence = listen(&quiet).expect("enough frames");
+    (presses, silence, quiet)
+}
+
+fn dome_1() -> Layout {
+    Layout::named("dome-1").expect("a layout")
+}
+
+#[test]
+fn scale_axes_and_crosstalk_are_found_together() {
+    let (presses, silence, quiet) = bench(dome, 1.0);
+    for (zero, expected) in silence.zero.iter().zip(ZERO) {
+        assert!((zero - expected).abs() < 0.15, "{zero} {expected}");
+    }
+    let fitted = fit(&presses, &silence, Model::Matrix, &dome_1(), "a bench").expect("a fit");
+    let calibration = &fitted.calibration;
+    assert!(
+        calibration.quality.error_n.iter().all(|n| *n < 0.04),
+        "{:?}",
+        calibration.quality
+    );
+    let mut draw = Draw(99);
+    for force_n in [[5.0, 0.0, 0.0], [2.0, 1.0, -0.5], [0.3, 0.0, 0.3]] {
+        let told_n = total_n(calibration, &dome_1(), &dome(force_n, 0.0, &mut draw));
+        for (told_n, known_n) in told_n.iter().zip(force_n) {
+            assert!((told_n - known_n).abs() < 0.02, "{told_n} {known_n}");
+        }
+    }
+    // Noise of ±1 count of 60 per newton is 10 mN; eight of them begin a touch.
+    let thresholds = Thresholds::of(calibration, &quiet, 4.0, 8.0).expect("enough frames");
+    assert!(
+        (0.05..0.2).contains(&thresholds.touch_on_n),
+        "{thresholds:?}"
+    );
+    assert!(
+        thresholds.touch_off_n < thresholds.touch_on_n,
+        "{thresholds:?}"
+    );
+}
+
+#[test]
+fn flux_becomes_force_and_squares_tell_it_better() {
+    let (presses, silence, _) = bench(skin, 0.5);
+    let error_n = |model: Model| {
+        let fitted = fit(&presses, &silence, model, &dome_1(), "a bench").expect("a fit");
+        assert_eq!(
+            (
+                fitted.calibration.elements_in(),
+                fitted.calibration.elements_out()
+            ),
+            (5, 1)
+        );
+        fitted.calibration.quality.error_n[0]
+    };
+    let (linear_n, squares_n) = (error_n(Model::Resultant), error_n(Model::ResultantSquares));
+    assert!(
+        squares_n < 0.03 && squares_n < 0.5 * linear_n,
+        "{squares_n} {linear_n}"
+    );
+}
+
+#[test]
+fn a_file_gives_the_same_calibration_or_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tip.toml");
+    let (presses, silence, _) = bench(dome, 1.0);
+    let calibration = fit(&presses, &silence, Model::Matrix, &dome_1(), "a bench")
+        .expect("a fit")
+        .calibration;
+    calibration.save(&path).expect("saved");
+    assert_eq!(Calibration::open(&path).expect("read"), calibration);
+    assert!(
+        calibration.save(&path).is_err(),
+        "a calibration overwrote a file"
+    );
+    let text = std::fs::read_to_string(&path).expect("text");
+    let check = |from: &str, to: &str, part: &str| {
+        assert!(text.contains(from), "{from:?} is not in {text}");
+        std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
+        let error = Calibration::open(&path).expect_err(part).to_string();
+        assert!(error.contains(part), "{error}");
+    };
+    check("format = 1", "format = 2", "calibrate again");
+    check("zero = [", "zero = [1.0, ", "needs 3 per element");
+    check("newtons = [[[", "newtons = [[[nan, ", "rows of 3 numbers");
+    check("model = \"matrix\"", "model = \"guess\"", "guess");
+    check("source", "sauce", "sauce");
+}
+
+#[test]
+fn presses_that_cannot_tell_are_refused_by_what_they_lack() {
+    let (presses, silence, _) = bench(dome, 1.0);
+    let check = |presses: &[Press], layout: &str, part: &str| {
+        let layout = Layout::named(layout).expect("a layout");
+        let error = fit(presses, &silence, Model::Matrix, &layout, "").expect_err(part);
+        assert!(error.to_string().contains(part), "{error}");
+    };
+    check(&presses[..4], "dome-1", "5 or more");
+    check(&presses, "pad-2", "needs 6");
+    let still = |keep: usize| {
+        let mut draw = Draw(5);
+        let mut press = Press::default();
+        for step in 1..20 {
+            let mut force_n = [0.0; 3];
+            force_n[keep] = f64::from(step) * 0.1;
+            let values = dome(force_n, 0.0, &mut draw);
+            press.points.push(Point { values, force_n });
+        }
+        press
+    };
+    check(&vec![still(0); 6], "dome-1", "tell all axes apart");
+    let mut broken = presses.clone();
+    broken[7].points[0].values[1] = f64::NAN;
+    check(&broken, "dome-1", "press 7");
+    assert_eq!(
+        fit(&[], &silence, Model::Matrix, &dome_1(), "").expect_err("none"),
+        FitError::Few(0)
+    );
+}
+
+#[test]
+fn a_rigid_block_tells_how_the_tips_compress() {
+    let mut draw = Draw(11);
+    for (compression_m, exponent) in [(0.00044, 0.48), (0.0002, 1.0), (0.001, 0.33)] {
+        let points: Vec<(f64, f64)> = (0..300)
+            .map(|i| {
+                let force_n = 0.1 + 0.02 * f64::from(i);
+                (
+                    0.02 + 2.0 * compression_m * force_n.powf(exponent) + 1e-6 * draw.next(),
+                    force_n,
+                )
+            })
+            .collect();
+        let block = press_block(&points, 0.1, 2).expect("a compression");
+        assert!(
+            (block.tip_compression_m / compression_m - 1.0).abs() < 0.03,
+            "{block:?}"
+        );
+        assert!((block.tip_exponent - exponent).abs() < 0.02, "{block:?}");
+    }
+    assert_eq!(press_block(&[(0.0, 1.0); 5], 0.1, 2), None);
+    assert_eq!(press_block(&[(f64::NAN, 1.0); 50], 0.1, 2), None);
+    assert_eq!(press_block(&[(0.01, 1.0); 50], 0.1, 2), None);
+}
+
+/// What `atas-sensor hand FILE` would publish with such a calibration.
+#[test]
+fn the_sensor_process_applies_it_and_refuses_another_sensors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tip.toml");
+    let (presses, silence, _) = bench(dome, 1.0);
+    let fitted = fit(&presses, &silence, Model::Matrix, &dome_1(), "a bench").expect("a fit");
+    fitted.calibration.save(&path).expect("saved");
+    let plan = |sensor: &str, calibrations: &str| {
+        Plan::from_toml(&format!(
+            "hand = \"left\"\n[[port]]\nsensor = \"{sensor}\"\ndevice = \"/dev/null\"\ncalibration = {calibrations}\n"
+        ))
+        .map_err(|failure| failure.to_string())
+    };
+    let tip = format!("{:?}", path.display().to_string());
+    let seats = plan("optoforce", &tip).expect("a plan").seats();
+    let mut forces_n = [[0.0; 3]; ELEMENTS];
+    let values = dome([2.0, 0.5, -0.3], 0.0, &mut Draw(1));
+    let count = seats[0]
+        .newtons
+        .write(0, Quantity::Force, &values, &mut forces_n);
+    assert_eq!(count, 1);
+    for (told_n, known_n) in forces_n[0].iter().zip([2.0, 0.5, -0.3]) {
+        assert!((told_n - known_n).abs() < 0.02, "{told_n} {known_n}");
+    }
+    let check = |sensor: &str, calibrations: &str, part: &str| {
+        let error = plan(sensor, calibrations).err().unwrap_or_default();
+        assert!(error.contains(part), "{error}");
+    };
+    check("anyskin", &tip, "the sensor has 5");
+    check("optoforce", "\"no/such.toml\"", "no/such.toml");
+    check("optoforce", &format!("[{tip}, {tip}]"), "left over");
+}
+
+proptest! {
+    #[test]
+    fn whatever_a_device_says_is_survived(values in prop::collection::vec(any::<f64>(), 0..20)) {
+        let (presses, silence, _) = bench(dome, 1.0);
+        let fitted = fit(&presses[..6], &silence, Model::Matrix, &dome_1(), "").expect("a fit");
+        let force_n = fitted.calibration.force_n(0, &values);
+        if values.len() < 3 {
+            prop_assert!(force_n.iter().all(|n| n.is_nan()), "{force_n:?}");
+        } else if values[..3].iter().all(|value| value.abs() < 1e100) {
+            prop_assert!(force_n.iter().all(|n| n.is_finite()), "{force_n:?}");
+        }
+    }
+}
