@@ -12,10 +12,31 @@ use sim_backend::Errors;
 
 use super::rows::File;
 
-/// Trials under each condition.
-const TRIALS: u64 = 200;
-/// Trials of each error.
-const ERROR_TRIALS: u64 = 48;
+/// What a table is about.
+struct Kind {
+    /// What its files are called.
+    name: &'static str,
+    /// Trials under each condition, unless another number is asked for.
+    trials: u64,
+    conditions: fn(Task) -> Vec<Condition>,
+    /// Whether the baselines are tried under all of them.
+    compare_everywhere: bool,
+}
+
+/// Every task under its usual conditions.
+const ALL: Kind = Kind {
+    name: "all",
+    trials: 200,
+    conditions: Task::conditions,
+    compare_everywhere: false,
+};
+/// Every task with each error.
+const ERRORS: Kind = Kind {
+    name: "errors",
+    trials: 48,
+    conditions: Task::error_conditions,
+    compare_everywhere: true,
+};
 /// Trials of each series that are kept beside a table: the first, and the one in the middle.
 const SAMPLES: usize = 2;
 
@@ -25,13 +46,7 @@ pub(super) fn all(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let evaluated = run(summary, TRIALS, Task::conditions, interrupt)?;
-    let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
-    let text = table(&reports);
-    if let Some(folder) = &summary.golden {
-        keep(folder, "all", &text, &evaluated)?;
-    }
-    print(summary, &reports, &text, output)
+    report(&ALL, summary, table, interrupt, output)
 }
 
 /// What each error costs.
@@ -40,23 +55,29 @@ pub(super) fn errors(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let evaluated = run(summary, ERROR_TRIALS, Task::error_conditions, interrupt)?;
-    let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
     let abouts = Errors::KINDS.iter().map(|kind| (kind.name, kind.about));
     let abouts: BTreeMap<&str, &str> = abouts.chain([("all", "all at once")]).collect();
-    let text = errors_table(&reports, &abouts);
+    let text = |reports: &[Report]| errors_table(reports, &abouts);
+    report(&ERRORS, summary, text, interrupt, output)
+}
+
+fn report(
+    kind: &Kind,
+    summary: &Summary,
+    text: impl Fn(&[Report]) -> String,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let evaluated = run(kind, summary, interrupt)?;
+    let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
+    let text = text(&reports);
     if let Some(folder) = &summary.golden {
-        keep(folder, "errors", &text, &evaluated)?;
+        keep(folder, kind.name, &text, &evaluated)?;
     }
     print(summary, &reports, &text, output)
 }
 
-fn run(
-    summary: &Summary,
-    trials: u64,
-    conditions: fn(Task) -> Vec<Condition>,
-    interrupt: &Interrupt,
-) -> anyhow::Result<Vec<Evaluated>> {
+fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<Vec<Evaluated>> {
     let named: Vec<Task> = summary
         .tasks
         .iter()
@@ -75,11 +96,11 @@ fn run(
         let plan = Plan {
             task: *task,
             objects: task.objects()?,
-            trials: summary.trials.unwrap_or(trials),
+            trials: summary.trials.unwrap_or(kind.trials),
             first_seed: summary.first_seed.unwrap_or(seeds::JUDGED_FROM),
-            conditions: conditions(*task),
+            conditions: (kind.conditions)(*task),
             baselines,
-            compare_everywhere: trials == ERROR_TRIALS,
+            compare_everywhere: kind.compare_everywhere,
             threads: summary.threads,
             settings: atas_core::Settings::default(),
         };
