@@ -15,7 +15,7 @@ use crate::task::Task;
 /// Ticks of one step: a policy decides 50 times a second, as learned policies do.
 pub const STEP_TICKS: usize = 20;
 /// What turns an episode's seed into the choice of its object (ours: any number does).
-const OBJECT_STREAM: u64 = 0x6f_626a_6563_74;
+const OBJECT_STREAM: u64 = 0x6f62_6a65_6374;
 
 /// Why an environment could not go on.
 #[derive(Debug, thiserror::Error)]

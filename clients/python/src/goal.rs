@@ -130,11 +130,11 @@ pub(crate) fn described<'py>(
     progress: &GoalProgress,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (last, figures) = (progress.last(), progress.figures());
-    let reason = last
-        .reason
-        .is_some()
-        .then(|| progress.sentence())
-        .unwrap_or_default();
+    let reason = if last.reason.is_some() {
+        progress.sentence()
+    } else {
+        String::new()
+    };
     let told = PyDict::new(py);
     told.set_item("state", last.state.0)?;
     told.set_item("step", progress.step())?;

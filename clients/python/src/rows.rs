@@ -108,9 +108,12 @@ pub(crate) fn dtype<'py>(py: Python<'py>, payload: &str) -> PyResult<Bound<'py, 
     described(py, found.ok_or_else(unknown)?)
 }
 
+/// A value of a code: its name, its number, its name in logs.
+type Value = (&'static str, u32, &'static str);
+
 /// Every code with its values and their names in logs: what `atas.codes` is made from.
 #[pyfunction]
-pub(crate) fn codes() -> Vec<(&'static str, String, Vec<(&'static str, u32, &'static str)>)> {
+pub(crate) fn codes() -> Vec<(&'static str, String, Vec<Value>)> {
     let each = CODES.iter().map(|code| {
         let values = code
             .values
