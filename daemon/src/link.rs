@@ -3,7 +3,7 @@
 //! ```text
 //!  supervisor ── orders, stops ──▶ tick        every queue has one writer and one reader, so that neither can hold up
 //!             ◀─ records, news ───             the other, whatever preempts whom
-//!             ◀─ events, snapshot, input log ─
+//!             ◀─ events, snapshot, view, input log ─
 //!  stop listener ── signal ──────▶
 //! ```
 //!
@@ -19,7 +19,7 @@ use atas_core::Order;
 use robot_model::ROBOT_JOINTS;
 use rtrb::{Consumer, Producer, RingBuffer};
 use shm_bus::stop;
-use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, TickReport};
+use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, TickReport, View};
 
 use crate::input_log::{self, LogReader, LogWriter};
 
@@ -105,6 +105,7 @@ pub struct TickEnd {
     news: Producer<News>,
     events: Producer<ModuleEvent>,
     snapshot: triple_buffer::Input<Status>,
+    view: triple_buffer::Input<View>,
     input_log: Option<LogWriter>,
     shared: Arc<Shared>,
 }
@@ -119,6 +120,7 @@ pub struct SupervisorEnd {
     news: Consumer<News>,
     events: Consumer<ModuleEvent>,
     snapshot: triple_buffer::Output<Status>,
+    view: triple_buffer::Output<View>,
     input_log: Option<LogReader>,
     shared: Arc<Shared>,
 }
@@ -144,6 +146,7 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd
     let (news_in, news) = RingBuffer::new(NEWS);
     let (events_in, events) = RingBuffer::new(EVENTS);
     let (snapshot_in, snapshot) = triple_buffer::triple_buffer(&Status::default());
+    let (view_in, view) = triple_buffer::triple_buffer(&View::default());
     let (log_in, log) = records.then(input_log::input_log).unzip();
     let shared = Arc::<Shared>::default();
     let tick = TickEnd {
@@ -155,6 +158,7 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd
         news: news_in,
         events: events_in,
         snapshot: snapshot_in,
+        view: view_in,
         input_log: log_in,
         shared: Arc::clone(&shared),
     };
@@ -166,6 +170,7 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd
         news,
         events,
         snapshot,
+        view,
         input_log: log,
         shared,
     };
@@ -216,6 +221,12 @@ impl SupervisorEnd {
         self.snapshot
             .update()
             .then(|| *self.snapshot.output_buffer())
+    }
+
+    /// The newest view, if there is one since the last call.
+    #[must_use]
+    pub fn newest_view(&mut self) -> Option<&View> {
+        self.view.update().then(|| self.view.output_buffer())
     }
 
     /// The input log, if recording is switched on.
@@ -325,6 +336,12 @@ impl TickEnd {
     /// Leaves a snapshot; an older one that nobody took is replaced.
     pub fn leave_snapshot(&mut self, snapshot: &Status) {
         self.snapshot.write(*snapshot);
+    }
+
+    /// Leaves a view that `fill` writes in place; an older one that nobody took is replaced.
+    pub fn leave_view(&mut self, fill: impl FnOnce(&mut View)) {
+        fill(self.view.input_buffer_mut());
+        self.view.publish();
     }
 
     /// Whether the loop shall end.

@@ -3,7 +3,7 @@
 use atas_core::{Inputs, Order, Tick};
 use shm_bus::{Bus, BusError, Subscriber};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{HandFrame, JointState, service};
+use shm_schemas::{HandFrame, JointState, View, service};
 
 /// Most frames of one hand that one tick takes in. More wait for the next tick, which makes the drain bounded.
 pub const FRAMES_PER_TICK: usize = 64;
@@ -26,6 +26,8 @@ struct HandPort {
     port: Subscriber<HandFrame>,
     frames: Box<[HandFrame]>,
     count: usize,
+    /// Place of the newest frame that ever came.
+    newest: Option<usize>,
     captured_ns: u64,
 }
 
@@ -103,6 +105,22 @@ impl InputPorts {
         self.failures
     }
 
+    /// Writes what came last into a view; what it has of the hands stays where nothing came.
+    pub fn write_view(&self, tick: Tick, view: &mut View) {
+        view.stamp.captured_ns = tick.now_ns;
+        view.tick = tick.index;
+        for (index, hand) in self.hands.iter().enumerate() {
+            if let Some(newest) = hand.newest {
+                view.frames[index] = hand.frames[newest];
+                view.has_frame[index] = 1;
+            }
+        }
+        if self.joints_captured_ns() != 0 {
+            view.joints = self.newest;
+            view.has_joints = 1;
+        }
+    }
+
     /// What was taken in, for the controller.
     #[must_use]
     pub fn inputs<'a>(&'a self, tick: Tick, order: Option<&'a Order>) -> Inputs<'a> {
@@ -122,6 +140,7 @@ impl HandPort {
             port: bus.subscriber(name)?,
             frames,
             count: 0,
+            newest: None,
             captured_ns: 0,
         })
     }
@@ -131,11 +150,13 @@ impl HandPort {
             port,
             frames,
             count,
+            newest,
             captured_ns,
         } = self;
         port.drain(FRAMES_PER_TICK - *count, |frame| {
             frames[*count] = *frame;
             *captured_ns = frame.stamp.captured_ns;
+            *newest = Some(*count);
             *count += 1;
         })?;
         Ok(())

@@ -171,6 +171,7 @@ impl Supervisor {
             manager.ready();
         }
         manager.attend(state.ticks_seen);
+        self.telemetry.publish_view(&self.state, &mut self.link);
         self.telemetry.publish_status(&self.state, &mut self.link);
     }
 

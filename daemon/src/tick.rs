@@ -23,6 +23,8 @@ const REPORT: usize = 6;
 const RECORDING: usize = 7;
 /// How often the status is renewed when nothing happens, Hz.
 const STATUS_HZ: u64 = 50;
+/// How often a view is left for screens, Hz: as often as they are drawn.
+const VIEW_HZ: u64 = 60;
 
 /// The tick thread's state.
 #[derive(Debug)]
@@ -47,6 +49,7 @@ struct Counts {
     in_vain: u64,
     unsent: u64,
     status_every: u64,
+    view_every: u64,
 }
 
 impl TickLoop {
@@ -83,6 +86,7 @@ impl TickLoop {
                 in_vain: 0,
                 unsent: 0,
                 status_every,
+                view_every: (u64::from(rate_hz) / VIEW_HZ).max(1),
             },
         })
     }
@@ -138,6 +142,9 @@ impl TickLoop {
         link.leave(&record, ticket, step.goal_update, step.events);
         if is_news || counts.ticks.is_multiple_of(counts.status_every) {
             link.leave_snapshot(&counts.complete(guard.status(start.tick.now_ns), &start));
+        }
+        if counts.ticks.is_multiple_of(counts.view_every) {
+            link.leave_view(|view| ports.write_view(start.tick, view));
         }
         if let (Pacer::LockStep(pacer), Some(Order::Recover)) = (pacer, order.map(|o| o.order)) {
             pacer.settle();

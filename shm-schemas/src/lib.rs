@@ -42,6 +42,7 @@ mod swarm;
 mod text;
 mod tick;
 mod truth;
+mod view;
 
 pub use body::{Body, BodyPair};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
@@ -64,3 +65,4 @@ pub use swarm::{AgentSensors, WheelCommands};
 pub use text::Text;
 pub use tick::{FingerReport, HandReport, TickReport};
 pub use truth::{ObjectTruth, WorldTruth};
+pub use view::View;

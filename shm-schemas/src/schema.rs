@@ -6,7 +6,7 @@
 
 use crate::text::Text;
 use crate::{control, event, frame, goal, joints, module, reason, record, stamp, status, stop};
-use crate::{swarm, tick, truth};
+use crate::{swarm, tick, truth, view};
 
 /// What a field is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,6 +148,7 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &tick::FingerReport::PAYLOAD,
     &tick::HandReport::PAYLOAD,
     &tick::TickReport::PAYLOAD,
+    &view::View::PAYLOAD,
     &record::SettingsRecord::PAYLOAD,
     &record::StepRecord::PAYLOAD,
     &record::TrackRecord::PAYLOAD,

@@ -16,6 +16,8 @@ pub const CONTROL: &str = "atas/v1/control";
 pub const STATUS: &str = "atas/v3/status";
 /// Publish-subscribe: [`crate::TickReport`], one per tick, from the daemon's non-real-time side.
 pub const TICK_REPORT: &str = "atas/v1/tick-report";
+/// Publish-subscribe: [`crate::View`], about 60 Hz, from the daemon's non-real-time side.
+pub const VIEW: &str = "atas/v1/view";
 /// Publish-subscribe: [`crate::ModuleEvent`], on change, from the daemon's non-real-time side.
 pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
@@ -32,7 +34,7 @@ pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
 
 /// Every service by its name here.
-pub const NAMES: [(&str, &str); 15] = [
+pub const NAMES: [(&str, &str); 16] = [
     ("HAND_FRAME_LEFT", HAND_FRAME[0]),
     ("HAND_FRAME_RIGHT", HAND_FRAME[1]),
     ("JOINT_STATE", JOINT_STATE),
@@ -41,6 +43,7 @@ pub const NAMES: [(&str, &str); 15] = [
     ("CONTROL", CONTROL),
     ("STATUS", STATUS),
     ("TICK_REPORT", TICK_REPORT),
+    ("VIEW", VIEW),
     ("MODULE_EVENT", MODULE_EVENT),
     ("RUN_HEADER", RUN_HEADER),
     ("TICK_INPUTS", TICK_INPUTS),

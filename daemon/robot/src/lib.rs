@@ -64,6 +64,8 @@ mod jacobian;
 mod model;
 mod reach;
 mod sizes;
+#[cfg(feature = "std")]
+mod skeleton;
 mod solve;
 mod target;
 mod transform;
@@ -81,6 +83,8 @@ pub use model::{
 };
 pub use reach::{ReachError, Workspace};
 pub use sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS};
+#[cfg(feature = "std")]
+pub use skeleton::{Form, Limb, Placement, Shape, Skeleton};
 pub use solve::{
     POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,
 };

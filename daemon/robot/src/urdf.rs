@@ -19,7 +19,7 @@ use urdf_rs::{JointType, Robot};
 
 use collision::{dome_radius, load_capsules};
 pub use error::ModelError;
-use error::misfit;
+pub(crate) use error::misfit;
 use joint::{joint_axis, load_joint, reference_rad, turn_z_to};
 use tree::{Tree, transform};
 

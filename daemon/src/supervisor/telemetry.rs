@@ -1,9 +1,9 @@
-//! What observers see: every tick's report, every event, the status fifty times a second.
+//! What observers see: every tick's report, every event, the status fifty times a second, a view sixty times.
 
 use std::time::{Duration, Instant};
 
 use shm_bus::{Bus, BusError, Publisher};
-use shm_schemas::{ModuleEvent, Status, Text, TickReport, service};
+use shm_schemas::{ModuleEvent, Status, Text, TickReport, View, service};
 
 use super::SupervisorState;
 use crate::figures::Figures;
@@ -18,6 +18,8 @@ pub(super) struct Telemetry {
     status: Publisher<Status>,
     reports: Publisher<TickReport>,
     events: Publisher<ModuleEvent>,
+    views: Publisher<View>,
+    views_sent: u64,
     figures: Option<Figures>,
     snapshot: Status,
     sequence: u64,
@@ -30,6 +32,8 @@ impl Telemetry {
             status: bus.publisher(service::STATUS)?,
             reports: bus.publisher(service::TICK_REPORT)?,
             events: bus.publisher(service::MODULE_EVENT)?,
+            views: bus.publisher(service::VIEW)?,
+            views_sent: 0,
             figures: Figures::new(),
             snapshot: Status::default(),
             sequence: 0,
@@ -46,6 +50,20 @@ impl Telemetry {
 
     pub(super) fn publish_event(&mut self, event: &ModuleEvent) {
         report_failure(self.events.send(event));
+    }
+
+    /// Publishes the view that the ticks left since the last one.
+    pub(super) fn publish_view(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
+        let Some(newest) = link.newest_view() else {
+            return;
+        };
+        let sent = self.views.send_with(|view| {
+            *view = *newest;
+            view.stamp.sequence = self.views_sent;
+            view.stamp.writer_epoch = state.wiring.writer_epoch;
+        });
+        self.views_sent += 1;
+        report_failure(sent);
     }
 
     /// Publishes the status if it is due.

@@ -57,6 +57,7 @@ mod startup;
 pub mod stop;
 mod stream;
 mod subscriber;
+mod traffic;
 mod user;
 
 pub use bus::Bus;
@@ -73,3 +74,4 @@ pub use peer::Peer;
 pub use publisher::Publisher;
 pub use qos::{BORROWED, STREAMS, Stream};
 pub use subscriber::Subscriber;
+pub use traffic::Traffic;

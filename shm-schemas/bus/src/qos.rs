@@ -9,7 +9,7 @@ use std::mem::size_of;
 use shm_schemas::service as at;
 use shm_schemas::{
     AgentSensors, HandFrame, JointCommand, JointState, ModuleEvent, Payload, RunHeader,
-    SensorStatus, Status, TickInputs, TickReport, WheelCommands, WorldTruth,
+    SensorStatus, Status, TickInputs, TickReport, View, WheelCommands, WorldTruth,
 };
 
 /// How one publish-subscribe service is carried.
@@ -28,7 +28,7 @@ pub struct Stream {
     /// Most readers at a time.
     pub subscribers: usize,
     /// Size of one payload, bytes.
-    payload_bytes: usize,
+    pub payload_bytes: usize,
 }
 
 /// Samples a reader holds at a time while it looks for the newest.
@@ -61,13 +61,14 @@ const fn stream<T: Payload>(
 /// deep, because an old command is worth nothing; reports 256 deep, for readers that wake a few times a second; events 1024
 /// deep and kept, so that a reader that comes when a task has ended sees the whole of it;
 /// recorded inputs 288 deep for one recorder, which looks every millisecond, because a replay needs every one of them.
-pub const STREAMS: [Stream; 13] = [
+pub const STREAMS: [Stream; 14] = [
     stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
     stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
     stream::<JointState>(at::JOINT_STATE, [16, 1], [1, 4]),
     stream::<JointCommand>(at::JOINT_COMMAND, [4, 1], [1, 4]),
     stream::<Status>(at::STATUS, [2, 1], [1, 16]),
     stream::<TickReport>(at::TICK_REPORT, [256, 1], [1, 8]),
+    stream::<View>(at::VIEW, [2, 1], [1, 16]),
     stream::<ModuleEvent>(at::MODULE_EVENT, [1024, 1024], [1, 8]),
     stream::<RunHeader>(at::RUN_HEADER, [1, 1], [1, 4]),
     stream::<TickInputs>(at::TICK_INPUTS, [288, 0], [1, 1]),

@@ -31,7 +31,7 @@ pub enum ModelError {
     },
 }
 
-pub(super) fn misfit(item: impl ToString, was: impl ToString, needs: impl ToString) -> ModelError {
+pub(crate) fn misfit(item: impl ToString, was: impl ToString, needs: impl ToString) -> ModelError {
     ModelError::Misfit {
         item: item.to_string(),
         was: was.to_string(),

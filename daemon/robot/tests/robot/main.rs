@@ -5,6 +5,7 @@ mod forward;
 mod ik;
 mod jacobian;
 mod path;
+mod skeleton;
 mod support;
 mod unreachable;
 mod urdf;

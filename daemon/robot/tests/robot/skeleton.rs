@@ -1,0 +1,87 @@
+//! Every link for viewers, against the kinematics that the controller computes with.
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use robot_model::{
+    FINGERS, Placement, ROBOT_JOINTS, RobotModel, Side, Skeleton, TIP_LINKS, TWO_HAND_ARM_URDF,
+};
+
+use crate::support::{ROBOT, between_limits, fractions};
+
+fn isometry(placement: &Placement) -> Isometry3<f64> {
+    let [x, y, z, w] = placement.rotation_xyzw;
+    Isometry3::from_parts(
+        Translation3::from(Vector3::from(placement.translation_m)),
+        UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+    )
+}
+
+/// Where each link is in the base frame.
+fn placed(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Isometry3<f64>> {
+    let mut base_from: Vec<Isometry3<f64>> = Vec::new();
+    for limb in skeleton.limbs() {
+        let parent = limb.parent.map_or(Isometry3::identity(), |p| base_from[p]);
+        base_from.push(parent * isometry(&limb.placed(q_rad)));
+    }
+    base_from
+}
+
+proptest! {
+    #[test]
+    fn fingertips_are_where_the_controller_has_them(at in fractions(), side in 0..2_usize) {
+        let side = Side::BOTH[side];
+        let skeleton = Skeleton::two_hand_arm().expect("built in");
+        let hand = ROBOT.hand(side);
+        let q_hand_rad = between_limits(hand, &at);
+        let mut q_rad = [0.0; ROBOT_JOINTS];
+        q_rad[side.joint_range()].copy_from_slice(q_hand_rad.as_slice());
+        let base_from = placed(&skeleton, &q_rad);
+        let pose = hand.forward(&q_hand_rad);
+        for finger in 0..FINGERS {
+            let name = TIP_LINKS[side.index()][finger];
+            let index = skeleton.limbs().iter().position(|limb| limb.name == name).expect("a tip");
+            let tip = pose.base_from_tip()[finger];
+            let found = &base_from[index];
+            prop_assert!((found.translation.vector - tip.translation_m).norm() < 1e-9);
+            prop_assert!((found.rotation.to_rotation_matrix().matrix() - tip.rotation).norm() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn joints_are_named_in_the_order_of_joint_vectors() {
+    let skeleton = Skeleton::two_hand_arm().expect("built in");
+    let robot = RobotModel::two_hand_arm().expect("built in");
+    let names: Vec<&str> = robot.joints().map(|joint| joint.name).collect();
+    assert_eq!(skeleton.joint_names(), names);
+    let shapes: usize = skeleton.limbs().iter().map(|limb| limb.shapes.len()).sum();
+    assert_eq!(shapes, TWO_HAND_ARM_URDF.matches("<visual>").count());
+}
+
+#[test]
+fn what_is_no_tree_is_refused_by_name() {
+    let check = |body: &str, part: &str| {
+        let text = format!("<robot name=\"r\">{body}</robot>");
+        let error = Skeleton::from_urdf(&text).expect_err(body).to_string();
+        assert!(error.contains(part), "{error}");
+    };
+    let links = "<link name=\"a\"/><link name=\"b\"/>";
+    let joint = |name: &str, parent: &str, child: &str, axis: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <axis xyz=\"{axis}\"/><limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>"
+        )
+    };
+    let circle = [joint("j", "a", "b", "0 0 1"), joint("k", "b", "a", "0 0 1")].concat();
+    check(&format!("{links}{circle}"), "a tree of links");
+    check(
+        &format!("{links}{}", joint("j", "a", "c", "0 0 1")),
+        "link `c` was missing",
+    );
+    check(
+        &format!("{links}{}", joint("j", "a", "b", "0 0 0")),
+        "the axis of joint `j`",
+    );
+    let twice = [joint("j", "a", "b", "0 0 1"), joint("k", "a", "b", "0 0 1")].concat();
+    check(&format!("{links}{twice}"), "a tree of links");
+}

@@ -1,0 +1,59 @@
+//! How many write and read a stream, for people who look at the bus itself.
+
+use iceoryx2::prelude::ServiceName;
+use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as OpenError;
+use iceoryx2::service::port_factory::PortFactory as _;
+use shm_schemas::{
+    AgentSensors, HandFrame, JointCommand, JointState, ModuleEvent, Payload, RunHeader,
+    SensorStatus, Status, TickInputs, TickReport, View, WheelCommands, WorldTruth,
+};
+
+use crate::bus::Bus;
+use crate::error::BusError;
+use crate::qos::Stream;
+
+/// Ports that are open on a stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Who writes.
+    pub writers: usize,
+    /// Who reads.
+    pub readers: usize,
+}
+
+impl Bus {
+    /// Counts who writes and reads a stream, without becoming one of them and without making it. Nobody, if nobody ever
+    /// opened it.
+    ///
+    /// # Errors
+    /// It cannot be looked at: a peer of another version has it open.
+    pub fn traffic(&self, stream: &'static Stream) -> Result<Traffic, BusError> {
+        macro_rules! count {
+            ($($payload:ident)*) => {
+                match stream.payload {
+                    $(<$payload as Payload>::TYPE_NAME => self.count::<$payload>(stream),)*
+                    _ => Ok(Traffic::default()),
+                }
+            };
+        }
+        count! {
+            HandFrame JointState JointCommand Status TickReport View ModuleEvent RunHeader TickInputs SensorStatus WorldTruth
+            AgentSensors WheelCommands
+        }
+    }
+
+    fn count<T: Payload>(&self, stream: &'static Stream) -> Result<Traffic, BusError> {
+        let member = &self.member;
+        let name =
+            ServiceName::new(stream.service).map_err(|e| member.refused(stream.service, &e))?;
+        let service = member.node.service_builder(&name).publish_subscribe::<T>();
+        match service.open() {
+            Ok(factory) => Ok(Traffic {
+                writers: factory.dynamic_config().number_of_publishers(),
+                readers: factory.dynamic_config().number_of_subscribers(),
+            }),
+            Err(OpenError::DoesNotExist) => Ok(Traffic::default()),
+            Err(error) => Err(member.refused(stream.service, &error)),
+        }
+    }
+}
