@@ -5,6 +5,7 @@
 //! nothing depends on this crate.
 #![forbid(unsafe_code)]
 
+pub mod browser;
 pub mod figures;
 pub mod loopback;
 

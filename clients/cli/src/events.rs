@@ -2,13 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use atas_client::{POLL, Session, json};
+use atas_client::{POLL, Session, json, words};
 use atas_console::arguments::Events;
 use atas_console::{Interrupt, Output};
 use serde_json::Value;
-use shm_schemas::{
-    EventKind, GoalState, Hand, ModuleEvent, ModuleId, Status, StatusFlags, service,
-};
+use shm_schemas::{EventKind, GoalState, Hand, ModuleEvent, Status, StatusFlags, service};
 
 /// Most events taken at a time.
 const BATCH: usize = 256;
@@ -145,7 +143,7 @@ impl Teller {
             output.line(format!("           ({lost} events lost)"))?;
         }
         let since_start_s = self.since_start_s(event.stamp.captured_ns);
-        output.line(format!("{since_start_s:10.3} s  {}", sentence(event)))
+        output.line(format!("{since_start_s:10.3} s  {}", words::event(event)))
     }
 
     /// Tells under which conditions the daemon ticks, at first and whenever they change. These are states, not events: they
@@ -181,58 +179,10 @@ impl Teller {
     }
 }
 
-/// One event in words.
-fn sentence(event: &ModuleEvent) -> String {
-    let (hand, module) = (event.hand, event.module);
-    let (value, threshold) = (event.value, event.threshold);
-    match event.kind {
-        EventKind::MODULE_ON => format!("{hand:5}  {module} on"),
-        EventKind::MODULE_OFF => format!("{hand:5}  {module} off"),
-        EventKind::TOUCH_ON | EventKind::TOUCH_OFF => {
-            let word = if event.kind == EventKind::TOUCH_ON {
-                "touches"
-            } else {
-                "lets go"
-            };
-            format!(
-                "{hand:5}  finger {} {word} at {value:.3} N (threshold {threshold:.3} N)",
-                event.finger + 1
-            )
-        }
-        EventKind::STEP => format!("{hand:5}  step {}", event.text),
-        EventKind::STIFFNESS => {
-            format!("{hand:5}  stiffness {value:.0} N/m, F_2 is {threshold:.2} N")
-        }
-        EventKind::GOAL => format!("{hand:5}  goal {}{}", event.text, because(event)),
-        EventKind::MODE => format!("       mode {}{}", event.mode, because(event)),
-        EventKind::WARNING => format!("{hand:5}  warning{}", because(event)),
-        kind => format!(
-            "{hand:5}  {kind}, value {value}, threshold {threshold}{}",
-            by(module)
-        ),
-    }
-}
-
-fn because(event: &ModuleEvent) -> String {
-    if event.reason.is_some() {
-        format!(": {}", event.reason)
-    } else {
-        String::new()
-    }
-}
-
-fn by(module: ModuleId) -> String {
-    if module == ModuleId::NONE {
-        String::new()
-    } else {
-        format!(" ({module})")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, Mode, Reason, Stamp, Text};
+    use shm_schemas::{Stamp, Text};
 
     fn right(kind: EventKind) -> ModuleEvent {
         ModuleEvent {
@@ -240,54 +190,6 @@ mod tests {
             hand: Hand::RIGHT,
             ..ModuleEvent::default()
         }
-    }
-
-    #[test]
-    fn sentences() {
-        let check = |event: ModuleEvent, expected| assert_eq!(sentence(&event), expected);
-        check(
-            ModuleEvent {
-                module: ModuleId::SLIP,
-                ..right(EventKind::MODULE_ON)
-            },
-            "right  module 2, slip on",
-        );
-        check(
-            ModuleEvent {
-                finger: 1,
-                value: 0.0712,
-                threshold: 0.06,
-                ..right(EventKind::TOUCH_ON)
-            },
-            "right  finger 2 touches at 0.071 N (threshold 0.060 N)",
-        );
-        check(
-            ModuleEvent {
-                text: Text::new("lift"),
-                ..right(EventKind::STEP)
-            },
-            "right  step lift",
-        );
-        check(
-            ModuleEvent {
-                value: 1512.3,
-                threshold: 0.756,
-                ..right(EventKind::STIFFNESS)
-            },
-            "right  stiffness 1512 N/m, F_2 is 0.76 N",
-        );
-        check(
-            ModuleEvent {
-                mode: Mode::SAFE_STOP,
-                reason: Reason::of(Cause::ESTOP),
-                ..right(EventKind::MODE)
-            },
-            "       mode safe-stop: stopped by `atas estop`; `atas recover` re-arms",
-        );
-        check(
-            right(EventKind(99)),
-            "right  unknown(99), value 0, threshold 0",
-        );
     }
 
     #[test]

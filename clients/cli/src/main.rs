@@ -3,10 +3,10 @@
 //! ```text
 //!  atas_console::arguments ─▶ main ─┬─ goals ─▶ send ────▶ a goal, followed to its end
 //!                                   ├─ estop ───────────▶ a stop, on a way of its own
-//!                                   ├─ status, events, latency, control ─▶ one question, or many
+//!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
-//!                                   ├─ recordings ──────▶ atas-recording
-//!                                   └─ lab ─────────────▶ `atas-lab`: demo, eval, plot, bench, replay
+//!                                   ├─ recordings, explain ──▶ atas-recording
+//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, bench, replay; `atas-live`: dashboard
 //! ```
 //!
 //! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
@@ -19,14 +19,17 @@ mod control;
 mod doctor;
 mod estop;
 mod events;
+mod explain;
 mod goals;
-mod lab;
 mod latency;
 mod manual;
+mod neighbours;
 mod recordings;
 mod refusals;
 mod send;
 mod status;
+mod top;
+mod topic;
 
 use std::process::ExitCode;
 
@@ -50,6 +53,8 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),
         Command::Status(arguments) => status::status(arguments, interrupt, output),
+        Command::Top(bus) => top::top(bus, interrupt),
+        Command::Topic { action } => topic::topic(action, interrupt, output),
         Command::Events(arguments) => events::events(arguments, interrupt, output),
         Command::Param { action } => parameter(action, output),
         Command::Latency(arguments) => latency::latency(arguments, interrupt, output),
@@ -61,6 +66,8 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
             }
         },
         Command::Diff { first, second } => recordings::diff(first, second, output),
+        Command::Explain(arguments) => explain::explain(arguments, output),
+        Command::Export(arguments) => recordings::export(arguments, interrupt, output),
         Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
         Command::Completions { shell } => {
             // Into memory first: clap's generator panics where a pipe is closed or a disk is full.
@@ -74,7 +81,8 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Plot { .. }
         | Command::Bench { .. }
         | Command::Calibrate { .. }
-        | Command::Replay { .. } => lab::hand_over(),
+        | Command::Replay { .. }
+        | Command::Dashboard(_) => neighbours::hand_over(command.program()),
     }
 }
 

@@ -1,11 +1,12 @@
-//! `atas record` with its actions, and `atas diff`: what `atas-recording` did, in words.
+//! `atas record` with its actions, `atas diff` and `atas export`: what `atas-recording` did, in words.
 
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Instant, SystemTime};
 
 use atas_client::{Session, json};
-use atas_console::{Ended, Exit, Interrupt, Output, arguments};
-use atas_recording::{Bounds, Contents, Difference, Tally};
+use atas_console::arguments::{self, ExportKind};
+use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_recording::{Bounds, Choices, Contents, Difference, Exported, Kind, Tally};
 use serde_json::{Value, json};
 use shm_schemas::Status;
 
@@ -175,4 +176,38 @@ fn sentence(status: &Status) -> String {
             status.mode, status.goal_kind, status.goal_state
         ),
     }
+}
+
+/// `atas export`.
+pub(crate) fn export(
+    arguments: &arguments::Export,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let kind = arguments.kind;
+    let out = arguments.out.clone();
+    let out = out.unwrap_or_else(|| kind.usual_name(&arguments.files[0]));
+    let choices = Choices {
+        kind: match kind {
+            ExportKind::Mcap => Kind::Mcap,
+            ExportKind::Csv => Kind::Csv,
+            ExportKind::Parquet => Kind::Parquet,
+        },
+        pictures_hz: arguments.pictures_hz,
+        elements: arguments.elements,
+    };
+    let begin = Instant::now();
+    let exported = atas_recording::export(&arguments.files, &out, &choices, interrupt.flag())?;
+    let took_s = begin.elapsed().as_secs_f64();
+    let file = out.display().to_string();
+    let Exported { ticks, seconds } = exported;
+    if output.is_json() {
+        output
+            .json(&json!({ "file": file, "ticks": ticks, "seconds": seconds, "took_s": took_s }))?;
+    } else {
+        output.line(format_args!(
+            "wrote {file}: {ticks} ticks, {seconds:.1} s of the run in {took_s:.2} s"
+        ))?;
+    }
+    interrupt.check("the file is whole as far as it goes")
 }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use atas_client::FINGERS;
-use atas_client::{POLL, Session, json, standstill};
+use atas_client::{POLL, Session, json, standstill, words};
 use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
 use shm_bus::now_ns;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
@@ -98,31 +98,12 @@ fn heading(status: &Status) -> String {
     } else {
         format!("mode {}{}", status.mode, hint(status.mode))
     });
-    lines.push(match (status.goal_id, status.step.as_str()) {
-        (0, _) => "no goal yet".into(),
-        (_, step) => goal(status, step),
-    });
+    lines.push(words::goal(status));
     lines.push(format!(
         "{} ticks, {} missed, {} late, {} records dropped",
         status.ticks, status.missed_ticks, status.late_ticks, status.dropped_records
     ));
     lines.join("\n")
-}
-
-/// The active or last goal, and why it ended if it did not succeed.
-fn goal(status: &Status, step: &str) -> String {
-    let name = match status.task.as_str() {
-        "" => status.goal_kind.to_string(),
-        own => own.to_owned(),
-    };
-    let mut text = format!("goal {name} {}", status.goal_state);
-    if !step.is_empty() {
-        text += &format!(", step {step}");
-    }
-    if status.goal_reason.is_some() {
-        text += &format!(": {}", status.goal_reason);
-    }
-    text
 }
 
 fn hint(mode: Mode) -> &'static str {

@@ -2,10 +2,11 @@
 //!
 //! ```text
 //!  Session ─┬─ watch_status, control: one answer
-//!           └─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
+//!           ├─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
+//!           └─ Watch: looking on
 //!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
 //!  standstill: whether the ticks still come
-//!  json, percentiles: what the bus says, for programs and for people
+//!  json, words, percentiles: what the bus says, for programs and for people
 //! ```
 //!
 //! * **In:** the bus of a daemon. **Out:** answers, progress, errors that say what to do.
@@ -13,22 +14,28 @@
 //!   decides: neither the controller nor a simulator is linked.
 //! * **Absent on purpose:** the terminal (`atas-console`), and every file.
 
+pub mod account;
 mod error;
 pub mod fifo;
 pub mod goal;
+pub mod histogram;
 pub mod json;
+pub mod layouts;
 pub mod percentiles;
 mod progress;
 mod pursuit;
 pub mod scenes;
 mod session;
 mod standstill;
+mod watch;
+pub mod words;
 
 pub use error::ClientError;
 pub use progress::GoalProgress;
 pub use pursuit::{Cancelled, Pursuit};
 pub use session::{POLL, Session};
 pub use standstill::standstill;
+pub use watch::{Watch, body_ns};
 
 /// Fingers of one hand of the robot; payloads have room for more.
 pub const FINGERS: usize = 2;

@@ -15,24 +15,30 @@ use values::{event_kind, finite};
 
 mod benches;
 mod calibrates;
+mod dashboards;
 mod demos;
 mod evals;
 mod examples;
+mod exports;
 mod goals;
 mod plots;
 mod records;
+mod topics;
 mod values;
 
 pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
+pub use dashboards::Dashboard;
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
 pub use evals::{Eval, Evaluation, RecordedEvaluation, Summary, TaskName, Tuning};
 pub use examples::command;
+pub use exports::{Explain, Export, ExportKind};
 pub use goals::{
     Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,
 };
 pub use plots::{Drawn, Plot};
 pub use records::{Record, RecordAction};
+pub use topics::Topic;
 pub use values::Place;
 
 /// Artificial tactile affordance system: what fingertips feel induces the next movement
@@ -96,6 +102,14 @@ pub enum Command {
     Recover(BusArgument),
     /// Show how the daemon and its sensors are
     Status(Status),
+    /// Show the running system on one screen: forces, fingertips, modules, ticks, services, faults; q ends it
+    Top(BusArgument),
+    /// Look at the bus itself: its services, what they say, how often
+    Topic {
+        /// What to do with them
+        #[command(subcommand)]
+        action: Topic,
+    },
     /// Show what happened: modules, touches, steps, modes, warnings
     Events(Events),
     /// Read and change the daemon's parameters
@@ -141,6 +155,12 @@ pub enum Command {
         /// Another
         second: PathBuf,
     },
+    /// Tell why a goal ended as it did: its steps, the decisive moments with their forces and limits
+    Explain(Explain),
+    /// Write a recording as what other programs open: MCAP for Rerun, Foxglove and PlotJuggler, CSV, Parquet
+    Export(Export),
+    /// Look on in a browser: fingertips, forces, modules, the robot; a running daemon or a recording
+    Dashboard(Dashboard),
     /// Check this machine, the bus and the daemon, and say what to do; exit code 1 if anything fails
     Doctor(BusArgument),
     /// Print the completions of a shell
@@ -157,19 +177,31 @@ pub enum Command {
 }
 
 impl Command {
-    /// Whether it is one of `atas-lab`'s: those that need the simulator or the controller.
+    /// The program that does it: the operator's own, or one beside it that links what the operator's must not.
     #[must_use]
-    pub fn is_of_the_lab(&self) -> bool {
-        matches!(
-            self,
+    pub fn program(&self) -> Program {
+        match self {
             Self::Demo { .. }
-                | Self::Eval { .. }
-                | Self::Plot { .. }
-                | Self::Bench { .. }
-                | Self::Calibrate { .. }
-                | Self::Replay { .. }
-        )
+            | Self::Eval { .. }
+            | Self::Plot { .. }
+            | Self::Bench { .. }
+            | Self::Calibrate { .. }
+            | Self::Replay { .. } => Program::Lab,
+            Self::Dashboard(_) => Program::Live,
+            _ => Program::Operator,
+        }
     }
+}
+
+/// The programs that share this command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// `atas`.
+    Operator,
+    /// `atas-lab`: needs the simulator or the controller.
+    Lab,
+    /// `atas-live`: a server.
+    Live,
 }
 
 /// Which bus.

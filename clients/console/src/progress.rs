@@ -38,6 +38,17 @@ impl Progress {
         }
     }
 
+    /// Says what must stay on the screen.
+    pub fn say(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            // Progress that nobody can read must not end the work.
+            None => {
+                let _ = writeln!(std::io::stderr(), "{}: {text}", self.label);
+            }
+        }
+    }
+
     /// Says what is going on before the first update.
     pub fn note(&mut self, text: &str) {
         match &self.bar {

@@ -27,6 +27,7 @@ fn accepted() {
     check("atas demo grasp --object bottle --seed 7 --lockstep");
     check("atas demo grasp --all --realtime --format json");
     check("atas demo grasp --vary --seed 3");
+    check("atas demo screw --dashboard");
     check("atas demo pick-place");
     check("atas demo pick-place --object sponge --seed 7 --vary --lockstep");
     check("atas demo screw --realtime --format json");
@@ -79,6 +80,16 @@ fn accepted() {
     check("atas param list");
     check("atas param get grasp.dr_n");
     check("atas param set grasp.dr_n 0.08");
+    check("atas export run.mcap run-001.mcap --to mcap --pictures-hz 30");
+    check("atas export run.mcap --to csv --elements --out x.csv");
+    check("atas dashboard --bus b --port 0 --robot mine.urdf");
+    check("atas dashboard --recording run.mcap run-001.mcap");
+    check("atas top --bus b");
+    check("atas topic list");
+    check("atas topic echo status --count 3");
+    check("atas topic hz view --seconds 0.5");
+    check("atas explain run.mcap run-001.mcap");
+    check("atas explain last --bus b");
     check("atas completions bash");
     check("atas man pages");
 }
@@ -92,6 +103,7 @@ fn refused() {
     check("atas", "Usage");
     check("atas fly", "unrecognized subcommand");
     check("atas demo grasp --all --object wood", "cannot be used with");
+    check("atas demo grasp --all --dashboard", "cannot be used with");
     check(
         "atas eval screw --seeds 2 --trials 3",
         "cannot be used with",
@@ -137,6 +149,14 @@ fn refused() {
     check("atas release --timeout 1e30", "above zero");
     check("atas status --bus Not/A/Bus", "use 1 to 24 characters");
     check("atas param set grasp.dr_n inf", "needs a finite number");
+    check("atas export run.mcap", "--to");
+    check("atas export run.mcap --to xls", "mcap, csv, parquet");
+    check(
+        "atas export run.mcap --to mcap --pictures-hz 0",
+        "above zero",
+    );
+    check("atas topic echo", "<SERVICE>");
+    check("atas topic hz view --seconds 0", "above zero");
     check("atas status --format xml", "human, json");
 }
 

@@ -4,15 +4,12 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use atas_core::record::{Replay, Replayed, read_origin};
-use atas_recording::{Entry, Reader, command_difference, payload};
+use atas_recording::{Entry, Reader, command_difference, origin, payload};
 use robot_model::RobotModel;
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{HandFrame, RunHeader, TickInputs};
 
 /// Frames of one hand that one tick can have taken: what the daemon's intake takes at most, with room.
 const FRAMES: usize = 256;
-/// How the daemon names the robot that is built in.
-const BUILT_IN: &str = "built-in";
 
 /// How far the replay agreed.
 #[derive(Debug, Default)]
@@ -78,16 +75,7 @@ impl Agreement {
 
 /// The robot that the header names.
 fn robot(header: &RunHeader) -> anyhow::Result<RobotModel> {
-    let name = header.robot.as_str();
-    if name == BUILT_IN {
-        return RobotModel::two_hand_arm().context("could not load the built-in robot model");
-    }
-    let text = std::fs::read_to_string(name).with_context(|| {
-        format!("could not read the recorded robot {name}; put its URDF back there")
-    })?;
-    anyhow::ensure!(
-        fnv1a(FNV_OFFSET, text.as_bytes()) == header.robot_hash,
-        "could not replay because {name} changed since the recording; put the recorded URDF back there"
-    );
-    RobotModel::from_urdf(&text).with_context(|| format!("could not load the robot {name}"))
+    let urdf = origin::urdf(Some(header))?;
+    RobotModel::from_urdf(&urdf)
+        .with_context(|| format!("could not load the robot {}", header.robot))
 }

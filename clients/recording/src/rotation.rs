@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use mcap::records::Metadata;
 use shm_schemas::{RunHeader, TickInputs};
 
+use super::clock::Clock;
 use super::writer::Writer;
 
 /// Longest time that a sudden end of the recorder can lose (ours).
@@ -205,7 +206,6 @@ fn piece(out: &Path, number: u32) -> PathBuf {
 }
 
 fn origin(run: &RunHeader, piece: u32) -> Metadata {
-    let unix = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let texts = [
         ("daemon_version", run.version.to_string()),
         ("recorder_version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -221,14 +221,11 @@ fn origin(run: &RunHeader, piece: u32) -> Metadata {
         ("daemon_started_ns", run.stamp.captured_ns.to_string()),
         ("writer_epoch", format!("{:016x}", run.stamp.writer_epoch)),
         ("piece", piece.to_string()),
-        (
-            "file_begun_unix_s",
-            unix.map_or(0, |time| time.as_secs()).to_string(),
-        ),
     ];
+    let texts = texts.into_iter().chain(Clock::now());
     Metadata {
         name: ORIGIN.to_owned(),
-        metadata: BTreeMap::from(texts.map(|(key, text)| (key.to_owned(), text))),
+        metadata: texts.map(|(key, text)| (key.to_owned(), text)).collect(),
     }
 }
 

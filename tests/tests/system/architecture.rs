@@ -19,7 +19,10 @@ const ARROWS: &[(&str, &[&str])] = &[
         &["shm-bus", "shm-schemas", "robot-model", "field"],
     ),
     ("atas-console", &["atas-client", "shm-bus", "shm-schemas"]),
-    ("atas-recording", &["atas-client", "shm-bus", "shm-schemas"]),
+    (
+        "atas-recording",
+        &["atas-client", "robot-model", "shm-bus", "shm-schemas"],
+    ),
     (
         "atas-evaluation",
         &[
@@ -73,6 +76,17 @@ const ARROWS: &[(&str, &[&str])] = &[
             "shm-bus",
             "shm-schemas",
             "sim-backend",
+        ],
+    ),
+    (
+        "atas-live",
+        &[
+            "atas-client",
+            "atas-console",
+            "atas-recording",
+            "robot-model",
+            "shm-bus",
+            "shm-schemas",
         ],
     ),
     ("atas-client", &["shm-bus", "shm-schemas"]),
@@ -191,6 +205,7 @@ fn manifests() -> Vec<(String, String)> {
         "clients/cli",
         "clients/lab",
         "clients/learning",
+        "clients/live",
         "clients/python",
         "clients/swarm",
         "clients/sensors",

@@ -1,11 +1,15 @@
 //! The whole system: real processes, real shared memory, each test on a bus of its own.
 
 mod architecture;
+mod dashboard;
 mod determinism;
+mod explain;
 mod faults;
 mod imports;
 mod optoforce;
 mod readme;
+mod recorded;
 mod recordings;
 mod swarm;
 mod tasks;
+mod top;

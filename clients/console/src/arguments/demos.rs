@@ -42,6 +42,9 @@ pub struct Running {
     /// By the clock at 1 kHz; the default
     #[arg(long)]
     pub realtime: bool,
+    /// Show it in a browser: begins when the page is open, and stays until Ctrl-C
+    #[arg(long)]
+    pub dashboard: bool,
 }
 
 /// `atas demo grasp`.
@@ -51,7 +54,7 @@ pub struct DemoGrasp {
     #[arg(long, value_name = "NAME|FILE", default_value = OBJECT, conflicts_with = "all")]
     pub object: String,
     /// Every built-in object, one after another
-    #[arg(long)]
+    #[arg(long, conflicts_with = "dashboard")]
     pub all: bool,
     /// How it runs
     #[command(flatten)]

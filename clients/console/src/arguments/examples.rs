@@ -22,6 +22,7 @@ const HELPS: &[Help] = &[
         "demo grasp",
         &[
             "atas demo grasp --object sponge",
+            "atas demo grasp --dashboard",
             "atas demo grasp --all --lockstep",
         ],
         ROWS,
@@ -228,6 +229,47 @@ const HELPS: &[Help] = &[
         "diff",
         &["atas diff run.mcap other.mcap"],
         "one object: equal_ticks, first_tick, first_field, last_status",
+    ),
+    Help(
+        "explain",
+        &["atas explain run.mcap", "atas explain last"],
+        "one object: state, reason, took_s, steps, moments",
+    ),
+    Help(
+        "export",
+        &[
+            "atas export run.mcap --to mcap",
+            "atas export run.mcap --to parquet --elements --out run.parquet",
+        ],
+        "one object: file, ticks, seconds, took_s",
+    ),
+    Help(
+        "dashboard",
+        &[
+            "atas dashboard",
+            "atas dashboard --recording run.mcap --port 0",
+        ],
+        "one object: url, port, token; then one whenever pages open or close: pages",
+    ),
+    Help(
+        "top",
+        &["atas top", "atas top --bus left-arm"],
+        "not used: a screen",
+    ),
+    Help(
+        "topic list",
+        &["atas topic list"],
+        "one object per service: service, payload, bytes, writers, readers, readable",
+    ),
+    Help(
+        "topic echo",
+        &["atas topic echo status --count 1", "atas topic echo view"],
+        "one object per payload: sequence, captured_ns, its fields",
+    ),
+    Help(
+        "topic hz",
+        &["atas topic hz tick-report --seconds 2"],
+        "one object: service, payloads, lost, rate_hz, newest_age_ns",
     ),
     Help(
         "doctor",

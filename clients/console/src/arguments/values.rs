@@ -84,6 +84,13 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "needs a whole number of bytes, or of K, M or G, for example 500M".into())
 }
 
+pub(super) fn frequency_hz(text: &str) -> Result<f64, String> {
+    finite(text)
+        .ok()
+        .filter(|hertz| *hertz > 0.0)
+        .ok_or_else(|| "needs a number of hertz above zero, for example 30".into())
+}
+
 /// A place that a hand goes to: metres from the robot's base, x forward, y left, z up. Without z it is where the task's
 /// scene has it.
 #[derive(Clone, Copy, Debug, PartialEq)]

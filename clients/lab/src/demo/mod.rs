@@ -4,6 +4,7 @@
 //!  grasp, pick_place, screw, assembly: a scenario each ─ scene, goal, judgement
 //!   │
 //!   └─▶ run ─┬─ processes ── child: atas-sim, atasd     (ends and wipes on drop)
+//!            ├─ page ── child: atas-live              with --dashboard
 //!            ├─ Pursuit: the goal, as any client would send it
 //!            ├─ the simulator's truth, and the daemon's status ─▶ punctuality
 //!            └─▶ judgement ─▶ table
@@ -16,6 +17,7 @@ mod assembly;
 pub(crate) mod child;
 mod grasp;
 pub(crate) mod logs;
+mod page;
 mod pick_place;
 mod processes;
 mod punctuality;

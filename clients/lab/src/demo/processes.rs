@@ -3,6 +3,7 @@
 //! Dropping them ends the processes and wipes the bus, on every way out. Whoever joined the bus must have left it by then:
 //! declare them first.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Session};
@@ -60,6 +61,11 @@ impl Processes {
     /// The bus.
     pub(super) fn bus(&self) -> &BusName {
         &self.bus
+    }
+
+    /// The folder of their logs.
+    pub(super) fn logs(&self) -> &Path {
+        &self.logs.folder
     }
 
     /// An error if one of the processes has ended; the logs are kept then.

@@ -9,6 +9,7 @@ use atas_console::{Interrupt, Progress};
 use shm_bus::Subscriber;
 use shm_schemas::{Status, WorldTruth, service};
 
+use super::page::Page;
 use super::processes::Processes;
 use super::punctuality::Punctuality;
 use super::scenario::Scenario;
@@ -31,9 +32,19 @@ pub(super) fn run(
     let mut processes = Processes::set(&scenario.setting(), running)?;
     let session = Session::join(processes.bus())?;
     processes.wait_until_ready(&session, interrupt)?;
+    let mut page = running
+        .dashboard
+        .then(|| Page::serve(processes.bus(), processes.logs()))
+        .transpose()?;
+    if let Some(page) = &mut page {
+        page.wait_until_open(&mut live, interrupt)?;
+    }
     let watched = watch(&mut processes, &session, scenario, interrupt, &mut live);
     // If a process died, its own words explain more than what its death led to.
     processes.check()?;
+    if let (Some(page), Ok(_)) = (&mut page, &watched) {
+        page.stay(&mut live, interrupt)?;
+    }
     watched
 }
 

@@ -1,5 +1,9 @@
 //! The bus's words as JSON, SI units, names instead of codes. Keys are a contract with scripts: they are only added to.
 
+mod streams;
+
+pub use streams::{agents, report, run, sensor, truth, view, wheels};
+
 use serde_json::{Value, json};
 use shm_schemas::{
     EventKind, GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, Reason, Status,
@@ -156,8 +160,6 @@ pub fn status(status: &Status) -> Value {
 }
 
 fn hand((hand, sensor): (&Hand, &HandStatus)) -> Value {
-    let is_active = |id: &&ModuleId| sensor.modules_active & (1 << id.0) != 0;
-    let modules = ModuleId::ALL.iter().filter(is_active).map(|id| id.name());
     json!({
         "hand": hand.name(),
         "required": sensor.required != 0,
@@ -175,7 +177,7 @@ fn hand((hand, sensor): (&Hand, &HandStatus)) -> Value {
         "layout_hash": format!("{:016x}", sensor.layout_hash),
         "normal_n": sensor.normal_n,
         "tangential_n": sensor.tangential_n,
-        "modules": modules.collect::<Vec<&str>>(),
+        "modules": names(sensor.modules_active),
     })
 }
 
@@ -189,6 +191,13 @@ pub fn percentiles(figures: &Percentiles) -> Value {
         "max_ns": figures.max_ns,
         "count": figures.count,
     })
+}
+
+/// The modules of a bit set.
+fn names(active: u32) -> Vec<&'static str> {
+    let is_active = |id: &&ModuleId| id.0 < u32::BITS && active >> id.0 & 1 == 1;
+    let active = ModuleId::ALL.iter().filter(is_active);
+    active.map(|id| id.name()).collect()
 }
 
 /// `null` where nothing ever came.

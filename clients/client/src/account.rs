@@ -1,0 +1,214 @@
+//! Why a goal ended as it did: its steps and its decisive moments, out of its events.
+
+use shm_schemas::{EventKind, GoalState, Hand, ModuleEvent, ModuleId, Reason};
+
+use crate::words;
+
+/// Modules that answer something that happens; the others carry out the plan.
+const ANSWERING: [ModuleId; 8] = [
+    ModuleId::SLIP,
+    ModuleId::FORCE_LIMIT,
+    ModuleId::FIRST_TOUCH,
+    ModuleId::CONTACT_GUARD,
+    ModuleId::LOAD_TEST,
+    ModuleId::TERMINATE_SCREW,
+    ModuleId::RELEASE_PLACED,
+    ModuleId::SLIP_REACTION,
+];
+
+/// One goal, told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Account {
+    /// State at the end; the newest known if it has not ended.
+    pub state: String,
+    /// Why, if it did not succeed.
+    pub reason: Reason,
+    /// Time of the first and the last event, ns.
+    pub span_ns: [u64; 2],
+    /// What the hands did, in order.
+    pub steps: Vec<Step>,
+    /// What decided, in order.
+    pub moments: Vec<Moment>,
+}
+
+/// A step of one hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Its name.
+    pub name: String,
+    /// Whose.
+    pub hand: Hand,
+    /// When it was entered, ns.
+    pub captured_ns: u64,
+    /// How long it lasted, ns.
+    pub took_ns: u64,
+}
+
+/// Something that decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// What happened.
+    pub event: ModuleEvent,
+    /// In words.
+    pub sentence: String,
+    /// How often it happened in the same step.
+    pub times: u32,
+}
+
+/// The events of the last goal, from the tick in which it began to its end; empty if none began.
+#[must_use]
+pub fn last_goal(events: &[ModuleEvent]) -> &[ModuleEvent] {
+    let begins = |event: &ModuleEvent| {
+        event.kind == EventKind::GOAL && event.text.as_str() == GoalState::RUNNING.name()
+    };
+    let Some(begun) = events.iter().rposition(begins) else {
+        return &[];
+    };
+    let ends = |event: &ModuleEvent| event.kind == EventKind::GOAL && !begins(event);
+    let end = events[begun..].iter().position(ends);
+    let end = end.map_or(events.len(), |after| begun + after + 1);
+    let begin = events.partition_point(|event| event.tick < events[begun].tick);
+    &events[begin.min(begun)..end]
+}
+
+/// Tells a goal by its events, oldest first; `None` if there are none.
+#[must_use]
+pub fn tell(events: &[ModuleEvent]) -> Option<Account> {
+    let (first, last) = (events.first()?, events.last()?);
+    let goals = events.iter().filter(|event| event.kind == EventKind::GOAL);
+    let is_final = |event: &&ModuleEvent| event.text.as_str() != GoalState::RUNNING.name();
+    let end = goals.clone().filter(is_final).last().or(goals.last());
+    Some(Account {
+        state: end.map_or("running".to_owned(), |end| end.text.to_string()),
+        reason: end.map_or(Reason::default(), |end| end.reason),
+        span_ns: [first.stamp.captured_ns, last.stamp.captured_ns],
+        steps: steps(events, last.stamp.captured_ns),
+        moments: moments(events),
+    })
+}
+
+fn steps(events: &[ModuleEvent], end_ns: u64) -> Vec<Step> {
+    let mut steps: Vec<Step> = Vec::new();
+    let close = |steps: &mut Vec<Step>, hand: Hand, at_ns: u64| {
+        if let Some(step) = steps.iter_mut().rev().find(|step| step.hand == hand) {
+            step.took_ns = at_ns.saturating_sub(step.captured_ns);
+        }
+    };
+    for event in events.iter().filter(|event| event.kind == EventKind::STEP) {
+        let captured_ns = event.stamp.captured_ns;
+        close(&mut steps, event.hand, captured_ns);
+        steps.push(Step {
+            name: event.text.to_string(),
+            hand: event.hand,
+            captured_ns,
+            took_ns: 0,
+        });
+    }
+    for hand in Hand::BOTH {
+        close(&mut steps, hand, end_ns);
+    }
+    steps
+}
+
+/// Touches, the stiffness, what modules answered, warnings, changes of the mode, the end. What repeats within a step is
+/// told once, with how often.
+fn moments(events: &[ModuleEvent]) -> Vec<Moment> {
+    let mut moments: Vec<Moment> = Vec::new();
+    let mut since_step = 0;
+    for event in events {
+        if event.kind == EventKind::STEP {
+            since_step = moments.len();
+        }
+        if !decides(event) {
+            continue;
+        }
+        let alike = |moment: &&mut Moment| {
+            let (a, b) = (&moment.event, event);
+            (a.kind, a.module, a.hand, a.finger) == (b.kind, b.module, b.hand, b.finger)
+                && a.kind != EventKind::MODE
+                && a.kind != EventKind::GOAL
+        };
+        match moments[since_step..].iter_mut().find(alike) {
+            Some(moment) => moment.times += 1,
+            None => moments.push(Moment {
+                event: *event,
+                sentence: words::event(event),
+                times: 1,
+            }),
+        }
+    }
+    moments
+}
+
+fn decides(event: &ModuleEvent) -> bool {
+    match event.kind {
+        EventKind::MODULE_ON => ANSWERING.contains(&event.module),
+        EventKind::MODULE_OFF | EventKind::TOUCH_OFF => false,
+        _ => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{Cause, Stamp, Text};
+
+    fn at(ms: u64, kind: EventKind, text: &str) -> ModuleEvent {
+        ModuleEvent {
+            stamp: Stamp {
+                captured_ns: ms * 1_000_000,
+                ..Stamp::default()
+            },
+            tick: ms,
+            kind,
+            hand: Hand::RIGHT,
+            text: Text::new(text),
+            ..ModuleEvent::default()
+        }
+    }
+
+    #[test]
+    fn a_goal_is_told_by_its_steps_and_what_decided() {
+        let on = |ms, module| ModuleEvent {
+            module,
+            ..at(ms, EventKind::MODULE_ON, "")
+        };
+        let events = [
+            at(1, EventKind::GOAL, "running"),
+            at(2, EventKind::GOAL, "failed"),
+            at(10, EventKind::GOAL, "running"),
+            at(10, EventKind::STEP, "close"),
+            on(20, ModuleId::CARRY),
+            on(30, ModuleId::SLIP),
+            at(40, EventKind::STEP, "lift"),
+            on(50, ModuleId::SLIP),
+            on(60, ModuleId::SLIP),
+            ModuleEvent {
+                reason: Reason::limit(Cause::TOO_HEAVY, 18.4, 8.0),
+                ..at(70, EventKind::GOAL, "failed")
+            },
+            at(80, EventKind::MODE, ""),
+        ];
+        let goal = last_goal(&events);
+        assert_eq!(goal.len(), 8);
+        let account = tell(goal).expect("told");
+        assert_eq!(
+            (account.state.as_str(), account.reason.value),
+            ("failed", 18.4)
+        );
+        let steps: Vec<_> = account
+            .steps
+            .iter()
+            .map(|s| (s.name.as_str(), s.took_ns / 1_000_000))
+            .collect();
+        assert_eq!(steps, [("close", 30), ("lift", 30)]);
+        let told: Vec<_> = account
+            .moments
+            .iter()
+            .map(|m| (m.event.tick, m.times))
+            .collect();
+        // The beginning, its step, the slip in it, the next step, two slips in that, the end.
+        assert_eq!(told, [(10, 1), (10, 1), (30, 1), (40, 1), (50, 2), (70, 1)]);
+        assert_eq!(tell(last_goal(&[])), None);
+    }
+}

@@ -1,0 +1,192 @@
+//! The payloads of the streams, as `atas topic echo` prints them.
+
+use serde_json::{Value, json};
+use shm_schemas::{
+    AgentSensors, FingerReport, HandFrame, HandReport, JointState, ObjectTruth, RunHeader,
+    SensorStatus, Stamp, TickReport, View, WheelCommands, WorldTruth,
+};
+
+use super::{age_ns, names};
+
+/// What every payload begins with.
+fn stamped(stamp: &Stamp, mut value: Value) -> Value {
+    value["sequence"] = stamp.sequence.into();
+    value["captured_ns"] = stamp.captured_ns.into();
+    value["writer_epoch"] = format!("{:016x}", stamp.writer_epoch).into();
+    value
+}
+
+/// What one tick did.
+#[must_use]
+pub fn report(report: &TickReport) -> Value {
+    let stages = TickReport::STAGE_NAMES.iter().zip(report.stage_ns);
+    let stages: serde_json::Map<String, Value> = stages
+        .map(|(name, ns)| ((*name).to_owned(), ns.into()))
+        .collect();
+    let value = json!({
+        "tick": report.tick,
+        "missed_ticks": report.missed_ticks,
+        "goal_id": report.goal_id,
+        "mode": report.mode.name(),
+        "joint_sequence": report.joint_sequence,
+        "wake_late_ns": report.wake_late_ns,
+        "stage_ns": stages,
+        "sensor_to_command_ns": report.sensor_to_command_ns,
+        "hands": report.hands.iter().map(hand).collect::<Vec<_>>(),
+    });
+    stamped(&report.stamp, value)
+}
+
+fn hand(hand: &HandReport) -> Value {
+    json!({
+        "frame_sequence": hand.frame_sequence,
+        "frame_age_ns": age_ns(hand.frame_age_ns),
+        "frames": hand.frames,
+        "modules": names(hand.modules_active),
+        "step": hand.step,
+        "f1_n": hand.f1_n,
+        "f2_n": hand.f2_n,
+        "stiffness_n_m": hand.stiffness_n_m,
+        "centre_m": hand.centre_m,
+        "fingers": hand.fingers[..crate::FINGERS].iter().map(finger).collect::<Vec<_>>(),
+    })
+}
+
+fn finger(finger: &FingerReport) -> Value {
+    json!({
+        "normal_n": finger.normal_n,
+        "tangential_n": finger.tangential_n,
+        "tangential_increment_n": finger.tangential_increment_n,
+        "utilisation": finger.utilisation,
+        "utilisation_now": finger.utilisation_now,
+        "friction": finger.friction,
+        "closing_m_s": finger.closing_m_s,
+        "in_contact": finger.in_contact != 0,
+    })
+}
+
+/// The newest frames and joints; `null` for what has not come.
+#[must_use]
+pub fn view(view: &View) -> Value {
+    let frames = view.frames.iter().zip(view.has_frame);
+    let frames = frames.map(|(f, has)| if has != 0 { frame(f) } else { Value::Null });
+    let value = json!({
+        "tick": view.tick,
+        "frames": frames.collect::<Vec<_>>(),
+        "joints": if view.has_joints != 0 { joints(&view.joints) } else { Value::Null },
+    });
+    stamped(&view.stamp, value)
+}
+
+fn frame(frame: &HandFrame) -> Value {
+    let count =
+        crate::layouts::named(frame.layout_hash).map_or(frame.force_n[0].len(), |l| l.count);
+    let fingers = (frame.finger_count as usize).min(frame.force_n.len());
+    let forces = frame.force_n[..fingers].iter().zip(frame.valid_mask);
+    let forces = forces.map(|(force_n, valid)| {
+        let elements = force_n[..count].iter().enumerate();
+        let elements = elements.map(|(e, force_n)| (valid >> e & 1 == 1).then_some(force_n));
+        elements.collect::<Vec<_>>()
+    });
+    let value = json!({
+        "hand": frame.hand.name(),
+        "layout_hash": format!("{:016x}", frame.layout_hash),
+        "force_n": forces.collect::<Vec<_>>(),
+    });
+    stamped(&frame.stamp, value)
+}
+
+fn joints(joints: &JointState) -> Value {
+    let count = (joints.joint_count as usize).min(joints.position_rad.len());
+    let value = json!({
+        "position_rad": joints.position_rad[..count],
+        "velocity_rad_s": joints.velocity_rad_s[..count],
+        "effort_n_m": joints.effort_n_m[..count],
+    });
+    stamped(&joints.stamp, value)
+}
+
+/// What a sensor process says of its device.
+#[must_use]
+pub fn sensor(status: &SensorStatus) -> Value {
+    let value = json!({
+        "driver": status.driver.as_str(),
+        "device": status.device.as_str(),
+        "hand": status.hand.name(),
+        "alive": status.alive != 0,
+        "frames": status.frames,
+        "lost": status.lost,
+        "junk_bytes": status.junk_bytes,
+        "checksum_failures": status.checksum_failures,
+        "device_errors": status.device_errors,
+        "device_status": status.device_status,
+    });
+    stamped(&status.stamp, value)
+}
+
+/// How a run began, without its numbers.
+#[must_use]
+pub fn run(header: &RunHeader) -> Value {
+    let value = json!({
+        "version": header.version.as_str(),
+        "config_hash": format!("{:016x}", header.config_hash),
+        "robot": header.robot.as_str(),
+        "rate_hz": header.rate_hz,
+        "config": header.config.as_str(),
+    });
+    stamped(&header.stamp, value)
+}
+
+/// What the simulator knows.
+#[must_use]
+pub fn truth(truth: &WorldTruth) -> Value {
+    let objects = truth.objects.iter().take(truth.object_count as usize);
+    let value = json!({
+        "missed_ticks": truth.missed_ticks,
+        "expired_commands": truth.expired_commands,
+        "objects": objects.map(object).collect::<Vec<_>>(),
+        "slip_m": truth.slip_m.map(|hand| hand[..crate::FINGERS].to_vec()),
+        "normal_n": truth.normal_n.map(|hand| hand[..crate::FINGERS].to_vec()),
+    });
+    stamped(&truth.stamp, value)
+}
+
+fn object(object: &ObjectTruth) -> Value {
+    json!({
+        "name": object.name.as_str(),
+        "position_m": object.position_m,
+        "orientation": object.orientation,
+        "lifted_m": object.lifted_m,
+        "needed_n": object.needed_n,
+        "max_force_n": object.max_force_n,
+        "cap_angle_rad": object.cap_angle_rad,
+        "crushed": object.crushed != 0,
+        "dropped": object.dropped != 0,
+    })
+}
+
+/// What every robot of the swarm senses.
+#[must_use]
+pub fn agents(sensors: &AgentSensors) -> Value {
+    let count = (sensors.agent_count as usize).min(sensors.row.len());
+    let value = json!({
+        "frame": sensors.frame,
+        "trial": sensors.trial,
+        "field_hash": format!("{:016x}", sensors.field_hash),
+        "row": sensors.row[..count],
+    });
+    stamped(&sensors.stamp, value)
+}
+
+/// What every robot of the swarm does.
+#[must_use]
+pub fn wheels(commands: &WheelCommands) -> Value {
+    let count = (commands.agent_count as usize).min(commands.output.len());
+    let value = json!({
+        "frame": commands.frame,
+        "trial": commands.trial,
+        "table_hash": format!("{:016x}", commands.table_hash),
+        "output": commands.output[..count],
+    });
+    stamped(&commands.stamp, value)
+}

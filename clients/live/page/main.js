@@ -1,0 +1,125 @@
+// The page: takes in what a source tells, and draws the newest picture once per frame of the screen.
+
+import { Controls } from "/controls.js";
+import { Events, Faults } from "/events.js";
+import { Fingers, forces } from "/fingers.js";
+import { Robot } from "/robot.js";
+import { Recorded, live } from "/source.js";
+import { Timing } from "/timing.js";
+import { Traces } from "/traces.js";
+
+/** Frames of the screen between two drawings of what changes slowly. */
+const SLOWLY = 3;
+/** Time between two changes of the numbers, ms: a person can read them. */
+const READABLE = 100;
+
+const by = (id) => document.getElementById(id);
+
+class Page {
+  constructor(scene) {
+    this.scene = scene;
+    this.robot = new Robot(by("robot"), scene);
+    this.fingers = new Fingers(by("skin"), by("skin-scale"), scene);
+    this.traces = new Traces(by("traces"), scene);
+    this.eventLines = new Events(by("events"));
+    this.faultList = new Faults(by("faults"), by("flight"));
+    this.timing = new Timing(by("histogram"), by("services"));
+    this.frames = 0;
+    this.toldAt = 0;
+    this.origin = 0;
+    for (const event of ["resize", "themechange"]) addEventListener(event, () => this.redraw());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => setTimeout(() => this.redraw()));
+    requestAnimationFrame(() => this.draw());
+  }
+
+  /** What was before the page opened. */
+  past({ moments, events, status, faults }) {
+    // Times count from the daemon's start, or from the beginning of the recording.
+    if (this.scene.recording) this.origin = moments[0][0];
+    else if (status?.alive && !status.lockstep) this.origin = status.started_ns * 1e-9;
+    this.traces.begin(moments, this.origin);
+    this.events(events);
+    this.faults(faults);
+    if (status) this.status(status);
+  }
+
+  picture(picture) {
+    this.newest = picture;
+    if (!this.scene.recording) this.traces.add(picture);
+  }
+
+  events(events) {
+    this.eventLines.add(events, this.origin);
+    this.traces.happened(events);
+  }
+
+  faults(faults) {
+    this.faultList.show(faults, this.origin);
+  }
+
+  status(status) {
+    if (!status.alive) {
+      this.mode("no daemon");
+      by("goal").textContent = status.why;
+      return;
+    }
+    this.timing.show(status);
+    const { goal, reason, mode } = status;
+    const name = goal.task || goal.kind;
+    const told = goal.goal_id ? [`goal ${name} ${goal.state}`, goal.step && `step ${goal.step}`, goal.reason?.sentence] : ["no goal yet"];
+    const frozen = status.standstill_s && `no tick for ${status.standstill_s.toFixed(1)} s`;
+    by("goal").textContent = [frozen, ...told, reason?.sentence].filter(Boolean).join(" · ");
+    this.mode(mode);
+    by("where").textContent = `bus ${this.scene.bus} · atasd ${status.version} · ${status.rate_hz} Hz` +
+      (status.lockstep ? " · lock-step" : "") + (status.degraded ? " · DEGRADED" : "");
+  }
+
+  mode(mode) {
+    const shown = by("mode");
+    if (shown.textContent === mode) return;
+    shown.textContent = mode;
+    shown.dataset.mode = mode;
+  }
+
+  /** Once per frame of the screen, if there is something new. */
+  draw() {
+    requestAnimationFrame(() => this.draw());
+    if (this.newest === this.drawn) return;
+    const picture = (this.drawn = this.newest);
+    this.robot.show(picture, forces(picture, this.scene.layouts));
+    this.fingers.draw(picture);
+    const now = performance.now();
+    if (now - this.toldAt > READABLE || this.scene.recording) {
+      this.toldAt = now;
+      this.fingers.tell(picture);
+      by("tick").textContent = String(picture.tick);
+      if (this.scene.recording) this.mode(picture.mode);
+    }
+    if (this.frames++ % SLOWLY === 0 || this.scene.recording) this.traces.draw(picture.t_s, !this.scene.recording);
+  }
+
+  redraw() {
+    this.drawn = null;
+    this.frames = 0;
+    this.timing.draw();
+    this.faultList.draw();
+  }
+}
+
+async function begin() {
+  const scene = await (await fetch("/scene.json")).json();
+  const page = new Page(scene);
+  if (!scene.recording) {
+    new Controls();
+    live(page);
+    return;
+  }
+  by("controls").hidden = true;
+  const recording = await (await fetch("/recording.json")).json();
+  by("where").textContent = recording.name;
+  by("goal").textContent = recording.events.filter((event) => event.kind === "goal").at(-1)?.sentence ?? "";
+  page.past({ moments: recording.moments, events: recording.events, faults: recording.faults });
+  page.recorded = new Recorded(page, recording);
+}
+
+begin();

@@ -1,0 +1,181 @@
+// The robot in three dimensions: the shapes of its URDF, sorted by depth, and the force on each fingertip.
+
+import { begin, arrow, palette, number } from "/canvas.js";
+import { Camera, add, cross, dot, length, placed, scale, sub, then, turn, unit } from "/geometry.js";
+
+const SIDES = 12;
+const LIGHT = unit([0.4, -0.5, 0.9]);
+/** Length of the arrow of a newton, m. */
+const PER_NEWTON = 0.03;
+const TABLE = { from: [0.05, -0.45], to: [0.65, 0.45], step: 0.1 };
+
+export class Robot {
+  constructor(canvas, scene) {
+    this.canvas = canvas;
+    this.scene = scene;
+    this.camera = new Camera();
+    this.shapes = scene.limbs.flatMap((limb, index) => limb.shapes.map((shape) => ({ index, ...shape, mesh: mesh(shape.form) })));
+    this.tips = scene.tips.map((hand) => hand.map((name) => scene.limbs.findIndex((limb) => limb.name === name)));
+    this.listen();
+  }
+
+  listen() {
+    const { canvas, camera } = this;
+    let held = null;
+    const turned = (x, y) => {
+      camera.azimuth -= x;
+      camera.height = Math.min(1.5, Math.max(-0.2, camera.height + y));
+      this.draw();
+    };
+    const zoomed = (by) => {
+      camera.distance = Math.min(3, Math.max(0.35, camera.distance * by));
+      this.draw();
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      held = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!held) return;
+      turned((event.clientX - held[0]) * 0.008, (event.clientY - held[1]) * 0.008);
+      held = [event.clientX, event.clientY];
+    });
+    canvas.addEventListener("pointerup", () => { held = null; });
+    canvas.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      zoomed(Math.exp(event.deltaY * 0.001));
+    }, { passive: false });
+    const keys = {
+      ArrowLeft: () => turned(0.1, 0), ArrowRight: () => turned(-0.1, 0),
+      ArrowUp: () => turned(0, 0.1), ArrowDown: () => turned(0, -0.1),
+      "+": () => zoomed(0.9), "=": () => zoomed(0.9), "-": () => zoomed(1.1),
+    };
+    canvas.addEventListener("keydown", (event) => {
+      if (!keys[event.key]) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+
+  show(picture, forces) {
+    this.joints = picture.q_rad;
+    this.forces = forces;
+    this.draw();
+  }
+
+  draw() {
+    const { context, width, height } = begin(this.canvas);
+    const colours = palette();
+    this.camera.aim(width, height);
+    this.drawTable(context, colours);
+    if (!this.joints?.length) {
+      context.fillStyle = colours.soft;
+      context.fillText("no joint state yet", 12, 20);
+      return;
+    }
+    const places = placed(this.scene.limbs, this.joints);
+    const faces = this.shapes.flatMap((shape) => this.faces(shape, then(places[shape.index], shape.at)));
+    faces.sort((a, b) => b.depth - a.depth);
+    for (const face of faces) paint(context, face);
+    this.drawForces(context, colours, places);
+  }
+
+  drawTable(context, colours) {
+    context.strokeStyle = colours.line;
+    context.lineWidth = 1;
+    const { from, to, step } = TABLE;
+    const lineTo = (a, b) => {
+      const [p, q] = [this.camera.seen(a), this.camera.seen(b)];
+      context.beginPath();
+      context.moveTo(p[0], p[1]);
+      context.lineTo(q[0], q[1]);
+      context.stroke();
+    };
+    for (let x = from[0]; x <= to[0] + 1e-9; x += step) lineTo([x, from[1], 0], [x, to[1], 0]);
+    for (let y = from[1]; y <= to[1] + 1e-9; y += step) lineTo([from[0], y, 0], [to[0], y, 0]);
+  }
+
+  faces(shape, place) {
+    const { camera } = this;
+    if (shape.mesh.radius) {
+      const [x, y, depth, by] = camera.seen(place.xyz);
+      return [{ ball: [x, y, shape.mesh.radius * by], depth: depth - shape.mesh.radius, rgba: shape.rgba }];
+    }
+    const points = shape.mesh.points.map((point) => add(place.xyz, turn(place.q, point)));
+    const seen = points.map((point) => camera.seen(point));
+    const faces = [];
+    for (const corners of shape.mesh.faces) {
+      const [a, b, c] = corners.map((index) => points[index]);
+      const normal = unit(cross(sub(b, a), sub(c, a)));
+      if (dot(normal, sub(camera.eye, a)) <= 0) continue;
+      const depth = corners.reduce((sum, index) => sum + seen[index][2], 0) / corners.length;
+      faces.push({ corners: corners.map((index) => seen[index]), depth, rgba: shape.rgba, light: 0.55 + 0.45 * Math.max(0, dot(normal, LIGHT)) });
+    }
+    return faces;
+  }
+
+  drawForces(context, colours, places) {
+    context.strokeStyle = context.fillStyle = colours.e;
+    context.lineWidth = 3;
+    context.font = "600 12px system-ui, sans-serif";
+    this.tips.forEach((hand, side) => hand.forEach((tip, finger) => {
+      const force = this.forces?.[side]?.[finger];
+      if (tip < 0 || !force) return;
+      const newtons = length(force);
+      if (newtons < 0.2) return;
+      const from = places[tip].xyz;
+      const along = turn(places[tip].q, force);
+      const to = add(from, scale(along, PER_NEWTON * Math.min(1, 4 / newtons)));
+      const [p, q] = [this.camera.seen(from), this.camera.seen(to)];
+      arrow(context, p, q, 7);
+      context.fillText(`${number(newtons, 1)} N`, q[0] + 6, q[1] - 4);
+    }));
+  }
+}
+
+function paint(context, face) {
+  const [r, g, b] = face.rgba.map((part) => part * 255);
+  if (face.ball) {
+    const [x, y, radius] = face.ball;
+    const shade = context.createRadialGradient(x - radius * 0.35, y - radius * 0.4, radius * 0.1, x, y, radius);
+    shade.addColorStop(0, `rgb(${r * 0.6 + 102}, ${g * 0.6 + 102}, ${b * 0.6 + 102})`);
+    shade.addColorStop(1, `rgb(${r * 0.6}, ${g * 0.6}, ${b * 0.6})`);
+    context.fillStyle = shade;
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.fill();
+    return;
+  }
+  const fill = `rgb(${r * face.light}, ${g * face.light}, ${b * face.light})`;
+  context.fillStyle = context.strokeStyle = fill;
+  context.lineWidth = 0.7;
+  context.beginPath();
+  for (const [x, y] of face.corners) context.lineTo(x, y);
+  context.closePath();
+  context.fill();
+  // Closes the hairlines between neighbours.
+  context.stroke();
+}
+
+/** Points and faces of a shape, counter-clockwise from outside. */
+function mesh(form) {
+  if (form.sphere) return { radius: form.sphere };
+  if (form.box) {
+    const [x, y, z] = form.box.map((size) => size / 2);
+    const points = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z]);
+    return { points, faces: [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] };
+  }
+  const [radius, full] = form.cylinder;
+  const points = [];
+  const faces = [];
+  for (let i = 0; i < SIDES; i++) {
+    const angle = (2 * Math.PI * i) / SIDES;
+    const [x, y] = [radius * Math.cos(angle), radius * Math.sin(angle)];
+    points.push([x, y, -full / 2], [x, y, full / 2]);
+    const [a, b] = [2 * i, 2 * ((i + 1) % SIDES)];
+    faces.push([a, b, b + 1, a + 1]);
+  }
+  const ring = [...Array(SIDES).keys()];
+  faces.push(ring.map((i) => 2 * i + 1), ring.map((i) => 2 * (SIDES - 1 - i)));
+  return { points, faces };
+}

@@ -1,0 +1,73 @@
+// Where pictures come from: the server's feed, or a recording with a time line.
+
+/** Pause before a feed that ended is tried again, ms. */
+const AGAIN = 400;
+
+/** Tells `page` what comes, for as long as the page is open. */
+export function live(page) {
+  const socket = new WebSocket(`ws://${location.host}/feed`);
+  socket.addEventListener("message", ({ data }) => {
+    const [[kind, value]] = Object.entries(JSON.parse(data));
+    page[kind]?.(value);
+  });
+  socket.addEventListener("close", () => {
+    page.status({ alive: false, why: "the server is gone; start `atas dashboard` again" });
+    setTimeout(() => live(page), AGAIN);
+  });
+}
+
+/** Pictures that are fetched together. */
+const BLOCK = 120;
+
+/** A recording: any moment by its number, played at its own pace. */
+export class Recorded {
+  constructor(page, recording) {
+    this.page = page;
+    this.recording = recording;
+    this.blocks = new Map();
+    this.scrub = document.getElementById("scrub");
+    this.button = document.getElementById("play");
+    this.scrub.max = recording.count - 1;
+    this.scrub.addEventListener("input", () => this.seek(Number(this.scrub.value)));
+    this.button.addEventListener("click", () => this.play(!this.playing));
+    document.getElementById("timeline").hidden = false;
+    this.seek(0);
+  }
+
+  async picture(index) {
+    const from = index - (index % BLOCK);
+    if (!this.blocks.has(from)) {
+      if (this.blocks.size > 40) this.blocks.delete(this.blocks.keys().next().value);
+      this.blocks.set(from, fetch(`/pictures/${from}/${BLOCK}`).then((answer) => answer.json()));
+    }
+    return (await this.blocks.get(from))[index - from];
+  }
+
+  async seek(index) {
+    this.index = Math.min(this.recording.count - 1, Math.max(0, index));
+    const wanted = this.index;
+    const picture = await this.picture(wanted);
+    if (wanted !== this.index || !picture) return;
+    this.scrub.value = wanted;
+    const seconds = picture.t_s - this.recording.moments[0][0];
+    document.getElementById("at").value = `${seconds.toFixed(2)} s`;
+    this.scrub.setAttribute("aria-valuetext", `${seconds.toFixed(2)} seconds`);
+    this.page.picture(picture);
+  }
+
+  play(playing) {
+    this.playing = playing;
+    this.button.textContent = playing ? "Pause" : "Play";
+    if (!playing) return;
+    if (this.index >= this.recording.count - 1) this.index = 0;
+    const [began, first] = [performance.now(), this.index];
+    const step = async () => {
+      if (!this.playing) return;
+      const index = first + Math.floor((performance.now() - began) / 1000 / this.recording.period_s);
+      if (index >= this.recording.count) return this.play(false);
+      await this.seek(index);
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+}

@@ -1,0 +1,176 @@
+// Forces between their thresholds, and below them a lane per module, for each hand over the last seconds.
+
+import { begin, palette } from "/canvas.js";
+
+const HANDS = ["left", "right"];
+/** What is seen at once, s. */
+const WINDOW = 20;
+const LEFT = 118;
+const RIGHT = 8;
+const LANE = 15;
+/** Numbers of a moment per hand: f1, f2, modules, then F_n and F_t of each finger. */
+const PER_HAND = 7;
+const LINES = [
+  { of: (m) => m[0], colour: "d", dash: [5, 4], width: 1.5 },
+  { of: (m) => m[1], colour: "e", dash: [5, 4], width: 1.5 },
+  { of: (m) => (m[4] + m[6]) / 2, colour: "c", dash: [], width: 1.8 },
+  { of: (m) => m[3], colour: "a", dash: [], width: 2.6 },
+  { of: (m) => m[5], colour: "b", dash: [], width: 1.4 },
+];
+
+export class Traces {
+  constructor(parent, scene) {
+    this.modules = scene.modules;
+    this.moments = [];
+    this.steps = [];
+    this.origin = 0;
+    this.canvases = HANDS.map((hand) => {
+      const canvas = document.createElement("canvas");
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", `Forces and active modules of the ${hand} hand over the last ${WINDOW} seconds`);
+      parent.append(canvas);
+      return canvas;
+    });
+  }
+
+  /** All that is known so far. */
+  begin(moments, origin) {
+    this.moments = moments;
+    this.origin = origin;
+  }
+
+  /** A moment as the picture tells it. */
+  add(picture) {
+    const last = this.moments.at(-1);
+    if (last && picture.t_s <= last[0]) this.moments = [];
+    const hand = ({ f1_n, f2_n, modules, fingers }) => [f1_n, f2_n, modules, ...fingers.flatMap((f) => [f.normal_n, f.tangential_n])];
+    this.moments.push([picture.t_s, ...picture.hands.flatMap(hand)]);
+    if (this.moments.length > 4000) this.moments.splice(0, 1000);
+  }
+
+  /** Steps of tasks are marked. */
+  happened(events) {
+    for (const event of events) if (event.kind === "step") this.steps.push(event);
+    if (this.steps.length > 400) this.steps.splice(0, 100);
+  }
+
+  /** Draws the seconds before `until`. */
+  draw(until, isLive) {
+    const shown = { from: until - WINDOW, until, isLive };
+    const first = lowerBound(this.moments, shown.from);
+    const last = lowerBound(this.moments, until + 1e-6);
+    const moments = this.moments.slice(Math.max(0, first - 1), last);
+    this.canvases.forEach((canvas, hand) => this.drawHand(canvas, hand, moments, shown));
+  }
+
+  drawHand(canvas, hand, moments, shown) {
+    const { context, width, height } = begin(canvas);
+    const colours = palette();
+    const of = (moment) => moment.slice(1 + hand * PER_HAND, 1 + (hand + 1) * PER_HAND);
+    const samples = moments.map((moment) => [moment[0], of(moment)]);
+    const lanes = this.lanes(samples);
+    const bottom = height - 16 - LANE * Math.max(lanes.length, 1);
+    const x = (t) => LEFT + ((t - shown.from) / (shown.until - shown.from)) * (width - LEFT - RIGHT);
+    const highest = samples.reduce((most, [, m]) => Math.max(most, m[1] < 100 ? m[1] : 0, m[3], m[5]), 0.5) * 1.12;
+    const y = (n) => bottom - 6 - (n / highest) * (bottom - 26);
+    this.drawGrid(context, colours, { hand, width, bottom, height, highest, x, y, shown });
+    context.save();
+    context.beginPath();
+    context.rect(LEFT, 0, width - LEFT - RIGHT, height);
+    context.clip();
+    this.drawSteps(context, colours, hand, x, bottom, shown);
+    for (const line of LINES) {
+      context.strokeStyle = colours[line.colour];
+      context.lineWidth = line.width;
+      context.setLineDash(line.dash);
+      context.beginPath();
+      for (const [t, m] of samples) {
+        const value = line.of(m);
+        if (Number.isFinite(value)) context.lineTo(x(t), y(value));
+      }
+      context.stroke();
+    }
+    context.setLineDash([]);
+    context.restore();
+    this.drawLanes(context, colours, lanes, samples, x, bottom, width);
+  }
+
+  drawGrid(context, colours, { hand, width, bottom, height, highest, x, y, shown }) {
+    context.fillStyle = colours.ink;
+    context.font = "600 12px system-ui, sans-serif";
+    context.fillText(`${HANDS[hand]} hand`, 4, 14);
+    context.font = "11px system-ui, sans-serif";
+    context.fillStyle = colours.soft;
+    context.fillText("N", LEFT - 16, 14);
+    context.strokeStyle = colours.line;
+    context.lineWidth = 1;
+    const step = [0.1, 0.2, 0.5, 1, 2, 5, 10].find((s) => highest / s <= 5) ?? 20;
+    for (let n = 0; n <= highest; n += step) {
+      context.beginPath();
+      context.moveTo(LEFT, y(n));
+      context.lineTo(width - RIGHT, y(n));
+      context.stroke();
+      context.fillText(String(Math.round(n * 10) / 10), LEFT - 26, y(n) + 4);
+    }
+    for (let ago = 0; ago <= WINDOW; ago += 5) {
+      const label = shown.isLive ? (ago ? `−${ago} s` : "now") : `${(shown.until - this.origin - ago).toFixed(0)} s`;
+      context.fillText(label, Math.min(x(shown.until - ago), width - RIGHT - 34), height - 4);
+    }
+  }
+
+  drawSteps(context, colours, hand, x, bottom, shown) {
+    context.fillStyle = colours.soft;
+    context.strokeStyle = colours.line;
+    let free = -Infinity;
+    const steps = this.steps.filter((event) => event.hand === HANDS[hand] && event.t_s < shown.until);
+    steps.forEach((event, index) => {
+      if ((steps[index + 1]?.t_s ?? Infinity) < shown.from) return;
+      const at = Math.max(x(event.t_s), LEFT);
+      context.beginPath();
+      context.moveTo(at, 18);
+      context.lineTo(at, bottom);
+      context.stroke();
+      if (at < free) return;
+      context.fillText(event.text, at + 3, 14);
+      free = at + 10 + context.measureText(event.text).width;
+    });
+  }
+
+  /** Modules that were active in what is shown. */
+  lanes(samples) {
+    const ever = samples.reduce((bits, [, m]) => bits | m[2], 0);
+    return this.modules.filter(({ id }) => (ever >>> id) & 1);
+  }
+
+  drawLanes(context, colours, lanes, samples, x, bottom, width) {
+    const tints = ["a", "e", "f", "d", "c", "b"];
+    lanes.forEach(({ id, name }, index) => {
+      const top = bottom + index * LANE;
+      context.fillStyle = colours.ink;
+      context.fillText(name.replace(/^module /, ""), 4, top + 11, LEFT - 10);
+      context.fillStyle = colours.line;
+      context.fillRect(LEFT, top + 7, width - LEFT - RIGHT, 1);
+      context.fillStyle = colours[tints[id % tints.length]];
+      let since = null;
+      samples.forEach(([t, m], at) => {
+        const active = (m[2] >>> id) & 1;
+        if (active && since === null) since = t;
+        if (since !== null && (!active || at === samples.length - 1)) {
+          const from = Math.max(x(since), LEFT);
+          context.fillRect(from, top + 2, Math.max(2, x(t) - from), LANE - 5);
+          since = null;
+        }
+      });
+    });
+  }
+}
+
+function lowerBound(moments, t) {
+  let [low, high] = [0, moments.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (moments[middle][0] < t) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

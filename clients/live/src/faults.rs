@@ -1,0 +1,142 @@
+//! Faults with their flight recorder: why the robot had to hold or stop, and the ticks before it.
+
+use std::collections::VecDeque;
+
+use atas_client::{body_ns, words};
+use serde_json::{Value, json};
+use shm_schemas::{EventKind, Mode, ModuleEvent, TickReport};
+
+use crate::picture::FINGERS;
+
+/// Ticks before a fault that are kept: as many as the daemon's own flight recorder keeps.
+const TICKS: usize = 256;
+/// Faults that are kept.
+const FAULTS: usize = 32;
+
+/// The recorder.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    reports: VecDeque<TickReport>,
+    faults: VecDeque<Fault>,
+    count: u64,
+}
+
+#[derive(Debug)]
+struct Fault {
+    number: u64,
+    event: ModuleEvent,
+    reports: Vec<TickReport>,
+}
+
+impl Faults {
+    /// Remembers a tick.
+    pub(crate) fn note(&mut self, report: &TickReport) {
+        if self.reports.len() == TICKS {
+            self.reports.pop_front();
+        }
+        self.reports.push_back(*report);
+    }
+
+    /// The report of one of the last ticks.
+    pub(crate) fn report_of(&self, tick: u64) -> Option<&TickReport> {
+        self.reports.iter().rev().find(|report| report.tick == tick)
+    }
+
+    /// Keeps the ticks before this event if it is a fault; whether it is.
+    pub(crate) fn watch(&mut self, event: &ModuleEvent) -> bool {
+        if !is_fault(event) {
+            return false;
+        }
+        if self.faults.len() == FAULTS {
+            self.faults.pop_front();
+        }
+        self.count += 1;
+        let before = self.reports.iter().filter(|r| r.tick <= event.tick);
+        self.faults.push_back(Fault {
+            number: self.count,
+            event: *event,
+            reports: before.copied().collect(),
+        });
+        true
+    }
+
+    /// The faults, newest first.
+    pub(crate) fn list(&self) -> Value {
+        let listed = self.faults.iter().rev().map(|fault| {
+            json!({
+                "number": fault.number,
+                "tick": fault.event.tick,
+                "t_s": fault.event.stamp.captured_ns as f64 * 1e-9,
+                "mode": fault.event.mode.name(),
+                "sentence": words::event(&fault.event).trim(),
+                "ticks": fault.reports.len(),
+            })
+        });
+        listed.collect()
+    }
+
+    /// The ticks before a fault, as columns; `None` if it is not kept any more.
+    pub(crate) fn flight(&self, number: u64) -> Option<Value> {
+        let fault = self.faults.iter().find(|fault| fault.number == number)?;
+        let column = |value: &dyn Fn(&TickReport) -> f64| -> Vec<f64> {
+            fault.reports.iter().map(value).collect()
+        };
+        let end_ns = fault.event.stamp.captured_ns as f64;
+        let hands = (0..2).map(|hand| {
+            let fingers = (0..FINGERS)
+                .map(|finger| column(&|r| f64::from(r.hands[hand].fingers[finger].normal_n)));
+            json!({
+                "normal_n": fingers.collect::<Vec<_>>(),
+                "f1_n": column(&|r| f64::from(r.hands[hand].f1_n)),
+                "f2_n": column(&|r| f64::from(r.hands[hand].f2_n)),
+                "age_ms": column(&|r| r.hands[hand].frame_age_ns as f64 * 1e-6),
+            })
+        });
+        Some(json!({
+            "sentence": words::event(&fault.event).trim(),
+            "before_ms": column(&|r| (r.stamp.captured_ns as f64 - end_ns) * 1e-6),
+            "late_us": column(&|r| f64::from(r.wake_late_ns) * 1e-3),
+            "body_us": column(&|r| body_ns(r) as f64 * 1e-3),
+            "hands": hands.collect::<Vec<_>>(),
+        }))
+    }
+}
+
+fn is_fault(event: &ModuleEvent) -> bool {
+    event.kind == EventKind::MODE
+        && matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP | Mode::FAULT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_keeps_the_ticks_before_it_and_old_ones_go() {
+        let mut faults = Faults::default();
+        for tick in 0..1000 {
+            faults.note(&TickReport {
+                tick,
+                ..TickReport::default()
+            });
+        }
+        let fault = |tick, mode| ModuleEvent {
+            tick,
+            mode,
+            kind: EventKind::MODE,
+            ..ModuleEvent::default()
+        };
+        assert!(!faults.watch(&fault(900, Mode::RUN)));
+        assert!(faults.watch(&fault(900, Mode::HOLD)));
+        let flight = faults.flight(1).expect("kept");
+        let ticks = flight["before_ms"].as_array().expect("a column").len();
+        assert_eq!(ticks, 900 - (1000 - TICKS) + 1);
+        for _ in 0..FAULTS {
+            faults.watch(&fault(999, Mode::SAFE_STOP));
+        }
+        assert!(faults.flight(1).is_none());
+        let listed = faults.list();
+        assert_eq!(listed.as_array().map(Vec::len), Some(FAULTS));
+        assert_eq!(listed[0]["number"], FAULTS as u64 + 1);
+    }
+}

@@ -1,0 +1,96 @@
+//! Who is answered: pages of this server on this machine, and for what changes something, who has the token.
+//!
+//! A page of any other site that is open in the same browser can send requests here. It cannot forge `Host` or `Origin`:
+//! the first stops names that were rebound to 127.0.0.1, the second everything that another site's script does.
+
+use axum::http::HeaderMap;
+use axum::http::header::{AUTHORIZATION, HOST, ORIGIN};
+
+/// What requests are held against.
+#[derive(Clone, Debug)]
+pub(crate) struct Guard {
+    hosts: [String; 2],
+    token: String,
+}
+
+impl Guard {
+    /// For a server on this port.
+    pub(crate) fn new(port: u16) -> std::io::Result<Self> {
+        let mut bytes = [0; 16];
+        let filled = rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty())?;
+        if filled < bytes.len() {
+            return Err(std::io::Error::other("too few random bytes"));
+        }
+        Ok(Self {
+            hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
+            token: bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
+        })
+    }
+
+    /// What the page must know to change something.
+    pub(crate) fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// Whether the request was sent to this server by its name here, and by no other site's page.
+    pub(crate) fn admits(&self, headers: &HeaderMap) -> bool {
+        let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+        let is_ours = |host: &str| self.hosts.iter().any(|ours| ours == host);
+        let from = text(ORIGIN).map(|origin| origin.strip_prefix("http://").unwrap_or("?"));
+        text(HOST).is_some_and(is_ours) && from.is_none_or(is_ours)
+    }
+
+    /// Whether it may change something: also a page of ours must say so, and have the token.
+    pub(crate) fn trusts(&self, headers: &HeaderMap) -> bool {
+        let bearer = headers
+            .get(AUTHORIZATION)
+            .and_then(|value| value.to_str().ok());
+        let given = bearer
+            .and_then(|text| text.strip_prefix("Bearer "))
+            .unwrap_or("");
+        self.admits(headers) && headers.contains_key(ORIGIN) && same(given, &self.token)
+    }
+}
+
+/// Compares in a time that does not tell where they differ.
+fn same(a: &str, b: &str) -> bool {
+    let differs = a
+        .bytes()
+        .zip(b.bytes())
+        .fold(0, |differs, (a, b)| differs | (a ^ b));
+    a.len() == b.len() && differs == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_our_own_pages_are_answered_and_only_the_token_is_trusted() {
+        let guard = Guard::new(8470).expect("random bytes");
+        let check = |given: &[(&str, &str)], admitted, trusted| {
+            let mut headers = HeaderMap::new();
+            for (name, value) in given {
+                let name: axum::http::HeaderName = name.parse().expect("a name");
+                headers.insert(name, value.parse().expect("a value"));
+            }
+            assert_eq!(guard.admits(&headers), admitted, "{given:?}");
+            assert_eq!(guard.trusts(&headers), trusted, "{given:?}");
+        };
+        let bearer = format!("Bearer {}", guard.token());
+        let ours = ("host", "127.0.0.1:8470");
+        let here = ("origin", "http://127.0.0.1:8470");
+        check(&[], false, false);
+        check(&[ours], true, false);
+        check(&[("host", "localhost:8470")], true, false);
+        check(&[("host", "rebound.example:8470")], false, false);
+        check(&[ours, here], true, false);
+        check(&[ours, ("origin", "http://other.example")], false, false);
+        check(&[ours, ("origin", "https://127.0.0.1:8470")], false, false);
+        check(&[ours, ("origin", "null")], false, false);
+        check(&[ours, here, ("authorization", &bearer)], true, true);
+        check(&[ours, ("authorization", &bearer)], true, false);
+        check(&[ours, here, ("authorization", "Bearer ")], true, false);
+        check(&[ours, here, ("authorization", &bearer[..20])], true, false);
+    }
+}

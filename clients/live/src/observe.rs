@@ -1,0 +1,173 @@
+//! The thread that looks at the bus, sixty times a second, and tells the pages.
+//!
+//! A daemon that is not there yet, dies or comes back is a state that the pages show, never an end.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use atas_client::histogram::EDGES_NS;
+use atas_client::{ClientError, Session, Watch, json, layouts, standstill, words};
+use serde_json::{Value, json};
+use shm_bus::{BusName, now_ns};
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{EventKind, ModuleEvent, TickReport};
+
+use crate::feed::Feed;
+use crate::picture::Picture;
+
+/// Time between two pictures: sixty a second.
+const PICTURE: Duration = Duration::from_nanos(16_666_667);
+/// Pictures between two statuses: five statuses a second, which people can read.
+const STATUS_EVERY: u64 = 12;
+/// Pause before a bus that is not there is looked for again.
+const AGAIN: Duration = Duration::from_millis(300);
+
+/// Looks at the bus until `stop` is set.
+pub(crate) fn observe(bus: &BusName, feed: &Arc<Feed>, stop: &AtomicBool) {
+    while !stop.load(Ordering::Relaxed) {
+        if let Err(error) = observe_bus(bus, feed, stop) {
+            gone(feed, &error.to_string());
+            std::thread::sleep(AGAIN);
+        }
+    }
+}
+
+fn observe_bus(bus: &BusName, feed: &Feed, stop: &AtomicBool) -> Result<(), ClientError> {
+    let session = Session::existing(bus)?;
+    let mut observer = Observer::new(Watch::join(&session)?);
+    let mut due = Instant::now();
+    while !stop.load(Ordering::Relaxed) {
+        observer.look(feed)?;
+        // Late once is late once: what was missed is not caught up with.
+        due = (due + PICTURE).max(Instant::now());
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+    Ok(())
+}
+
+fn gone(feed: &Feed, why: &str) {
+    let told = json!({ "alive": false, "why": why });
+    feed.tell("status", &told);
+    let mut past = feed.past();
+    past.status = told;
+}
+
+/// What is known from one look to the next.
+struct Observer {
+    watch: Watch,
+    looks: u64,
+    /// Tick of the last picture, and process of the daemon that it was of.
+    shown: (u64, u32),
+    /// Layout hash of each hand's frames, and how many elements that means.
+    layouts: [(u64, usize); HANDS],
+}
+
+impl Observer {
+    fn new(watch: Watch) -> Self {
+        Self {
+            watch,
+            looks: 0,
+            shown: (0, 0),
+            layouts: [(0, 0); HANDS],
+        }
+    }
+
+    fn look(&mut self, feed: &Feed) -> Result<(), ClientError> {
+        let (mut reports, mut events) = (Vec::new(), Vec::new());
+        self.watch
+            .look(|report| reports.push(*report), |event| events.push(*event))?;
+        if self.shown.1 != self.watch.status.pid {
+            self.shown = (0, self.watch.status.pid);
+            feed.past().forget();
+        }
+        self.tell_events(feed, &reports, &events);
+        if !reports.is_empty() {
+            self.tell_picture(feed);
+        }
+        if self.looks.is_multiple_of(STATUS_EVERY) {
+            let status = self.status();
+            feed.tell("status", &status);
+            feed.past().status = status;
+        }
+        self.looks += 1;
+        Ok(())
+    }
+
+    fn tell_picture(&mut self, feed: &Feed) {
+        feed.past().note(&self.watch.report);
+        if feed.pages() == 0 {
+            return;
+        }
+        for (hand, known) in self.layouts.iter_mut().enumerate() {
+            let hash = self.watch.view.frames[hand].layout_hash;
+            if known.0 != hash {
+                *known = (hash, layouts::named(hash).map_or(0, |layout| layout.count));
+            }
+        }
+        let view = &self.watch.view;
+        let frame = |hand: usize| (view.has_frame[hand] != 0).then_some(&view.frames[hand]);
+        let joints = (view.has_joints != 0).then_some(&view.joints);
+        let counts = self.layouts.map(|(_, count)| count);
+        let picture = Picture::of(
+            &self.watch.report,
+            std::array::from_fn(frame),
+            joints,
+            counts,
+        );
+        feed.tell("picture", &picture);
+    }
+
+    fn tell_events(&self, feed: &Feed, reports: &[TickReport], events: &[ModuleEvent]) {
+        let mut past = feed.past();
+        reports.iter().for_each(|report| past.faults.note(report));
+        let mut told = Vec::new();
+        let mut has_fault = false;
+        for event in events {
+            let value = described(event, past.faults.report_of(event.tick));
+            past.happened(value.clone());
+            told.push(value);
+            has_fault |= past.faults.watch(event);
+        }
+        let faults = has_fault.then(|| past.faults.list());
+        drop(past);
+        if !told.is_empty() {
+            feed.tell("events", &told);
+        }
+        if let Some(faults) = faults {
+            feed.tell("faults", &faults);
+        }
+    }
+
+    fn status(&self) -> Value {
+        if !self.watch.is_alive() {
+            return json!({
+                "alive": false,
+                "why": "the daemon does not report; it ended or hangs",
+            });
+        }
+        let mut value = json::status(&self.watch.status);
+        value["alive"] = true.into();
+        let frozen = standstill(&self.watch.status, now_ns());
+        value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
+        value["histogram"] = json!({
+            "edges_us": EDGES_NS.map(|ns| ns as f64 * 1e-3),
+            "wake": self.watch.wake.counts(),
+            "body": self.watch.body.counts(),
+        });
+        value
+    }
+}
+
+/// An event with its sentence and, where a module was switched, what the hand felt then.
+pub(crate) fn described(event: &ModuleEvent, at: Option<&TickReport>) -> Value {
+    let mut value = json::event(event);
+    value["t_s"] = (event.stamp.captured_ns as f64 * 1e-9).into();
+    value["sentence"] = words::event(event).trim().into();
+    let is_switch = matches!(event.kind, EventKind::MODULE_ON | EventKind::MODULE_OFF);
+    if is_switch && let (Some(at), Some(hand)) = (at, event.hand.index()) {
+        value["module_id"] = event.module.0.into();
+        value["evidence"] = words::evidence(event.module, &at.hands[hand]).into();
+    }
+    value
+}

@@ -1,0 +1,141 @@
+//! What a page draws of one moment.
+
+use serde::Serialize;
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{HandFrame, HandReport, JointState, TickReport};
+
+/// Fingers of one hand of the robot; payloads have room for more.
+pub(crate) use atas_client::FINGERS;
+
+/// One moment. Not-a-numbers are `null`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Picture {
+    /// The tick.
+    pub(crate) tick: u64,
+    /// Its time, s of the sensors' clock.
+    pub(crate) t_s: f64,
+    /// Mode after it.
+    pub(crate) mode: &'static str,
+    /// Active goal, 0 if none.
+    pub(crate) goal_id: u64,
+    /// Left, right.
+    pub(crate) hands: [HandPicture; HANDS],
+    /// Joint positions, rad; empty where none are known.
+    pub(crate) q_rad: Vec<f32>,
+}
+
+/// One hand.
+#[derive(Debug, Serialize)]
+pub(crate) struct HandPicture {
+    f1_n: f32,
+    f2_n: f32,
+    stiffness_n_m: f32,
+    /// Bit n set: the module with this number is active.
+    modules: u32,
+    /// Age of the newest frame, ms; `null` before the first.
+    age_ms: Option<f32>,
+    fingers: [FingerPicture; FINGERS],
+}
+
+/// One finger.
+#[derive(Debug, Serialize)]
+pub(crate) struct FingerPicture {
+    normal_n: f32,
+    tangential_n: f32,
+    tangential_increment_n: f32,
+    utilisation: f32,
+    friction: f32,
+    closing_m_s: f32,
+    /// Per element f_n, f_t1, f_t2, N; `null` for an element that is not valid, empty where no frame is known.
+    elements: Vec<Option<[f32; 3]>>,
+}
+
+impl Picture {
+    /// The moment of a report, with the newest frames and joints known then.
+    pub(crate) fn of(
+        report: &TickReport,
+        frames: [Option<&HandFrame>; HANDS],
+        joints: Option<&JointState>,
+        element_counts: [usize; HANDS],
+    ) -> Self {
+        let hand =
+            |hand: usize| hand_picture(&report.hands[hand], frames[hand], element_counts[hand]);
+        let positions = joints.map_or(&[][..], |joints| {
+            let count = (joints.joint_count as usize).min(joints.position_rad.len());
+            &joints.position_rad[..count]
+        });
+        Self {
+            tick: report.tick,
+            t_s: report.stamp.captured_ns as f64 * 1e-9,
+            mode: report.mode.name(),
+            goal_id: report.goal_id,
+            hands: std::array::from_fn(hand),
+            q_rad: positions.iter().map(|q| rounded(*q as f32)).collect(),
+        }
+    }
+}
+
+fn hand_picture(report: &HandReport, frame: Option<&HandFrame>, elements: usize) -> HandPicture {
+    HandPicture {
+        f1_n: rounded(report.f1_n),
+        f2_n: rounded(report.f2_n),
+        stiffness_n_m: report.stiffness_n_m.round(),
+        modules: report.modules_active,
+        age_ms: (report.frame_age_ns != u64::MAX)
+            .then(|| rounded((report.frame_age_ns as f64 * 1e-6) as f32)),
+        fingers: std::array::from_fn(|finger| {
+            let felt = &report.fingers[finger];
+            FingerPicture {
+                normal_n: rounded(felt.normal_n),
+                tangential_n: rounded(felt.tangential_n),
+                tangential_increment_n: rounded(felt.tangential_increment_n),
+                utilisation: rounded(felt.utilisation),
+                friction: rounded(felt.friction),
+                closing_m_s: felt.closing_m_s,
+                elements: frame.map_or_else(Vec::new, |frame| picked(frame, finger, elements)),
+            }
+        }),
+    }
+}
+
+fn picked(frame: &HandFrame, finger: usize, count: usize) -> Vec<Option<[f32; 3]>> {
+    let forces = frame.force_n[finger].iter().take(count).enumerate();
+    let is_valid = |element: usize| frame.valid_mask[finger] >> element & 1 == 1;
+    forces
+        .map(|(element, force_n)| is_valid(element).then(|| force_n.map(rounded)))
+        .collect()
+}
+
+/// To a tenth of a milli-unit: what a screen can show, and short as text.
+fn rounded(value: f32) -> f32 {
+    (value * 1e4).round() / 1e4
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_is_left_out_and_what_is_not_a_number_is_null() {
+        let mut report = TickReport::default();
+        report.hands[1].fingers[0].friction = f32::NAN;
+        report.hands[1].fingers[0].normal_n = 1.234_56;
+        report.hands[0].frame_age_ns = u64::MAX;
+        let mut frame = HandFrame::default();
+        frame.valid_mask[0] = 0b101;
+        frame.force_n[0][2] = [0.5, -0.25, 1e-9];
+        let picture = Picture::of(&report, [None, Some(&frame)], None, [41, 3]);
+        let text = serde_json::to_string(&picture).expect("JSON");
+        let check = |part: &str| assert!(text.contains(part), "{part} in {text}");
+        check(r#""q_rad":[]"#);
+        check(r#""age_ms":null"#);
+        check(r#""normal_n":1.2346"#);
+        check(r#""friction":null"#);
+        check(r#""elements":[[0.0,0.0,0.0],null,[0.5,-0.25,0.0]]"#);
+        assert_eq!(
+            text.matches(r#""elements":[]"#).count(),
+            FINGERS,
+            "a hand without a frame"
+        );
+    }
+}

@@ -1,0 +1,51 @@
+//! What does not change while a page is open: the robot's links and where the elements of its fingertips sit.
+
+use robot_model::{Form, Limb, Placement, Shape, Skeleton, TIP_LINKS};
+use serde_json::{Value, json};
+use shm_schemas::{Layout, ModuleId};
+
+/// The robot, its skin and its modules.
+pub(crate) fn scene(skeleton: &Skeleton, layouts: &[Layout; 2]) -> Value {
+    let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
+    json!({
+        "limbs": skeleton.limbs().iter().map(limb).collect::<Vec<_>>(),
+        "tips": TIP_LINKS,
+        "layouts": layouts.each_ref().map(layout),
+        "modules": modules.map(|id| json!({ "id": id.0, "name": id.name() })).collect::<Vec<_>>(),
+    })
+}
+
+fn limb(limb: &Limb) -> Value {
+    json!({
+        "name": limb.name,
+        "parent": limb.parent,
+        "at": placement(&limb.origin),
+        "axis": limb.axis,
+        "joint": limb.joint,
+        "slides": limb.slides,
+        "shapes": limb.shapes.iter().map(shape).collect::<Vec<_>>(),
+    })
+}
+
+fn placement(placement: &Placement) -> Value {
+    json!({ "xyz": placement.translation_m, "q": placement.rotation_xyzw })
+}
+
+fn shape(shape: &Shape) -> Value {
+    let form = match shape.form {
+        Form::Cylinder { radius_m, length_m } => json!({ "cylinder": [radius_m, length_m] }),
+        Form::Sphere { radius_m } => json!({ "sphere": radius_m }),
+        Form::Box { size_m } => json!({ "box": size_m }),
+    };
+    json!({ "at": placement(&shape.origin), "form": form, "rgba": shape.rgba })
+}
+
+fn layout(layout: &Layout) -> Value {
+    let count = layout.count;
+    json!({
+        "radius_m": layout.radius_m,
+        "normal": layout.normal[..count],
+        "tangent1": layout.tangent1[..count],
+        "tangent2": layout.tangent2[..count],
+    })
+}

@@ -1,0 +1,283 @@
+//! The server: the page, what it shows, and the two things that it may ask for.
+
+use std::future::IntoFuture;
+use std::path::Path as FilePath;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::Context;
+use atas_console::arguments::Dashboard;
+use atas_console::{Interrupt, Output};
+use axum::Router;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::{Path, Request, State};
+use axum::http::header::{self, HeaderValue};
+use axum::http::{HeaderMap, StatusCode};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use robot_model::{Skeleton, TWO_HAND_ARM_URDF};
+use serde_json::{Value, json};
+use shm_bus::BusName;
+use shm_schemas::Layout;
+use tokio::net::TcpListener;
+use tokio::sync::broadcast::error::RecvError;
+
+use crate::control;
+use crate::feed::Feed;
+use crate::guard::Guard;
+use crate::observe::observe;
+use crate::page::ASSETS;
+use crate::scene;
+use crate::shelf::Shelf;
+
+/// How often the server looks whether it shall end.
+const LOOK: Duration = Duration::from_millis(50);
+/// Pages at a time; each costs its share of a core.
+const PAGES: usize = 16;
+/// Pictures of a recording that one request may have.
+const PICTURES: usize = 240;
+/// What the page may load and talk to: this server, nothing else.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
+                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// What every request finds.
+struct Server {
+    guard: Guard,
+    bus: BusName,
+    feed: Arc<Feed>,
+    scene: Value,
+    shelf: Option<Shelf>,
+}
+
+/// `atas dashboard`.
+pub(crate) fn dashboard(
+    arguments: &Dashboard,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let shelf = match &arguments.recording[..] {
+        [] => None,
+        files => Some(Shelf::read(files)?),
+    };
+    let scene = match &shelf {
+        Some(shelf) => shelf.scene.clone(),
+        None => live_scene(arguments.robot.as_deref())?,
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_io()
+        .enable_time()
+        .build()
+        .context("could not start the server")?;
+    let listener = runtime.block_on(listen(arguments.port))?;
+    let address = listener.local_addr()?;
+    let server = Arc::new(Server {
+        guard: Guard::new(address.port()).context("could not draw a token")?,
+        bus: arguments.bus.bus.clone(),
+        feed: Arc::default(),
+        scene,
+        shelf,
+    });
+    announce(&server, address.port(), output)?;
+    std::thread::scope(|threads| {
+        if server.shelf.is_none() {
+            threads.spawn(|| observe(&server.bus, &server.feed, interrupt.flag()));
+        }
+        runtime.block_on(serve(Arc::clone(&server), listener, interrupt, output))
+    })
+}
+
+async fn listen(port: u16) -> anyhow::Result<TcpListener> {
+    let bound = TcpListener::bind(("127.0.0.1", port)).await;
+    bound.with_context(|| {
+        format!("could not listen on port {port} of this machine; name another one with --port, or 0 for any")
+    })
+}
+
+fn live_scene(robot: Option<&FilePath>) -> anyhow::Result<Value> {
+    let text = match robot {
+        None => TWO_HAND_ARM_URDF.to_owned(),
+        Some(path) => std::fs::read_to_string(path)
+            .with_context(|| format!("could not read the robot {}", path.display()))?,
+    };
+    let skeleton = Skeleton::from_urdf(&text)?;
+    Ok(scene::scene(
+        &skeleton,
+        &[Layout::dome_41(), Layout::dome_41()],
+    ))
+}
+
+fn announce(server: &Server, port: u16, output: &mut Output) -> anyhow::Result<()> {
+    // Behind the #, so that the token travels in no request.
+    let url = format!("http://127.0.0.1:{port}/#{}", server.guard.token());
+    if output.is_json() {
+        return output.json(&json!({ "url": url, "port": port, "token": server.guard.token() }));
+    }
+    output.line(format_args!(
+        "open {url}\nwithout what follows the #, the page shows everything and can stop nothing; Ctrl-C ends the server"
+    ))
+}
+
+async fn serve(
+    server: Arc<Server>,
+    listener: TcpListener,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let serving = tokio::spawn(axum::serve(listener, router(Arc::clone(&server))).into_future());
+    let mut pages = 0;
+    while !interrupt.is_set() {
+        anyhow::ensure!(!serving.is_finished(), "the server ended; report this");
+        let now = server.feed.pages();
+        if output.is_json() && now != pages {
+            output.json(&json!({ "pages": now }))?;
+        }
+        pages = now;
+        tokio::time::sleep(LOOK).await;
+    }
+    Ok(())
+}
+
+fn router(server: Arc<Server>) -> Router {
+    let mut router = Router::new()
+        .route("/scene.json", get(scene_of))
+        .route("/feed", get(feed))
+        .route("/recording.json", get(recording))
+        .route("/pictures/{from}/{count}", get(pictures))
+        .route("/flight/{number}", get(flight))
+        .route("/stop", post(stop))
+        .route("/recover", post(recover));
+    for asset in ASSETS {
+        let kind = HeaderValue::from_static(asset.kind);
+        let answer = move || async move { ([(header::CONTENT_TYPE, kind)], asset.text) };
+        router = router.route(asset.path, get(answer));
+    }
+    router
+        .layer(middleware::from_fn_with_state(Arc::clone(&server), admit))
+        .with_state(server)
+}
+
+/// Answers our own pages only, and tells the browser what they may do.
+async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
+    if !server.guard.admits(request.headers()) {
+        return (
+            StatusCode::FORBIDDEN,
+            "this server answers its own pages only",
+        )
+            .into_response();
+    }
+    let mut response = next.run(request).await;
+    let headers = response.headers_mut();
+    headers.insert(
+        header::CONTENT_SECURITY_POLICY,
+        HeaderValue::from_static(POLICY),
+    );
+    headers.insert(
+        header::X_CONTENT_TYPE_OPTIONS,
+        HeaderValue::from_static("nosniff"),
+    );
+    headers.insert(
+        header::REFERRER_POLICY,
+        HeaderValue::from_static("no-referrer"),
+    );
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    response
+}
+
+fn as_json(text: String) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], text).into_response()
+}
+
+async fn scene_of(State(server): State<Arc<Server>>) -> Response {
+    let mut scene = server.scene.clone();
+    scene["recording"] = server.shelf.is_some().into();
+    scene["bus"] = server.bus.as_str().into();
+    as_json(scene.to_string())
+}
+
+async fn feed(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
+    if server.feed.pages() >= PAGES {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").into_response();
+    }
+    upgrade.on_upgrade(move |socket| tell(socket, server))
+}
+
+/// Tells one page everything until it goes away. One that cannot follow begins anew.
+async fn tell(mut socket: WebSocket, server: Arc<Server>) {
+    loop {
+        let (past, mut messages) = server.feed.listen();
+        if socket.send(Message::Text(past)).await.is_err() {
+            return;
+        }
+        loop {
+            match messages.recv().await {
+                Ok(message) => {
+                    if socket.send(Message::Text(message)).await.is_err() {
+                        return;
+                    }
+                }
+                Err(RecvError::Lagged(_)) => break,
+                Err(RecvError::Closed) => return,
+            }
+        }
+    }
+}
+
+async fn recording(State(server): State<Arc<Server>>) -> Response {
+    match &server.shelf {
+        Some(shelf) => as_json(shelf.told().to_string()),
+        None => (StatusCode::NOT_FOUND, "this server shows a running daemon").into_response(),
+    }
+}
+
+async fn pictures(
+    State(server): State<Arc<Server>>,
+    Path((from, count)): Path<(usize, usize)>,
+) -> Response {
+    match &server.shelf {
+        Some(shelf) => as_json(shelf.pictures(from, count.min(PICTURES))),
+        None => (StatusCode::NOT_FOUND, "this server shows a running daemon").into_response(),
+    }
+}
+
+async fn flight(State(server): State<Arc<Server>>, Path(number): Path<u64>) -> Response {
+    let found = match &server.shelf {
+        Some(shelf) => shelf.faults.flight(number),
+        None => server.feed.past().faults.flight(number),
+    };
+    match found {
+        Some(flight) => as_json(flight.to_string()),
+        None => (StatusCode::NOT_FOUND, "this fault is not kept any more").into_response(),
+    }
+}
+
+async fn stop(State(server): State<Arc<Server>>, headers: HeaderMap) -> Response {
+    act(server, &headers, control::stop).await
+}
+
+async fn recover(State(server): State<Arc<Server>>, headers: HeaderMap) -> Response {
+    act(server, &headers, control::recover).await
+}
+
+async fn act(
+    server: Arc<Server>,
+    headers: &HeaderMap,
+    act: fn(&BusName) -> anyhow::Result<()>,
+) -> Response {
+    if !server.guard.trusts(headers) {
+        return (
+            StatusCode::FORBIDDEN,
+            "open the page by the address that the server printed",
+        )
+            .into_response();
+    }
+    if server.shelf.is_some() {
+        return (StatusCode::CONFLICT, "this is a recording").into_response();
+    }
+    let done = tokio::task::spawn_blocking(move || act(&server.bus)).await;
+    match done {
+        Ok(Ok(())) => (StatusCode::OK, "done").into_response(),
+        Ok(Err(error)) => (StatusCode::BAD_GATEWAY, format!("{error:#}")).into_response(),
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
+    }
+}

@@ -1,0 +1,151 @@
+//! A recording on the shelf: its moments, to be looked at in any order.
+//!
+//! A bounded number of pictures is kept, as many a second as that allows, whatever the length of the recording.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use atas_recording::{Row, Rows, origin};
+use robot_model::Skeleton;
+use serde_json::{Value, json};
+use shm_schemas::{HandFrame, JointState, Layout, TickReport};
+
+use crate::faults::Faults;
+use crate::feed::moment;
+use crate::observe::described;
+use crate::picture::Picture;
+
+/// Pictures that are kept, some 6 KiB each (ours: 40 MiB; 100 s at 60 a second).
+const PICTURES: usize = 6000;
+/// Pictures a second at most.
+const RATE_HZ: f64 = 60.0;
+/// Events that are kept.
+const EVENTS: usize = 20_000;
+
+/// A recording, read once.
+pub(crate) struct Shelf {
+    pictures: Vec<String>,
+    moments: Vec<Vec<f64>>,
+    events: Vec<Value>,
+    period_s: f64,
+    /// Faults and the ticks before them.
+    pub(crate) faults: Faults,
+    /// The robot and its skin.
+    pub(crate) scene: Value,
+    name: String,
+}
+
+impl Shelf {
+    /// Reads the files of one run.
+    ///
+    /// # Errors
+    /// They cannot be read to their end.
+    pub(crate) fn read(files: &[PathBuf]) -> anyhow::Result<Self> {
+        let seconds = length_s(files)?;
+        let rows = Rows::open(files)?;
+        let urdf = origin::urdf(rows.header())?;
+        let skeleton = Skeleton::from_urdf(&urdf).context("could not load the recorded robot")?;
+        let layouts = origin::layouts(rows.header());
+        let counts = layouts.each_ref().map(|layout: &Layout| layout.count);
+        let mut shelf = Self {
+            pictures: Vec::new(),
+            moments: Vec::new(),
+            events: Vec::new(),
+            period_s: (seconds / PICTURES as f64).max(1.0 / RATE_HZ),
+            faults: Faults::default(),
+            scene: crate::scene::scene(&skeleton, &layouts),
+            name: files[0].display().to_string(),
+        };
+        let mut now = Now::default();
+        let mut next_ns = 0;
+        for row in rows {
+            let row = row?;
+            now.learn(&row);
+            shelf.happened(&row);
+            if let Some(report) = row.report.as_deref()
+                && row.captured_ns >= next_ns
+            {
+                next_ns = row.captured_ns + (shelf.period_s * 1e9) as u64;
+                shelf.keep(report, &now, counts)?;
+            }
+        }
+        anyhow::ensure!(
+            !shelf.pictures.is_empty(),
+            "could not find a tick report in {}; is it a recording of `atas record`?",
+            shelf.name
+        );
+        Ok(shelf)
+    }
+
+    fn keep(&mut self, report: &TickReport, now: &Now, counts: [usize; 2]) -> anyhow::Result<()> {
+        let frames = now.frames.each_ref().map(Option::as_ref);
+        let picture = Picture::of(report, frames, now.joints.as_ref(), counts);
+        self.pictures.push(serde_json::to_string(&picture)?);
+        self.moments.push(moment(report).to_vec());
+        Ok(())
+    }
+
+    fn happened(&mut self, row: &Row) {
+        let report = row.report.as_deref();
+        if let Some(report) = report {
+            self.faults.note(report);
+        }
+        for event in &row.events {
+            if self.events.len() < EVENTS {
+                self.events.push(described(event, report));
+            }
+            self.faults.watch(event);
+        }
+    }
+
+    /// What a page begins with.
+    pub(crate) fn told(&self) -> Value {
+        json!({
+            "name": self.name,
+            "count": self.pictures.len(),
+            "period_s": self.period_s,
+            "moments": self.moments,
+            "events": self.events,
+            "faults": self.faults.list(),
+        })
+    }
+
+    /// So many pictures from this one on, as a list.
+    pub(crate) fn pictures(&self, from: usize, count: usize) -> String {
+        let end = from.saturating_add(count).min(self.pictures.len());
+        let found = self.pictures.get(from..end).unwrap_or_default();
+        format!("[{}]", found.join(","))
+    }
+}
+
+/// What was last known of hands and joints.
+#[derive(Default)]
+struct Now {
+    frames: [Option<HandFrame>; 2],
+    joints: Option<JointState>,
+}
+
+impl Now {
+    fn learn(&mut self, row: &Row) {
+        let Some(inputs) = row.inputs.as_deref() else {
+            return;
+        };
+        for (known, frame) in self.frames.iter_mut().zip(&inputs.frames) {
+            *known = frame.or(*known);
+        }
+        self.joints = inputs.joints.or(self.joints);
+    }
+}
+
+/// From the first to the last tick, s.
+fn length_s(files: &[PathBuf]) -> anyhow::Result<f64> {
+    let mut ends = None::<(u64, u64)>;
+    for row in Rows::open(files)? {
+        let at_ns = row?.captured_ns;
+        let (first_ns, _) = *ends.get_or_insert((at_ns, at_ns));
+        ends = Some((first_ns, at_ns));
+    }
+    Ok(ends.map_or(0.0, |(first_ns, last_ns)| {
+        last_ns.saturating_sub(first_ns) as f64 * 1e-9
+    }))
+}

@@ -1,0 +1,235 @@
+//! The ROS 2 messages of an exported recording: their definitions, and how each is written.
+
+use robot_model::Placement;
+use shm_schemas::Layout;
+
+use super::cdr::Cdr;
+
+/// A message type: its name, its definition, and the types in it.
+pub(super) struct Type {
+    pub(super) name: &'static str,
+    definition: &'static str,
+    parts: &'static [(&'static str, &'static str)],
+}
+
+const TIME: (&str, &str) = ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec");
+const STAMPED: (&str, &str) = (
+    "std_msgs/Header",
+    "builtin_interfaces/Time stamp\nstring frame_id",
+);
+const VECTOR: (&str, &str) = ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z");
+
+pub(super) const JOINT_STATE: Type = Type {
+    name: "sensor_msgs/msg/JointState",
+    definition: "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort",
+    parts: &[STAMPED, TIME],
+};
+pub(super) const TRANSFORMS: Type = Type {
+    name: "tf2_msgs/msg/TFMessage",
+    definition: "geometry_msgs/TransformStamped[] transforms",
+    parts: &[
+        (
+            "geometry_msgs/TransformStamped",
+            "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform",
+        ),
+        (
+            "geometry_msgs/Transform",
+            "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
+        ),
+        (
+            "geometry_msgs/Quaternion",
+            "float64 x\nfloat64 y\nfloat64 z\nfloat64 w",
+        ),
+        VECTOR,
+        STAMPED,
+        TIME,
+    ],
+};
+pub(super) const CLOUD: Type = Type {
+    name: "sensor_msgs/msg/PointCloud2",
+    definition: "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n\
+                 uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense",
+    parts: &[
+        (
+            "sensor_msgs/PointField",
+            "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\nuint8 UINT32=6\nuint8 FLOAT32=7\n\
+             uint8 FLOAT64=8\nstring name\nuint32 offset\nuint8 datatype\nuint32 count",
+        ),
+        STAMPED,
+        TIME,
+    ],
+};
+pub(super) const WRENCH: Type = Type {
+    name: "geometry_msgs/msg/WrenchStamped",
+    definition: "std_msgs/Header header\ngeometry_msgs/Wrench wrench",
+    parts: &[
+        (
+            "geometry_msgs/Wrench",
+            "geometry_msgs/Vector3 force\ngeometry_msgs/Vector3 torque",
+        ),
+        VECTOR,
+        STAMPED,
+        TIME,
+    ],
+};
+pub(super) const SCALAR: Type = Type {
+    name: "std_msgs/msg/Float64",
+    definition: "float64 data",
+    parts: &[],
+};
+pub(super) const TEXT: Type = Type {
+    name: "std_msgs/msg/String",
+    definition: "string data",
+    parts: &[],
+};
+pub(super) const LOG: Type = Type {
+    name: "rcl_interfaces/msg/Log",
+    definition: "byte DEBUG=10\nbyte INFO=20\nbyte WARN=30\nbyte ERROR=40\nbyte FATAL=50\nbuiltin_interfaces/Time stamp\n\
+                 uint8 level\nstring name\nstring msg\nstring file\nstring function\nuint32 line",
+    parts: &[TIME],
+};
+
+impl Type {
+    /// The definition with those of its parts, as MCAP wants it (`ros2msg`).
+    pub(super) fn schema(&self) -> String {
+        let parts = self
+            .parts
+            .iter()
+            .map(|(name, definition)| format!("\n{}\nMSG: {name}\n{definition}", "=".repeat(80)));
+        [self.definition.to_owned()]
+            .into_iter()
+            .chain(parts)
+            .collect()
+    }
+}
+
+/// Severity of a [`LOG`].
+#[derive(Clone, Copy)]
+pub(super) enum Level {
+    Info = 20,
+    Warning = 30,
+    Error = 40,
+}
+
+/// Offset, name: the fields of a fingertip's cloud, 4-byte floats.
+const FIELDS: [&str; 7] = ["x", "y", "z", "fx", "fy", "fz", "force"];
+const FLOAT32: u8 = 7;
+const FLOAT_BYTES: usize = 4;
+
+impl Cdr {
+    fn time(&mut self, unix_ns: u64) -> &mut Self {
+        self.u32((unix_ns / 1_000_000_000) as u32)
+            .u32((unix_ns % 1_000_000_000) as u32)
+    }
+
+    fn stamped(&mut self, unix_ns: u64, frame: &str) -> &mut Self {
+        self.begin().time(unix_ns).text(frame)
+    }
+
+    pub(super) fn joints(&mut self, unix_ns: u64, names: &[String], values: [&[f64]; 3]) {
+        self.stamped(unix_ns, "").length(names.len());
+        names.iter().for_each(|name| {
+            self.text(name);
+        });
+        for values in values {
+            self.length(values.len()).f64s(values);
+        }
+    }
+
+    /// Where each child is in its parent.
+    pub(super) fn transforms<'a>(
+        &mut self,
+        unix_ns: u64,
+        placed: impl ExactSizeIterator<Item = (&'a str, &'a str, Placement)>,
+    ) {
+        self.begin().length(placed.len());
+        for (parent, child, at) in placed {
+            self.time(unix_ns).text(parent).text(child);
+            self.f64s(&at.translation_m).f64s(&at.rotation_xyzw);
+        }
+    }
+
+    pub(super) fn wrench(&mut self, unix_ns: u64, frame: &str, force: [f64; 3], torque: [f64; 3]) {
+        self.stamped(unix_ns, frame).f64s(&force).f64s(&torque);
+    }
+
+    pub(super) fn scalar(&mut self, value: f64) {
+        self.begin().f64(value);
+    }
+
+    pub(super) fn log(&mut self, unix_ns: u64, level: Level, name: &str, sentence: &str) {
+        self.begin()
+            .time(unix_ns)
+            .u8(level as u8)
+            .text(name)
+            .text(sentence);
+        self.text("").text("").u32(0);
+    }
+
+    /// The elements of a fingertip with the force on each, tip frame.
+    pub(super) fn cloud(&mut self, unix_ns: u64, frame: &str, points: &[[f32; 7]]) {
+        let step = FIELDS.len() * FLOAT_BYTES;
+        self.stamped(unix_ns, frame);
+        self.u32(1).length(points.len()).length(FIELDS.len());
+        for (index, name) in FIELDS.iter().enumerate() {
+            self.text(name)
+                .length(index * FLOAT_BYTES)
+                .u8(FLOAT32)
+                .u32(1);
+        }
+        let data: Vec<u8> = points
+            .iter()
+            .flatten()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
+        self.u8(0)
+            .length(step)
+            .length(step * points.len())
+            .blob(&data)
+            .u8(1);
+    }
+}
+
+/// Where each valid element sits and the force on it, tip frame, m and N; at last the normal force.
+pub(super) fn points(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> Vec<[f32; 7]> {
+    let count = layout.count.min(force_n.len());
+    let is_valid = |element: &usize| valid >> element & 1 == 1;
+    (0..count)
+        .filter(is_valid)
+        .map(|element| {
+            let (d, force) = (
+                layout.normal[element],
+                force_on(layout, element, force_n[element]),
+            );
+            let [x, y, z] = d.map(|d| (d * layout.radius_m) as f32);
+            let [fx, fy, fz] = force.map(|f| f as f32);
+            [x, y, z, fx, fy, fz, force_n[element][0]]
+        })
+        .collect()
+}
+
+/// The force of the object on the whole tip and its torque about the dome's centre, tip frame, N and N·m.
+pub(super) fn wrench(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> [[f64; 3]; 2] {
+    let mut sum = [[0.0; 3]; 2];
+    for [x, y, z, fx, fy, fz, _] in points(layout, valid, force_n)
+        .iter()
+        .map(|p| p.map(f64::from))
+    {
+        let torque = [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx];
+        for (sum, part) in sum.iter_mut().zip([[fx, fy, fz], torque]) {
+            sum.iter_mut()
+                .zip(part)
+                .for_each(|(sum, part)| *sum += part);
+        }
+    }
+    sum
+}
+
+/// The force on an element, whose axes are d, t1, t2: `F = −f_n·d + f_t1·t1 + f_t2·t2` (see [`shm_schemas::HandFrame`]).
+fn force_on(layout: &Layout, element: usize, force_n: [f32; 3]) -> [f64; 3] {
+    let [f_n, f_t1, f_t2] = force_n.map(f64::from);
+    core::array::from_fn(|axis| {
+        f_t1 * layout.tangent1[element][axis] + f_t2 * layout.tangent2[element][axis]
+            - f_n * layout.normal[element][axis]
+    })
+}

@@ -1,0 +1,205 @@
+//! A tick as one row of named columns, units in the names: what CSV and Parquet have in common.
+
+use robot_model::Skeleton;
+use shm_schemas::{FingerReport, Hand, HandReport, JointState, ModuleId, TickReport};
+
+use super::Subject;
+use crate::rows::Row;
+
+/// What a cell holds; empty where nothing was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Cell {
+    Empty,
+    Whole(i64),
+    Number(f64),
+    /// A number with the digits of a 32-bit float.
+    Short(f32),
+    Text(&'static str),
+}
+
+/// What all cells of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    Whole,
+    Number,
+    Short,
+    Text,
+}
+
+/// One column.
+pub(super) struct Column {
+    pub(super) name: String,
+    pub(super) form: Form,
+    value: Box<dyn Fn(&Row) -> Cell>,
+}
+
+impl Column {
+    pub(super) fn of(&self, row: &Row) -> Cell {
+        (self.value)(row)
+    }
+}
+
+type Of<T> = (&'static str, fn(&T) -> f32);
+
+const OF_HAND: [Of<HandReport>; 3] = [
+    ("f1_n", |hand| hand.f1_n),
+    ("f2_n", |hand| hand.f2_n),
+    ("stiffness_n_m", |hand| hand.stiffness_n_m),
+];
+const OF_FINGER: [Of<FingerReport>; 7] = [
+    ("normal_n", |finger| finger.normal_n),
+    ("tangential_n", |finger| finger.tangential_n),
+    ("tangential_increment_n", |finger| {
+        finger.tangential_increment_n
+    }),
+    ("utilisation", |finger| finger.utilisation),
+    ("friction", |finger| finger.friction),
+    ("closing_m_s", |finger| finger.closing_m_s),
+    ("in_contact", |finger| finger.in_contact as f32),
+];
+/// Components of an element: pressed along its normal, along its tangents.
+const COMPONENTS: [&str; 3] = ["fn", "ft1", "ft2"];
+
+/// Every column, in the order of the file.
+pub(super) fn columns(subject: &Subject, elements: bool) -> Vec<Column> {
+    let clock = subject.clock;
+    let mut columns = vec![
+        column("tick", Form::Whole, |row| Cell::Whole(row.tick as i64)),
+        column("unix_ns", Form::Whole, move |row| {
+            Cell::Whole(clock.unix_ns(row.captured_ns) as i64)
+        }),
+        column("sensor_ns", Form::Whole, |row| {
+            Cell::Whole(row.captured_ns as i64)
+        }),
+        of_report("mode", Form::Text, |report| Cell::Text(report.mode.name())),
+        of_report("goal_id", Form::Whole, |report| {
+            Cell::Whole(report.goal_id as i64)
+        }),
+        of_report("wake_late_ns", Form::Whole, |report| {
+            Cell::Whole(report.wake_late_ns.into())
+        }),
+        of_report("sensor_to_command_ns", Form::Whole, |report| {
+            Cell::Whole(report.sensor_to_command_ns.into())
+        }),
+    ];
+    for hand in 0..subject.fingers.len() {
+        columns.extend(of_hand(hand, subject.fingers[hand]));
+    }
+    columns.extend(of_joints(&subject.skeleton));
+    if elements {
+        for hand in 0..subject.fingers.len() {
+            let count = subject.layouts[hand].count;
+            columns.extend(of_elements(hand, subject.fingers[hand], count));
+        }
+    }
+    columns
+}
+
+fn column(name: impl Into<String>, form: Form, value: impl Fn(&Row) -> Cell + 'static) -> Column {
+    Column {
+        name: name.into(),
+        form,
+        value: Box::new(value),
+    }
+}
+
+fn of_report(
+    name: impl Into<String>,
+    form: Form,
+    value: impl Fn(&TickReport) -> Cell + 'static,
+) -> Column {
+    column(name, form, move |row| {
+        row.report.as_deref().map_or(Cell::Empty, &value)
+    })
+}
+
+fn of_hand(hand: usize, fingers: usize) -> Vec<Column> {
+    let name = |what: &str| format!("{}_{what}", Hand::BOTH[hand]);
+    let mut columns = vec![
+        of_report(name("step"), Form::Whole, move |report| {
+            Cell::Whole(report.hands[hand].step.into())
+        }),
+        of_report(name("frame_age_ns"), Form::Whole, move |report| {
+            let age_ns = i64::try_from(report.hands[hand].frame_age_ns);
+            age_ns.map_or(Cell::Empty, Cell::Whole)
+        }),
+    ];
+    for (what, value) in OF_HAND {
+        columns.push(of_report(name(what), Form::Short, move |report| {
+            Cell::Short(value(&report.hands[hand]))
+        }));
+    }
+    for id in ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE) {
+        let what = format!("module_{}", super::mcap::word(*id));
+        columns.push(of_report(name(&what), Form::Whole, move |report| {
+            Cell::Whole((report.hands[hand].modules_active >> id.0 & 1).into())
+        }));
+    }
+    for finger in 0..fingers {
+        for (what, value) in OF_FINGER {
+            let what = format!("finger{}_{what}", finger + 1);
+            columns.push(of_report(name(&what), Form::Short, move |report| {
+                Cell::Short(value(&report.hands[hand].fingers[finger]))
+            }));
+        }
+    }
+    columns
+}
+
+fn of_joints(skeleton: &Skeleton) -> Vec<Column> {
+    type OfJoint = (&'static str, fn(&JointState) -> &[f64]);
+    let measured: [OfJoint; 3] = [
+        ("position_rad", |joints| &joints.position_rad),
+        ("velocity_rad_s", |joints| &joints.velocity_rad_s),
+        ("effort_n_m", |joints| &joints.effort_n_m),
+    ];
+    let mut columns = Vec::new();
+    for (index, joint) in skeleton.joint_names().iter().enumerate() {
+        for (what, values) in measured {
+            columns.push(column(
+                format!("{joint}_{what}"),
+                Form::Number,
+                move |row| {
+                    let inputs = row.inputs.as_deref();
+                    let joints = inputs.and_then(|inputs| inputs.joints.as_ref());
+                    let known = joints.filter(|joints| index < joints.joint_count as usize);
+                    known.map_or(Cell::Empty, |joints| Cell::Number(values(joints)[index]))
+                },
+            ));
+        }
+        let name = format!("{joint}_commanded_rad");
+        columns.push(column(name, Form::Number, move |row| {
+            let command = row.inputs.as_deref().map(|inputs| &inputs.command);
+            let known = command.filter(|command| index < command.joint_count as usize);
+            known.map_or(Cell::Empty, |command| {
+                Cell::Number(command.position_rad[index])
+            })
+        }));
+    }
+    columns
+}
+
+fn of_elements(hand: usize, fingers: usize, count: usize) -> Vec<Column> {
+    let mut columns = Vec::new();
+    for finger in 0..fingers {
+        for element in 0..count {
+            for (axis, component) in COMPONENTS.iter().enumerate() {
+                let name = format!(
+                    "{}_finger{}_element{element}_{component}_n",
+                    Hand::BOTH[hand],
+                    finger + 1
+                );
+                columns.push(column(name, Form::Short, move |row| {
+                    let inputs = row.inputs.as_deref();
+                    let frame = inputs.and_then(|inputs| inputs.frames[hand].as_ref());
+                    let is_valid = |mask: u64| mask >> element & 1 == 1;
+                    let valid = frame.filter(|frame| is_valid(frame.valid_mask[finger]));
+                    valid.map_or(Cell::Empty, |frame| {
+                        Cell::Short(frame.force_n[finger][element][axis])
+                    })
+                }));
+            }
+        }
+    }
+    columns
+}

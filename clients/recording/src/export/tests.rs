@@ -1,0 +1,278 @@
+use std::collections::BTreeMap;
+
+use ::mcap::MessageStream;
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
+use ::parquet::record::Field;
+use shm_schemas::{
+    EventKind, HandFrame, HandWiringRecord, JointState, ModuleEvent, ModuleId, RunHeader, Stamp,
+    Text, TickInputs, TickReport,
+};
+
+use super::*;
+use crate::rotation::{Bounds, Recording};
+
+const TICKS: u64 = 300;
+const BEGIN_NS: u64 = 5_000_000_000;
+/// The element that is pressed: the pole, whose normal is z.
+const FORCE_N: [f32; 3] = [2.0, 0.5, -0.25];
+
+fn stamp(sequence: u64) -> Stamp {
+    Stamp {
+        sequence,
+        captured_ns: BEGIN_NS + sequence * 1_000_000,
+        writer_epoch: 1,
+    }
+}
+
+fn wiring() -> HandWiringRecord {
+    let dome = Layout::dome_41();
+    HandWiringRecord {
+        fingers: 2,
+        element_count: 41,
+        normal: dome.normal,
+        tangent1: dome.tangent1,
+        tangent2: dome.tangent2,
+        radius_m: dome.radius_m,
+        ..HandWiringRecord::default()
+    }
+}
+
+/// A run whose left hand has a frame every tenth tick and whose right hand has none; tick 7 was not reported.
+fn recorded(folder: &Path) -> PathBuf {
+    let out = folder.join("run.mcap");
+    let bounds = Bounds {
+        file_bytes: None,
+        files: None,
+        total_bytes: None,
+    };
+    let mut recording = Recording::create(&out, bounds, BTreeMap::new()).expect("made");
+    let mut header: Box<RunHeader> = Box::default();
+    header.robot = Text::new("built-in");
+    header.version = Text::new("0.1");
+    header.hands = [wiring(), wiring()];
+    recording.begin_run(header).expect("begun");
+    for tick in 0..TICKS {
+        let mut inputs = Box::new(TickInputs {
+            stamp: stamp(tick),
+            tick,
+            parts: 1,
+            has_frame: [u32::from(tick.is_multiple_of(10)), 0],
+            has_joints: 1,
+            ..TickInputs::default()
+        });
+        inputs.frames[0] = HandFrame {
+            stamp: stamp(tick),
+            finger_count: 2,
+            valid_mask: [1, 0, 0, 0],
+            ..HandFrame::default()
+        };
+        inputs.frames[0].force_n[0][0] = FORCE_N;
+        inputs.joints = JointState {
+            stamp: stamp(tick),
+            joint_count: 22,
+            ..JointState::default()
+        };
+        inputs.joints.position_rad[3] = tick as f64 * 1e-3;
+        inputs.command.joint_count = 22;
+        recording.inputs(&inputs).expect("written");
+        let mut report = TickReport {
+            stamp: stamp(tick),
+            tick,
+            ..TickReport::default()
+        };
+        report.hands[1].fingers[0].normal_n = 1.5;
+        report.hands[1].modules_active = u32::from(tick >= 100) << ModuleId::SLIP.0;
+        if tick != 7 {
+            recording.writer().write(&report).expect("written");
+        }
+        if tick == 100 {
+            let event = ModuleEvent {
+                stamp: stamp(tick),
+                tick,
+                kind: EventKind::WARNING,
+                ..ModuleEvent::default()
+            };
+            recording.writer().write(&event).expect("written");
+        }
+    }
+    recording.finish().expect("finished");
+    out
+}
+
+fn exported(folder: &Path, kind: Kind, elements: bool) -> PathBuf {
+    let out = folder.join("out");
+    let choices = Choices {
+        kind,
+        pictures_hz: 100.0,
+        elements,
+    };
+    let files = [recorded(folder)];
+    let exported = export(&files, &out, &choices, &AtomicBool::new(false)).expect("exported");
+    assert_eq!(exported.ticks, TICKS);
+    assert!((exported.seconds - 0.299).abs() < 1e-9);
+    out
+}
+
+#[test]
+fn an_exported_mcap_has_every_stream_as_ros_2_writes_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = std::fs::read(exported(folder.path(), Kind::Mcap, false)).expect("readable");
+    let mut topics: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
+    for message in MessageStream::new(&bytes).expect("MCAP") {
+        let message = message.expect("whole");
+        let schema = message.channel.schema.as_ref().expect("a schema");
+        let encodings = (
+            message.channel.message_encoding.as_str(),
+            schema.encoding.as_str(),
+        );
+        assert_eq!(encodings, ("cdr", "ros2msg"), "{}", schema.name);
+        let sent = (message.log_time, message.data.to_vec());
+        topics
+            .entry(message.channel.topic.clone())
+            .or_default()
+            .push(sent);
+    }
+    let count = |topic: &str| topics.get(topic).map_or(0, Vec::len);
+    let ticks = TICKS as usize;
+    assert_eq!(count("/joint_states"), ticks);
+    assert_eq!(count("/joint_commands"), ticks);
+    assert_eq!(count("/right/finger1/normal"), ticks - 1);
+    assert_eq!(count("/left/finger1/wrench"), ticks / 10);
+    assert_eq!(count("/left/finger1/elements"), ticks / 10);
+    assert_eq!(
+        (count("/tf"), count("/events"), count("/robot_description")),
+        (30, 1, 1)
+    );
+    assert_eq!(count("/right/finger1/wrench"), 0, "nothing is made up");
+    // Switched on in between two pictures or with one: both states are there, in this order.
+    let slip: Vec<f64> = topics["/right/module/slip"]
+        .iter()
+        .map(|(_, data)| last_f64(data))
+        .collect();
+    let first_on = slip
+        .iter()
+        .position(|active| *active == 1.0)
+        .expect("switched on");
+    assert!(first_on > 0 && slip[..first_on].iter().all(|active| *active == 0.0));
+    // Wall-clock time: after 2020, and as far apart as the ticks.
+    let times: Vec<u64> = topics["/joint_states"]
+        .iter()
+        .map(|(time, _)| *time)
+        .collect();
+    assert!(times[0] > 1_577_836_800_000_000_000 && times[1] - times[0] == 1_000_000);
+    // The pole is pressed along −z; its tangents are those of the layout.
+    let (_, wrench) = &topics["/left/finger1/wrench"][0];
+    let dome = Layout::dome_41();
+    let numbers: Vec<f64> = wrench[wrench.len() - 48..]
+        .chunks(8)
+        .map(last_f64)
+        .collect();
+    for (axis, found) in numbers[..3].iter().enumerate() {
+        let [n, t1, t2] = [dome.normal, dome.tangent1, dome.tangent2].map(|of| of[0][axis]);
+        assert!(
+            (found - (0.5 * t1 - 0.25 * t2 - 2.0 * n)).abs() < 1e-6,
+            "{numbers:?}"
+        );
+    }
+}
+
+fn last_f64(data: &[u8]) -> f64 {
+    f64::from_le_bytes(*data.last_chunk().expect("eight bytes"))
+}
+
+#[test]
+fn csv_and_parquet_hold_the_same_rows_and_leave_out_what_was_not_recorded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = exported(folder.path(), Kind::Csv, true);
+    let mut csv = ::csv::Reader::from_path(&out).expect("CSV");
+    let names: Vec<String> = csv
+        .headers()
+        .expect("names")
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    let rows: Vec<::csv::StringRecord> = csv.records().map(|row| row.expect("whole")).collect();
+    assert_eq!(rows.len() as u64, TICKS);
+    let cell = |row: usize, name: &str| {
+        let column = names
+            .iter()
+            .position(|n| n == name)
+            .unwrap_or_else(|| panic!("{name}"));
+        rows[row][column].to_owned()
+    };
+    assert_eq!(cell(20, "tick"), "20");
+    assert_eq!(cell(20, "sensor_ns"), "5020000000");
+    assert_eq!(cell(20, "left_wrist_pitch_position_rad"), "0.02");
+    assert_eq!(cell(20, "right_finger1_normal_n"), "1.5");
+    assert_eq!(
+        cell(7, "right_finger1_normal_n"),
+        "",
+        "tick 7 was not reported"
+    );
+    assert_eq!(cell(20, "left_finger1_element0_ft1_n"), "0.5");
+    assert_eq!(
+        cell(20, "left_finger1_element1_fn_n"),
+        "",
+        "an element that is not valid"
+    );
+    assert_eq!(
+        cell(21, "left_finger1_element0_ft1_n"),
+        "",
+        "a tick without a frame"
+    );
+    assert_eq!(
+        (
+            cell(99, "right_module_slip"),
+            cell(100, "right_module_slip")
+        ),
+        ("0".into(), "1".into())
+    );
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = exported(folder.path(), Kind::Parquet, true);
+    let reader = SerializedFileReader::new(File::open(out).expect("opened")).expect("Parquet");
+    let noted = reader
+        .metadata()
+        .file_metadata()
+        .key_value_metadata()
+        .expect("noted");
+    assert!(noted.iter().any(|noted| noted.key == "atas.daemon_version"));
+    for (index, row) in reader.get_row_iter(None).expect("rows").enumerate() {
+        let row = row.expect("whole");
+        let columns: Vec<(&String, &Field)> = row.get_column_iter().collect();
+        assert_eq!(columns.len(), names.len());
+        for (column, (name, field)) in columns.into_iter().enumerate() {
+            assert_eq!(*name, names[column]);
+            let text = &rows[index][column];
+            let same = match field {
+                Field::Null => text.is_empty(),
+                Field::Long(value) => *name == "unix_ns" || *text == value.to_string(),
+                Field::Double(value) => text.parse() == Ok(*value),
+                Field::Float(value) => text.parse() == Ok(*value),
+                Field::Str(value) => text == value,
+                other => panic!("{name}: {other:?}"),
+            };
+            assert!(same, "row {index}, {name}: {text:?} and {field:?}");
+        }
+    }
+}
+
+#[test]
+fn an_existing_file_is_left_alone_and_a_stop_leaves_a_whole_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = [recorded(folder.path())];
+    let choices = Choices {
+        kind: Kind::Mcap,
+        pictures_hz: 100.0,
+        elements: false,
+    };
+    let before = std::fs::read(&files[0]).expect("readable");
+    let refused = export(&files, &files[0], &choices, &AtomicBool::new(false));
+    assert!(refused.is_err());
+    assert_eq!(std::fs::read(&files[0]).expect("readable"), before);
+    let out = folder.path().join("stopped.mcap");
+    let exported = export(&files, &out, &choices, &AtomicBool::new(true)).expect("stopped");
+    assert_eq!(exported.ticks, 0);
+    let bytes = std::fs::read(out).expect("readable");
+    assert_eq!(MessageStream::new(&bytes).expect("MCAP").count(), 0);
+}

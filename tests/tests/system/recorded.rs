@@ -1,0 +1,43 @@
+//! A grasp in lock-step, recorded with its frames.
+
+use std::path::Path;
+use std::process::Command;
+
+use rustix::process::Signal;
+use shm_bus::FreshBus;
+use system_tests::{Process, binary, wait_for};
+
+/// Lets the right hand grasp this object and records it; the exit code of the goal.
+pub(crate) fn grasp(object: &str, file: &str) -> Option<i32> {
+    let bus = FreshBus::new("taped");
+    let name = bus.as_str();
+    let mut recorder = Process::start("atas", &["record", "--bus", name, "--out", file]);
+    wait_for("the recorder", || Path::new(file).exists().then_some(()));
+    let simulate = ["run", "--lockstep", "--object", object, "--bus", name];
+    let _robot = Process::start("atas-sim", &simulate);
+    let control = [
+        "--lockstep",
+        "--record-stream",
+        "--config",
+        "/dev/null",
+        "--bus",
+        name,
+    ];
+    let mut daemon = Process::start("atasd", &control);
+    wait_for("the daemon", || {
+        let asked = Command::new(binary("atas"))
+            .args(["status", "--bus", name])
+            .output();
+        asked
+            .is_ok_and(|output| output.status.success())
+            .then_some(())
+    });
+    let goal = "grasp --at 0.32,-0.15,0.0345 --width 50 --lift 10 --hold 0.05 --bus";
+    let goal: Vec<&str> = goal.split(' ').chain([name]).collect();
+    let code = Process::start("atas", &goal).wait().code();
+    daemon.signal(Signal::TERM);
+    daemon.wait();
+    recorder.signal(Signal::INT);
+    assert_eq!(recorder.wait().code(), Some(0), "{}", recorder.log());
+    code
+}
