@@ -71,6 +71,7 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_CONTROL "atas/v1/control"
 #define ATAS_SERVICE_STATUS "atas/v3/status"
 #define ATAS_SERVICE_TICK_REPORT "atas/v1/tick-report"
+#define ATAS_SERVICE_VIEW "atas/v1/view"
 #define ATAS_SERVICE_MODULE_EVENT "atas/v1/module-event"
 #define ATAS_SERVICE_RUN_HEADER "atas/v1/run-header"
 #define ATAS_SERVICE_TICK_INPUTS "atas/v4/tick-inputs"
@@ -1129,6 +1130,35 @@ _Static_assert(offsetof(atas_tick_report, stage_ns) == 64, "atas_tick_report.sta
 _Static_assert(offsetof(atas_tick_report, sensor_to_command_ns) == 96, "atas_tick_report.sensor_to_command_ns");
 _Static_assert(offsetof(atas_tick_report, command_crc32) == 100, "atas_tick_report.command_crc32");
 _Static_assert(offsetof(atas_tick_report, hands) == 104, "atas_tick_report.hands");
+
+// The newest frames and joint state, some 60 times a second: the streams of the 1 kHz loop have a closed set of peers,
+// this one is for screens.
+typedef struct atas_view {
+    // captured_ns is the tick's time; sequence counts the views.
+    atas_stamp stamp;
+    // The tick that left it.
+    uint64_t tick;
+    // Per hand, 1 once a frame has come.
+    uint32_t has_frame[2];
+    // 1 once a joint state has come.
+    uint32_t has_joints;
+    // Written as zero.
+    uint32_t pad;
+    // The newest frame of each hand, as it came, unchecked.
+    atas_hand_frame frames[2];
+    // The newest joint state, as it came, unchecked.
+    atas_joint_state joints;
+} atas_view;
+#define ATAS_VIEW_TYPE "atas.View.v1"
+_Static_assert(sizeof(atas_view) == 7440, "atas_view");
+_Static_assert(_Alignof(atas_view) == 8, "atas_view");
+_Static_assert(offsetof(atas_view, stamp) == 0, "atas_view.stamp");
+_Static_assert(offsetof(atas_view, tick) == 24, "atas_view.tick");
+_Static_assert(offsetof(atas_view, has_frame) == 32, "atas_view.has_frame");
+_Static_assert(offsetof(atas_view, has_joints) == 40, "atas_view.has_joints");
+_Static_assert(offsetof(atas_view, pad) == 44, "atas_view.pad");
+_Static_assert(offsetof(atas_view, frames) == 48, "atas_view.frames");
+_Static_assert(offsetof(atas_view, joints) == 6352, "atas_view.joints");
 
 // Every tunable number, in the order of the daemon's table of parameters.
 typedef struct atas_settings_record {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
-use crate::{Process, wait_for};
+use crate::{PATIENCE, Process, wait_for};
 
 /// Names under which Chromium is installed.
 const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
@@ -62,7 +62,7 @@ impl Browser {
                 "--window-size=1440,1000",
                 "--remote-debugging-port=0",
                 &profile,
-                "about:blank",
+                url,
             ],
         );
         let told = folder.path().join("DevToolsActivePort");
@@ -72,6 +72,8 @@ impl Browser {
         });
         let address = wait_for("the browser's page", || page_of(port));
         let stream = TcpStream::connect(("127.0.0.1", port)).expect("connected");
+        // A browser that hangs fails the test instead of hanging it.
+        stream.set_read_timeout(Some(PATIENCE)).expect("bounded");
         let (socket, _) = tungstenite::client(&address, stream).expect("a WebSocket");
         let mut browser = Self {
             _process: process,
@@ -83,13 +85,7 @@ impl Browser {
         for domain in ["Page", "Runtime", "Log"] {
             browser.ask(&format!("{domain}.enable"), json!({}));
         }
-        browser.go(url);
         browser
-    }
-
-    /// Opens another page.
-    pub fn go(&mut self, url: &str) {
-        self.ask("Page.navigate", json!({ "url": url }));
     }
 
     /// Asks and waits for the answer.
@@ -184,10 +180,12 @@ impl Browser {
 fn page_of(port: u16) -> Option<String> {
     let listed = get(port, "/json/list", &[])?;
     let pages: Value = serde_json::from_str(&listed.1).ok()?;
-    let page = pages
-        .as_array()?
-        .iter()
-        .find(|page| page["type"] == "page")?;
+    let page = pages.as_array()?.iter().find(|page| {
+        page["type"] == "page"
+            && page["url"]
+                .as_str()
+                .is_some_and(|url| url.starts_with("http"))
+    })?;
     Some(page["webSocketDebuggerUrl"].as_str()?.to_owned())
 }
 
