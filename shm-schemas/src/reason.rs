@@ -102,6 +102,10 @@ code! {
         TOO_SOFT = 50, "too-soft";
         /// The hand was found gripping something; it keeps it and watches it.
         GRIP_FOUND = 51, "grip-found";
+        /// The object turned about the closing axis while it was held.
+        TURNED_IN_HAND = 52, "turned-in-hand";
+        /// The object slipped through the fingers on the way, and was held again.
+        SLIPPED_IN_HAND = 53, "slipped-in-hand";
         /// The ways of the task are too long, or those of both hands together too many, to be checked.
         TASK_TOO_LONG = 60, "task-too-long";
     }

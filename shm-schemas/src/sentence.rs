@@ -151,6 +151,19 @@ impl Reason {
                 f,
                 "the object slipped out: normal force {value:.2} N, needs {limit:.2} N"
             ),
+            Cause::TURNED_IN_HAND => write!(
+                f,
+                "the object turned in the hand: the lever of its weight about the closing axis is {:.1} mm, it was {:.1} mm; grasp \
+                 nearer to its centre of mass",
+                value * 1e3,
+                limit * 1e3
+            ),
+            Cause::SLIPPED_IN_HAND => write!(
+                f,
+                "the object slipped in the hand by about {:.1} mm, allowed {:.1} mm; the hand keeps what it has",
+                value * 1e3,
+                limit * 1e3
+            ),
             Cause::OUT_OF_FORCE => {
                 write!(
                     f,

@@ -9,7 +9,7 @@
 //! Speeds are slewed so that switching modules does not jerk the joints: slowly up, quickly down.
 
 use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
-use crate::modules::{PoseCommand, Proposal, Verdict};
+use crate::modules::{Finding, PoseCommand, Proposal, Verdict};
 use robot_model::FINGERS;
 
 /// What one hand shall do in this tick.
@@ -21,6 +21,8 @@ pub struct Intent {
     pub closing_m_s: [f64; FINGERS],
     /// What the modules conclude.
     pub verdict: Verdict,
+    /// What any of them has found out.
+    pub finding: Finding,
 }
 
 /// The speeds of the tick before, which limit those of this one.
@@ -63,6 +65,10 @@ impl Arbiter {
             pose: proposals.iter().find_map(|p| p.pose),
             closing_m_s: self.closing_m_s,
             verdict: weightiest(proposals),
+            finding: Finding {
+                slides: proposals.iter().any(|p| p.finding.slides),
+                hangs: proposals.iter().any(|p| p.finding.hangs),
+            },
         }
     }
 

@@ -5,7 +5,7 @@ use crate::goal::Goal;
 use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{HandCommand, HandServo, gap_m};
-use crate::modules::{self, Modules, Proposal, Selection, force_range_n};
+use crate::modules::{self, Modules, Proposal, Selection, force_range_n, force_up_n};
 use crate::perception::{Percept, Perception};
 use crate::planning::{Waypoints, home};
 use crate::runner::{HandMotion, Outcome, Runner};
@@ -42,6 +42,8 @@ pub(crate) struct HandControl {
     measured_gap_m: f64,
     base_from_tip: [Matrix3<f64>; FINGERS],
     frames: u32,
+    /// A module has seen in the tick before that the object slides.
+    slides: bool,
 }
 
 impl HandControl {
@@ -65,6 +67,7 @@ impl HandControl {
             measured_gap_m: 0.0,
             base_from_tip: [Matrix3::identity(); FINGERS],
             frames: 0,
+            slides: false,
         }
     }
 
@@ -83,7 +86,9 @@ impl HandControl {
         self.frames = frames.len() as u32;
         for frame in frames {
             if let Some(checked) = self.intake.check(frame, tick, &settings.intake) {
-                self.perception.update(&checked, &settings.perception);
+                let slides = core::mem::take(&mut self.slides);
+                self.perception
+                    .update(&checked, slides, &settings.perception);
             }
         }
         self.publish_touches(&before, settings, events);
@@ -172,6 +177,9 @@ impl HandControl {
             .modules
             .evaluate(runner.step().modules, percept, &context);
         let intent = self.arbiter.merge(&proposals, step_s);
+        let down_n = -force_up_n(percept, &self.base_from_tip);
+        runner.learn(percept, down_n, intent.finding);
+        self.slides = intent.finding.slides;
         let arrived = intent.pose.is_some_and(|c| c.arrived);
         let now = *servo.frame();
         let gave_up = runner.retreats().is_some();

@@ -100,6 +100,15 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the object slipped out: normal force 0.01 N, needs 0.03 N",
         ),
         (
+            limit(Cause::TURNED_IN_HAND, 0.0021, 0.0038, 0),
+            "the object turned in the hand: the lever of its weight about the closing axis is 2.1 mm, it was 3.8 mm; grasp nearer \
+             to its centre of mass",
+        ),
+        (
+            limit(Cause::SLIPPED_IN_HAND, 0.0052, 0.0028, 0),
+            "the object slipped in the hand by about 5.2 mm, allowed 2.8 mm; the hand keeps what it has",
+        ),
+        (
             limit(Cause::OUT_OF_FORCE, 8.031, 8.0, 0),
             "still slipping at 8.03 N, F_2 is 8.00 N: the load grew beyond what the object bears",
         ),

@@ -6,7 +6,7 @@
 //! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
 
 use super::force_limit::too_heavy;
-use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n};
+use super::{Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n};
 use crate::perception::Percept;
 use robot_model::FINGERS;
 use shm_schemas::ModuleId;
@@ -73,6 +73,10 @@ impl Module for LoadTest {
                 Verdict::Refuse(reason.by(ModuleId::LOAD_TEST))
             } else {
                 Verdict::None
+            },
+            finding: Finding {
+                slides: stands,
+                hangs: *self == Self::Hangs,
             },
             ..Proposal::default()
         }

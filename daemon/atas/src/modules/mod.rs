@@ -26,6 +26,7 @@
 
 mod carry;
 mod contact_guard;
+mod fall;
 mod first_touch;
 mod force_limit;
 mod list;
@@ -43,7 +44,7 @@ mod transfer;
 
 pub(crate) use force_limit::RELEASE_SHARE;
 pub use proposal::{
-    Context, Module, PoseCommand, Proposal, Roles, Verdict, force_range_n, force_up_n,
+    Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, force_range_n, force_up_n,
 };
 pub use selection::Selection;
 

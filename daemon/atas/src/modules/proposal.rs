@@ -25,6 +25,8 @@ pub struct Context<'a> {
     pub closing_m: f64,
     /// How far the hand has carried the object, m.
     pub carried_m: f64,
+    /// Whether nothing but the hand carries the object, as far as anybody has tested.
+    pub hangs: bool,
     /// The path of the present step.
     pub path: &'a Path,
     /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
@@ -56,6 +58,17 @@ pub struct Proposal {
     pub pose: Option<PoseCommand>,
     /// What the module concludes.
     pub verdict: Verdict,
+    /// What it has found out about the object, for those who must know.
+    pub finding: Finding,
+}
+
+/// What a module has found out about the object in the hand, by evidence that needs no friction coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Finding {
+    /// It slides through the fingers.
+    pub slides: bool,
+    /// Nothing but the hand carries it.
+    pub hangs: bool,
 }
 
 /// A wanted pose of the hand.
@@ -92,6 +105,7 @@ impl Default for Proposal {
             carry_ceiling: 1.0,
             pose: None,
             verdict: Verdict::None,
+            finding: Finding::default(),
         }
     }
 }
@@ -154,10 +168,10 @@ pub fn force_range_n(percept: &Percept) -> (f64, f64) {
 
 /// Vertical force of the object on all fingers that grip, base frame, N; negative while the object hangs.
 #[must_use]
-pub fn force_up_n(percept: &Percept, context: &Context<'_>) -> f64 {
+pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>; FINGERS]) -> f64 {
     percept.fingers[..FINGERS]
         .iter()
-        .zip(context.base_from_tip)
+        .zip(base_from_tip)
         .map(|(finger, base_from_tip)| (base_from_tip * finger.force_tip_n).z)
         .sum()
 }

@@ -1,10 +1,11 @@
 //! Relax (ours, not in the paper): lets go of force that friction does not need.
 //!
 //! The paper's grasp ends with a "suitable normal force that generated maximum static friction force"; modules 1 to 3
-//! alone can only ever add force. While the load is steady (dF_t < dr) and every finger uses less than `relax_below` of
-//! its friction, the fingers open slowly, the more slowly the nearer they are to it, and never below the least force of
-//! a grip.
+//! alone can only ever add force. While the object hangs, its load is steady (dF_t < dr) and every finger uses less than
+//! `relax_below` of its friction, the fingers open slowly, the more slowly the nearer they are to it, and never below the
+//! least force of a grip, nor below the force, for the present load, at which opening made it necessary to press again.
 
+use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal, force_range_n};
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{FingerPercept, Percept};
@@ -18,14 +19,43 @@ const SPARE_FULL: f64 = 0.1;
 /// How many standard deviations noise may have added to the remembered friction (ours): it is the highest of many
 /// readings, each of the elements that read highest.
 const DOUBT: f64 = 2.5;
+/// What a moment about the closing axis counts beside the utilisation (ours): an object turns in the hand long before it
+/// slips out of it.
+const TORSION_WEIGHT: f64 = 0.3;
+/// Share of the elements' disagreement that may have been added to the remembered friction (ours): it is read from those
+/// that report most.
+const SCATTER_SHARE: f64 = 0.5;
 /// Time constant over which the utilisation is judged, s (ours: it only ever opens, so it must not follow single readings).
 const FILTER_S: f64 = 0.1;
+/// How long everything must have been steady before it opens, s (ours: two windows of dF_t are not).
+const SETTLE_S: f64 = 0.1;
+/// Utilisation below `relax_below` from which on it begins to open (ours): what it has reached once it does not leave again.
+const BEGIN_BELOW: f64 = 0.02;
+/// How long after it opened pressing is blamed on it, s (ours).
+const BLAME_S: f64 = 0.5;
+/// Momentary utilisation above which a patch is sheared so much alike that it does not open (ours).
+const ALIKE_BELOW: f64 = 0.9;
+/// Multiple of the force, for the load of then, at which pressing was last necessary: never below (ours).
+const REMEMBERED_MARGIN: f64 = 1.04;
+/// Load below which nothing hangs, N (ours: the noise of two fingertips).
+const LOAD_FLOOR_N: f64 = 0.03;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Relax {
     /// Low-passed utilisation of the finger that uses most of its friction; `None` while it is unknown.
     utilisation: Option<f64>,
+    /// How long everything has been steady, s.
+    steady_s: f64,
+    /// Whether it opened in the tick before.
+    active: bool,
+    /// Time for which pressing is still blamed on its opening, s.
+    blame_s: f64,
+    /// Whether the fingers closed in the tick before.
+    pressing: bool,
+    /// Largest force over load at which they began to, while the object hung: there it slipped, whatever a poor sensor says of
+    /// its friction.
+    slipped_at: f64,
 }
 
 impl Module for Relax {
@@ -33,23 +63,23 @@ impl Module for Relax {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
-        let fingers = &percept.fingers[..FINGERS];
-        let steady = fingers
-            .iter()
-            .all(|f| f.increment_n < settings.dr_n && f.gross_slip_s == 0.0);
         let (weakest_n, _) = force_range_n(percept);
-        let firm = weakest_n > LEAST_MARGIN * context.least_n;
-        let spare = self
-            .watch(percept, context.step_s)
-            .map_or(0.0, |utilisation| 1.0 - utilisation / settings.relax_below);
-        let active = steady && firm && spare > 0.0;
-        let opening_m_s = if active {
+        let load_n = load_n(percept);
+        self.remember(weakest_n, load_n, context);
+        self.settle(percept, context);
+        let remembered_n = REMEMBERED_MARGIN * self.slipped_at * load_n;
+        let least_n = (LEAST_MARGIN * context.least_n).max(remembered_n);
+        let below = settings.relax_below - if self.active { 0.0 } else { BEGIN_BELOW };
+        let utilisation = self.watch(percept, context.step_s);
+        let spare = utilisation.map_or(0.0, |utilisation| 1.0 - utilisation / below);
+        self.active = self.steady_s >= SETTLE_S && weakest_n > least_n && spare > 0.0;
+        let opening_m_s = if self.active {
             settings.relax_m_s * (spare / SPARE_FULL).min(1.0)
         } else {
             0.0
         };
         Proposal {
-            active,
+            active: self.active,
             closing_m_s: [-opening_m_s; FINGERS],
             ..Proposal::default()
         }
@@ -57,6 +87,39 @@ impl Module for Relax {
 }
 
 impl Relax {
+    /// Notes the force, for its load, at which the fingers begin to press although the object hangs.
+    fn remember(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
+        let pressing = context.closing_m_s.iter().any(|closing| *closing > 0.0);
+        let begins = pressing && !self.pressing;
+        self.pressing = pressing;
+        self.blame_s = if self.active {
+            BLAME_S
+        } else {
+            self.blame_s - context.step_s
+        };
+        if begins && self.blame_s > 0.0 && load_n > LOAD_FLOOR_N {
+            let ratio = weakest_n / load_n;
+            self.slipped_at = self.slipped_at.max(ratio);
+        }
+    }
+
+    /// Counts how long the load has not changed, nothing has slid and nobody has pressed.
+    fn settle(&mut self, percept: &Percept, context: &Context<'_>) {
+        let dr_n = context.settings.grasp.dr_n;
+        let calm = |finger: &FingerPercept| {
+            let steady_n = dr_n.max(STEADY_SHARE * finger.tangential_n);
+            finger.increment_n < steady_n
+                && finger.gross_slip_s == 0.0
+                && finger.utilisation_now < ALIKE_BELOW
+        };
+        let steady = context.hangs && !self.pressing && percept.fingers[..FINGERS].iter().all(calm);
+        self.steady_s = if steady {
+            self.steady_s + context.step_s
+        } else {
+            0.0
+        };
+    }
+
     /// The low-passed utilisation, while every finger knows its own.
     fn watch(&mut self, percept: &Percept, step_s: f64) -> Option<f64> {
         let fingers = &percept.fingers[..FINGERS];
@@ -79,9 +142,18 @@ impl Relax {
     }
 }
 
+/// Tangential force that all fingers carry, N.
+fn load_n(percept: &Percept) -> f64 {
+    percept.fingers[..FINGERS]
+        .iter()
+        .map(|f| f.tangential_n)
+        .sum()
+}
+
 /// Utilisation if the friction is as much less than remembered as noise may have added to it.
 fn doubtful_utilisation(finger: &FingerPercept) -> f64 {
     let friction = finger.friction.max(FRICTION_FLOOR);
-    let least = (friction - DOUBT * finger.friction_error).max(FRICTION_FLOOR);
-    finger.utilisation * friction / least
+    let least = (friction - DOUBT * finger.friction_error - SCATTER_SHARE * finger.scatter)
+        .max(FRICTION_FLOOR);
+    finger.utilisation * friction / least + TORSION_WEIGHT * finger.torsion
 }

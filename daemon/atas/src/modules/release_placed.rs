@@ -45,7 +45,7 @@ impl Module for ReleasePlaced {
             return Proposal::default();
         }
         self.descent_s += context.step_s;
-        let up_n = force_up_n(percept, context);
+        let up_n = force_up_n(percept, context.base_from_tip);
         let reference_n = *self.reference_n.get_or_insert(up_n);
         let settled = self.descent_s > settings.settle_s;
         let limit_n = settings

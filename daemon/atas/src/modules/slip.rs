@@ -6,21 +6,43 @@
 //! itself. Partial slip shows in the distribution of forces instead, as the friction utilisation S. The module is
 //! active while any finger
 //!   (a) uses more than `slip_on` of its friction, until less than `slip_off`,
-//!   (b) slips grossly, or
-//!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S.
+//!   (b) slips grossly,
+//!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S,
+//!   (d) carries half of the moment about the closing axis that friction could: what hangs beside its centre of mass turns in
+//!       the hand before it slips out of it, or
+//!   (e) while what hangs in the hand weighs less than just before: then it falls. This needs no friction coefficient.
 //! It stays active for `slip_latch_s` after the last cause. While pressing can still help it slows the hand down.
 
-use super::{Context, Module, Proposal, Roles, force_range_n};
+use super::fall::Fall;
+use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::{FingerPercept, Percept};
-use crate::settings::Grasp;
 use robot_model::FINGERS;
 use shm_schemas::ModuleId;
+
+/// Share of the moment that friction could carry at which an object is about to turn in the hand, and below which it is not
+/// (ours: at 0.6 the first have turned by 10°).
+const TORSION_ON: f64 = 0.5;
+const TORSION_OFF: f64 = 0.45;
+/// Momentary utilisation of what hangs at which its patch is sheared alike everywhere, and utilisation without which it is only
+/// lightly loaded (ours).
+const ALIKE: f64 = 0.935;
+const ALIKE_ABOVE: f64 = 0.8;
+/// Multiple of the pressing speed while it falls (ours): it falls by millimetres otherwise.
+const HURRY: f64 = 3.0;
+/// How far the hand must have carried its object, so that nothing but the hand holds it, m (ours).
+const HANGS_M: f64 = 0.001;
+/// Share of the tangential force that a trembling hand changes within the window of dF_t (ours).
+pub(super) const STEADY_SHARE: f64 = 0.06;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slip {
     /// Per finger, whether cause (a) holds.
     slipping: [bool; FINGERS],
+    /// Per finger, whether cause (d) holds.
+    turning: [bool; FINGERS],
+    /// The load, while it hangs and is not being set down.
+    fall: Fall,
     /// Time until the latch opens, s.
     latch_s: f64,
 }
@@ -34,7 +56,16 @@ impl Module for Slip {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
-        let mut cause = false;
+        let down_n = -force_up_n(percept, context.base_from_tip);
+        let falls = self
+            .fall
+            .follow(hangs(context).then_some(down_n), percept.step_s);
+        let mut cause = falls;
+        let lifts = context.carried_m > 0.0;
+        for (turning, finger) in self.turning.iter_mut().zip(&percept.fingers) {
+            *turning = lifts && finger.torsion > if *turning { TORSION_OFF } else { TORSION_ON };
+            cause |= *turning;
+        }
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
             *slipping = finger.utilisation
                 > if *slipping {
@@ -42,7 +73,7 @@ impl Module for Slip {
                 } else {
                     settings.slip_on
                 };
-            cause |= *slipping || slips_grossly(finger, settings) || is_loading(finger, settings);
+            cause |= *slipping || slips_grossly(finger, context) || is_loading(finger, context);
         }
         self.latch_s = if cause {
             settings.slip_latch_s
@@ -51,25 +82,50 @@ impl Module for Slip {
         };
         let active = cause || self.latch_s > 0.0;
         let (_, strongest_n) = force_range_n(percept);
-        // Setting down ends the slipping sooner than waiting would.
-        let helps = strongest_n < context.thresholds.f2_n && context.lowering_m.is_none();
+        // Setting down ends the slipping sooner than waiting would. What hangs weighs the same at any speed: a hand that
+        // brakes would only shake it.
+        let helps = strongest_n < context.thresholds.f2_n
+            && context.lowering_m.is_none()
+            && !hangs(context);
+        let closing_m_s = match (active, falls) {
+            (_, true) => HURRY * settings.enhance_m_s,
+            (true, false) => settings.enhance_m_s,
+            (false, false) => 0.0,
+        };
         Proposal {
             active,
-            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; FINGERS],
+            closing_m_s: [closing_m_s; FINGERS],
             carry_ceiling: if active && helps {
                 settings.slip_carry_scale
             } else {
                 1.0
+            },
+            finding: Finding {
+                slides: falls,
+                ..Finding::default()
             },
             ..Proposal::default()
         }
     }
 }
 
-fn slips_grossly(finger: &FingerPercept, settings: &Grasp) -> bool {
-    finger.gross_slip_s > settings.slip_gross_s
+/// Whether the hand alone carries, and is not about to set down.
+fn hangs(context: &Context<'_>) -> bool {
+    context.hangs && context.carried_m > HANGS_M && context.lowering_m.is_none()
 }
 
-fn is_loading(finger: &FingerPercept, settings: &Grasp) -> bool {
-    finger.increment_n > settings.dr_n && finger.utilisation > settings.slip_loading
+/// A patch that is sheared everywhere alike slides, or was loaded and pressed together. Under a steady load it slides.
+fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bool {
+    let alike = finger.utilisation_now > ALIKE && finger.utilisation > ALIKE_ABOVE;
+    finger.gross_slip_s > context.settings.grasp.slip_gross_s || (hangs(context) && alike)
+}
+
+fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
+    let settings = &context.settings.grasp;
+    let tremble_n = if context.hangs {
+        STEADY_SHARE * finger.tangential_n
+    } else {
+        0.0
+    };
+    finger.increment_n > settings.dr_n.max(tremble_n) && finger.utilisation > settings.slip_loading
 }

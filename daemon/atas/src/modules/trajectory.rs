@@ -151,7 +151,7 @@ impl Trajectory {
         if !percept.fingers[..FINGERS].iter().all(|f| f.in_contact) {
             return;
         }
-        let followed_m_s = FOLLOW_M_S_N * (force_up_n(percept, context) - PRESS_N);
+        let followed_m_s = FOLLOW_M_S_N * (force_up_n(percept, context.base_from_tip) - PRESS_N);
         let followed_m = self.followed_m + followed_m_s * context.step_s;
         self.followed_m = followed_m.clamp(-FOLLOW_MAX_M, FOLLOW_MAX_M);
     }

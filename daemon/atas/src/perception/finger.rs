@@ -6,7 +6,7 @@ use super::motion::{Motion, MotionPercept};
 use super::noise::Noise;
 use super::patch::{ElementAxes, Patch};
 use crate::intake::CheckedFrame;
-use crate::limits::MASKED_FADE_S;
+use crate::limits::{FRICTION_FLOOR, MASKED_FADE_S};
 use crate::settings::Perception as Settings;
 use nalgebra::Vector3;
 use shm_schemas::Layout;
@@ -36,6 +36,12 @@ pub struct FingerPercept {
     pub friction: f64,
     /// How far the sensor's noise scatters a friction coefficient that is read from a few elements now, standard deviation.
     pub friction_error: f64,
+    /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force: crosstalk.
+    pub scatter: f64,
+    /// M: moment of the shear about the outward normal of the patch, N·m.
+    pub moment_n_m: f64,
+    /// Moment about the patch's normal over what friction could carry.
+    pub torsion: f64,
     /// How long gross slip has lasted, s.
     pub gross_slip_s: f64,
     /// Whether the fingertip touches something, with hysteresis.
@@ -58,6 +64,9 @@ impl Default for FingerPercept {
             utilisation_now: 0.0,
             friction: 0.0,
             friction_error: 0.0,
+            scatter: 0.0,
+            moment_n_m: 0.0,
+            torsion: 0.0,
             gross_slip_s: 0.0,
             in_contact: false,
             touches: 0,
@@ -100,6 +109,7 @@ impl Finger {
         &mut self,
         finger: usize,
         frame: &CheckedFrame<'_>,
+        slides: bool,
         settings: &Settings,
     ) -> FingerPercept {
         let share = self.filter(finger, frame, settings);
@@ -116,7 +126,9 @@ impl Finger {
             let (elements_n, count) = (&self.filtered_n, self.axes.count);
             self.noise.listen(elements_n, count, share, frame.step_s());
         }
-        let slipping = self.friction.update(&patch, frame.step_s(), settings);
+        let slipping = self
+            .friction
+            .update(&patch, slides, frame.step_s(), settings);
         self.percept = FingerPercept {
             force_tip_n: patch.force_n,
             patch_normal: patch.normal,
@@ -131,6 +143,9 @@ impl Finger {
             utilisation_now: slipping.utilisation_now,
             friction: slipping.friction,
             friction_error: slipping.error,
+            scatter: patch.scatter,
+            moment_n_m: patch.moment_n_m,
+            torsion: torsion(&patch, slipping.friction),
             gross_slip_s: slipping.gross_s,
             in_contact: self.percept.in_contact,
             touches: self.percept.touches,
@@ -188,5 +203,15 @@ impl Finger {
             percept.in_contact = false;
             self.friction = Friction::default();
         }
+    }
+}
+
+/// Share of the moment about its normal that friction could carry if the whole patch slid around its centre.
+fn torsion(patch: &Patch, friction: f64) -> f64 {
+    let most_n_m = friction.max(FRICTION_FLOOR) * patch.arm_n_m;
+    if friction > 0.0 && most_n_m > 0.0 {
+        patch.moment_n_m.abs() / most_n_m
+    } else {
+        0.0
     }
 }

@@ -3,11 +3,14 @@
 //!
 //! At the rim of a patch elements slip before the contact as a whole does (incipient slip). Their ratio of tangential
 //! to normal force reads the friction coefficient; S compares the whole contact's ratio with it. Unlike `dF_t > dr`
-//! this sees an object that is about to slip while every force still stands still (source: ours, prototype).
+//! this sees an object that is about to slip while every force still stands still (source: ours, prototype). Both are
+//! summed along the way that the patch is sheared, torsion included: what noise and crosstalk mix in is then as often
+//! less as more. What was seen to slide by other evidence corrects the estimate for as long as the contact lasts.
 
 use super::patch::Patch;
 use crate::limits::{FRICTION_CLIP, FRICTION_FLOOR, FRICTION_RELAX_S, TANGENTIAL_FLOOR_N};
 use crate::settings::Perception as Settings;
+use shm_schemas::capacity::ELEMENTS;
 
 /// Momentary utilisation above which the remembered friction relaxes to F_t/F_n (prototype: 0.955).
 const GROSS_UTILISATION: f64 = 0.955;
@@ -17,6 +20,11 @@ const GROSS_AFTER_S: f64 = 0.01;
 const UTILISATION_CLIP: f64 = 1.2;
 /// Smallest present friction reading that is divided by (prototype: 0.03).
 const READING_FLOOR: f64 = 0.03;
+
+/// Smallest normal force that F_t is divided by, N.
+const NORMAL_MIN_N: f64 = 0.01;
+/// Time constant with which the largest ratio of late is forgotten, s (ours: a slide is noticed within it).
+const LATELY_S: f64 = 0.3;
 
 /// What the friction estimate says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,12 +46,26 @@ pub(super) struct Friction {
     /// S_inst: low-passed utilisation against the present reading.
     utilisation_now: f64,
     gross_s: f64,
+    /// Largest F_t/F_n of late.
+    lately: f64,
+    /// F_t/F_n at which the object was seen to slide, if it was: there is no more friction than that.
+    slid_at: Option<f64>,
 }
 
 impl Friction {
-    pub(super) fn update(&mut self, patch: &Patch, step_s: f64, settings: &Settings) -> Slipping {
-        let tangential_n = patch.tangential_n.norm();
-        let ratio = tangential_n / patch.normal_n.max(NORMAL_MIN_N);
+    /// `slides` tells of an object that was seen to slide by other evidence.
+    pub(super) fn update(
+        &mut self,
+        patch: &Patch,
+        slides: bool,
+        step_s: f64,
+        settings: &Settings,
+    ) -> Slipping {
+        let elements = &patch.elements[..patch.pressed];
+        let (tangential_n, normal_n) = elements.iter().fold((0.0, NORMAL_MIN_N), |(t, n), e| {
+            (t + e.along_n, n + e.normal_n)
+        });
+        let ratio = tangential_n / normal_n;
         let Some(loaded) = most_loaded(patch).filter(|_| tangential_n > TANGENTIAL_FLOOR_N) else {
             self.gross_s = 0.0;
             return Slipping {
@@ -61,12 +83,29 @@ impl Friction {
         self.utilisation_now +=
             (ratio / self.reading.max(READING_FLOOR) - self.utilisation_now) * share;
         self.watch_gross(ratio, step_s);
+        self.remember_slide(ratio, slides, step_s, settings);
         Slipping {
             utilisation: (ratio / self.remembered.max(FRICTION_FLOOR)).min(UTILISATION_CLIP),
             utilisation_now: self.utilisation_now,
             friction: self.remembered,
             gross_s: self.gross_s,
             error: loaded.error,
+        }
+    }
+
+    /// Evidence that needs no friction estimate corrects the estimate for as long as the contact lasts.
+    fn remember_slide(&mut self, ratio: f64, slides: bool, step_s: f64, settings: &Settings) {
+        let filter_s = if ratio > self.lately {
+            settings.friction_filter_s
+        } else {
+            LATELY_S
+        };
+        self.lately += (ratio - self.lately) * step_s / (filter_s + step_s);
+        if slides {
+            self.slid_at = Some(self.slid_at.unwrap_or(f64::INFINITY).min(self.lately));
+        }
+        if let Some(slid_at) = self.slid_at.filter(|slid_at| *slid_at < self.remembered) {
+            self.remembered = slid_at;
         }
     }
 
@@ -84,9 +123,6 @@ impl Friction {
     }
 }
 
-/// Smallest normal force that F_t is divided by, N.
-const NORMAL_MIN_N: f64 = 0.01;
-
 /// The elements that use most friction.
 struct Loaded {
     /// Mean ratio of tangential to normal force, weighted by normal force.
@@ -97,7 +133,10 @@ struct Loaded {
 
 /// The third of the pressed elements (at least two) that use most friction.
 fn most_loaded(patch: &Patch) -> Option<Loaded> {
-    let mut ratios = patch.ratios;
+    let mut ratios = [(0.0, 0.0); ELEMENTS];
+    for (ratio, element) in ratios.iter_mut().zip(&patch.elements[..patch.pressed]) {
+        *ratio = (element.along_n / element.normal_n, element.normal_n);
+    }
     let pressed = &mut ratios[..patch.pressed];
     if pressed.len() < 2 {
         return None;
@@ -110,6 +149,6 @@ fn most_loaded(patch: &Patch) -> Option<Loaded> {
         .fold((0.0, 0.0), |(q, w), &(ratio, n)| (q + ratio * n, w + n));
     Some(Loaded {
         ratio: weighted / weight,
-        error: patch.noise_n * top as f64 / weight,
+        error: patch.noise_n * libm::sqrt(top as f64) / weight,
     })
 }

@@ -61,10 +61,10 @@ impl Perception {
         self.percept.step_s = 0.0;
     }
 
-    /// Takes in one frame.
-    pub fn update(&mut self, frame: &CheckedFrame<'_>, settings: &Settings) {
+    /// Takes in one frame. `slides` tells of an object that was seen to slide by other evidence than friction.
+    pub fn update(&mut self, frame: &CheckedFrame<'_>, slides: bool, settings: &Settings) {
         for (index, finger) in self.fingers[..self.count].iter_mut().enumerate() {
-            self.percept.fingers[index] = finger.update(index, frame, settings);
+            self.percept.fingers[index] = finger.update(index, frame, slides, settings);
         }
         self.percept.captured_ns = frame.captured_ns();
         self.percept.step_s += frame.step_s();

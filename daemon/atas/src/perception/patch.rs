@@ -1,4 +1,4 @@
-//! The contact patch: the sum of all elements, split along the patch's own normal.
+//! The contact patch: the sum of all elements, split along the patch's own normal, and how its parts are sheared.
 
 use crate::limits::{NORMAL_FLOOR_N, PATCH_FLOOR_N};
 use nalgebra::Vector3;
@@ -15,6 +15,8 @@ pub(super) struct ElementAxes {
     normal: [Vector3<f64>; ELEMENTS],
     tangent1: [Vector3<f64>; ELEMENTS],
     tangent2: [Vector3<f64>; ELEMENTS],
+    /// Radius of the dome on which the elements lie, m.
+    radius_m: f64,
 }
 
 impl ElementAxes {
@@ -24,6 +26,7 @@ impl ElementAxes {
             normal: layout.normal.map(Vector3::from),
             tangent1: layout.tangent1.map(Vector3::from),
             tangent2: layout.tangent2.map(Vector3::from),
+            radius_m: layout.radius_m,
         }
     }
 
@@ -33,6 +36,19 @@ impl ElementAxes {
     }
 }
 
+/// An element that presses clearly, in the plane of the patch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pressed {
+    /// Force along the patch's inward normal, N.
+    pub(super) normal_n: f64,
+    /// Force in the plane, along its two axes, N.
+    shear_n: [f64; 2],
+    /// Place in the plane, from the centre of pressure, m.
+    place_m: [f64; 2],
+    /// Force along the way that the patch as a whole is sheared here, N.
+    pub(super) along_n: f64,
+}
+
 /// One patch.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
@@ -40,12 +56,20 @@ pub(super) struct Patch {
     pub(super) force_n: Vector3<f64>,
     /// Outward normal, unit vector, tip frame; the dome axis while the contact is too weak to tell.
     pub(super) normal: Vector3<f64>,
+    /// Two axes that complete it to a right-handed frame.
+    plane: [Vector3<f64>; 2],
     /// Force along the inward normal, N.
     pub(super) normal_n: f64,
     /// Force in the patch plane, tip frame, N.
     pub(super) tangential_n: Vector3<f64>,
-    /// Pressed elements in the patch frame: tangential over normal force, and the normal force that weighs it.
-    pub(super) ratios: [(f64, f64); ELEMENTS],
+    /// Moment of the shear about the outward normal through the centre of pressure, N·m.
+    pub(super) moment_n_m: f64,
+    /// Sum of the normal forces times their distance from the centre of pressure, N·m.
+    pub(super) arm_n_m: f64,
+    /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force.
+    pub(super) scatter: f64,
+    /// Elements that press clearly.
+    pub(super) elements: [Pressed; ELEMENTS],
     /// How many of them.
     pub(super) pressed: usize,
     /// Standard deviation of one tangential axis of an element, N.
@@ -59,12 +83,15 @@ impl Patch {
         noise_n2: f64,
         floor_n: f64,
     ) -> Self {
+        let mut forces_n = [Vector3::zeros(); ELEMENTS];
         let mut force_n = Vector3::zeros();
         let mut lean = Vector3::zeros();
         for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
-            force_n += axes.force(element, reading);
+            let own_n = axes.force(element, reading);
+            force_n += own_n;
             if reading[0] > NORMAL_FLOOR_N {
                 lean += axes.normal[element] * reading[0];
+                forces_n[element] = own_n;
             }
         }
         let strength_n = lean.norm();
@@ -77,43 +104,155 @@ impl Patch {
         let mut patch = Self {
             force_n,
             normal,
+            plane: plane_of(&normal),
             normal_n,
             tangential_n: force_n + normal * normal_n,
-            ratios: [(0.0, 0.0); ELEMENTS],
+            moment_n_m: 0.0,
+            arm_n_m: 0.0,
+            scatter: 0.0,
+            elements: [Pressed::default(); ELEMENTS],
             pressed: 0,
             noise_n: libm::sqrt(noise_n2),
         };
-        patch.collect_ratios(axes, elements_n, floor_n);
+        patch.collect(axes, elements_n, &forces_n, floor_n);
+        patch.find_shear();
         patch
     }
 
-    fn collect_ratios(
+    fn collect(
         &mut self,
         axes: &ElementAxes,
         elements_n: &[[f64; 3]; ELEMENTS],
+        forces_n: &[Vector3<f64>; ELEMENTS],
         floor_n: f64,
     ) {
         let clear_n = NOISE_CLEARANCE * self.noise_n;
-        let noise_n2 = self.noise_n * self.noise_n;
         let floor_n = if clear_n > floor_n { clear_n } else { floor_n };
-        for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
-            if reading[0] <= NORMAL_FLOOR_N {
+        for element in 0..axes.count {
+            if elements_n[element][0] <= NORMAL_FLOOR_N {
                 continue;
             }
-            let force_n = axes.force(element, reading);
+            let force_n = forces_n[element];
             let normal_n = -force_n.dot(&self.normal);
             if normal_n > floor_n {
-                let squared_n2 = (force_n + self.normal * normal_n).norm_squared() - 2.0 * noise_n2;
-                let tangential_n = if squared_n2 > 0.0 {
-                    libm::sqrt(squared_n2)
-                } else {
-                    0.0
+                let way = axes.normal[element] * axes.radius_m;
+                self.elements[self.pressed] = Pressed {
+                    normal_n,
+                    shear_n: self.plane.map(|axis| axis.dot(&force_n)),
+                    place_m: self.plane.map(|axis| axis.dot(&way)),
+                    along_n: 0.0,
                 };
-                self.ratios[self.pressed] = (tangential_n / normal_n, normal_n);
                 self.pressed += 1;
             }
         }
     }
+
+    /// How the patch as a whole is sheared: straight, and about its normal, as force per element and per metre of distance.
+    fn find_shear(&mut self) {
+        let elements = &mut self.elements[..self.pressed];
+        let (mut pressure_n, mut centre_n_m) = (0.0, [0.0; 2]);
+        for Pressed {
+            normal_n,
+            place_m: [x, y],
+            ..
+        } in elements.iter()
+        {
+            pressure_n += normal_n;
+            centre_n_m[0] += x * normal_n;
+            centre_n_m[1] += y * normal_n;
+        }
+        if pressure_n <= 0.0 {
+            return;
+        }
+        let centre_m = centre_n_m.map(|n_m| n_m / pressure_n);
+        let (mut sum_n, mut square_m2) = ([0.0; 2], 0.0);
+        for element in elements.iter_mut() {
+            element.place_m[0] -= centre_m[0];
+            element.place_m[1] -= centre_m[1];
+            let ([x, y], [u, v]) = (element.place_m, element.shear_n);
+            let distance_m2 = x * x + y * y;
+            sum_n[0] += u;
+            sum_n[1] += v;
+            square_m2 += distance_m2;
+            self.moment_n_m += x * v - y * u;
+            self.arm_n_m += element.normal_n * libm::sqrt(distance_m2);
+        }
+        let straight_n = sum_n.map(|n| n / elements.len() as f64);
+        let spin_n_m = self.moment_n_m / square_m2.max(f64::MIN_POSITIVE);
+        self.project(straight_n, spin_n_m);
+    }
+
+    /// An element's force counts along the way that the whole moves there: what noise and a poor sensor mix into it is as
+    /// often forward as backward, where its length would only ever grow. What remains across that way, but for what a
+    /// curved surface makes of it (the same everywhere, or growing evenly with the place), is the sensor's.
+    fn project(&mut self, straight_n: [f64; 2], spin_n_m: f64) {
+        let elements = &mut self.elements[..self.pressed];
+        let mut across = Across::default();
+        for element in elements.iter_mut() {
+            let ([x, y], [u, v]) = (element.place_m, element.shear_n);
+            let way = [straight_n[0] - spin_n_m * y, straight_n[1] + spin_n_m * x];
+            let length_n = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
+            if length_n > 0.0 {
+                let way = way.map(|n| n / length_n);
+                element.along_n = u * way[0] + v * way[1];
+                across.add(v * way[0] - u * way[1], element);
+            }
+        }
+        let count = elements.len() as f64;
+        let noise_n2 = count * self.noise_n * self.noise_n;
+        self.scatter = across.scatter(count, noise_n2);
+    }
+}
+
+/// Sums of a least-squares plane through what elements feel across the way of the shear, over their normal force.
+#[derive(Default)]
+struct Across {
+    square_n2: f64,
+    with_n2: [f64; 3],
+    normal_n2: [f64; 3],
+}
+
+impl Across {
+    fn add(&mut self, across_n: f64, element: &Pressed) {
+        let n = element.normal_n;
+        let [x, y] = element.place_m;
+        self.square_n2 += across_n * across_n;
+        for (axis, by) in [1.0, x, y].into_iter().enumerate() {
+            self.with_n2[axis] += across_n * n * by;
+            self.normal_n2[axis] += n * by * n * by;
+        }
+    }
+
+    /// Standard deviation of what the plane does not explain, over the normal force.
+    fn scatter(&self, count: f64, noise_n2: f64) -> f64 {
+        let spare = count - self.with_n2.len() as f64 - 1.0;
+        let terms = self.with_n2.iter().zip(self.normal_n2);
+        let explained_n2: f64 = terms
+            .map(|(with, own)| with * with / own.max(f64::MIN_POSITIVE))
+            .sum();
+        let rest_n2 = self.square_n2 - explained_n2 - noise_n2;
+        if spare > 0.0 && rest_n2 > 0.0 {
+            libm::sqrt(rest_n2 * count / (spare * self.normal_n2[0]))
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Two unit vectors that complete a unit vector to a right-handed frame (T. Duff et al., "Building an orthonormal basis,
+/// revisited", 2017).
+fn plane_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let sign = if normal.z < 0.0 { -1.0 } else { 1.0 };
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    [
+        Vector3::new(
+            1.0 + sign * normal.x * normal.x * a,
+            sign * b,
+            -sign * normal.x,
+        ),
+        Vector3::new(b, sign + normal.y * normal.y * a, -normal.y),
+    ]
 }
 
 /// The normal of a patch that is too weak to tell: the pole for a dome, the element's own axis for a single element.

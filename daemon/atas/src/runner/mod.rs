@@ -1,6 +1,9 @@
 //! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
 
-use crate::modules::{Context, Modules, RELEASE_SHARE, Verdict, force_range_n};
+mod in_hand;
+
+use self::in_hand::InHand;
+use crate::modules::{Context, Finding, Modules, RELEASE_SHARE, Verdict, force_range_n};
 use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
@@ -15,8 +18,10 @@ use shm_schemas::{Cause, ModuleId, Reason};
 const KEEP_FACTOR: f64 = 1.2;
 /// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
 const LOST_AFTER_S: f64 = 0.05;
-/// How long a held object may slip on a finger before a warning, s (ours: twice what Module 2 takes to answer).
-const SLIDES_AFTER_S: f64 = 0.05;
+/// How long a held object may slip on a finger before a warning, s (ours: several times what Module 2 takes to answer).
+const SLIDES_AFTER_S: f64 = 0.1;
+/// How long it may slip on every finger, or fall, at F_2 before it is set down, s (ours).
+const SPENT_AFTER_S: f64 = 0.03;
 /// Utilisation of the remembered friction without which nothing slides (ours): a light load on a firm grip reads as noise.
 const SLIDES_ABOVE: f64 = 0.9;
 /// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
@@ -67,6 +72,12 @@ pub struct Runner {
     closing_m: f64,
     lifted_from_m: Option<Vector3<f64>>,
     carried_m: f64,
+    hangs: bool,
+    in_hand: InHand,
+    /// How long the modules have seen it fall, s.
+    sinks_s: f64,
+    /// The task has come to its end; its last step stays in force.
+    ended: bool,
     out_of_touch_s: f64,
     slides: Option<Reason>,
     holds: bool,
@@ -113,6 +124,10 @@ impl Runner {
             closing_m: 0.0,
             lifted_from_m: None,
             carried_m: 0.0,
+            hangs: false,
+            in_hand: InHand::default(),
+            sinks_s: 0.0,
+            ended: false,
             out_of_touch_s: 0.0,
             slides: None,
             holds: false,
@@ -224,6 +239,7 @@ impl Runner {
             all_touched: self.all_touched,
             closing_m: self.closing_m,
             carried_m: self.carried_m,
+            hangs: self.hangs || !self.step().modules.contains(ModuleId::LOAD_TEST),
             path: &self.path,
             carry_scale: motion.carry_scale,
             closing_m_s: motion.closing_m_s,
@@ -242,6 +258,23 @@ impl Runner {
             keep_n
         } else {
             self.thresholds.f1_n
+        }
+    }
+
+    /// Takes in what the modules have found out.
+    /// `down_n` is the vertical load on the fingers.
+    pub fn learn(&mut self, percept: &Percept, down_n: f64, finding: Finding) {
+        self.hangs |= finding.hangs;
+        let sinks = finding.slides && self.hangs;
+        self.sinks_s = if sinks {
+            self.sinks_s + percept.step_s
+        } else {
+            0.0
+        };
+        let carries = self.holds && self.lifted_from_m.is_some() && !self.found;
+        if carries && self.step().motion != Motion::Lower {
+            let facts = (finding, self.hangs);
+            self.in_hand.follow(percept, down_n, self.carried_m, facts);
         }
     }
 
@@ -289,8 +322,9 @@ impl Runner {
         let f2_n = self.thresholds.f2_n;
         let everywhere = percept.fingers[..FINGERS]
             .iter()
-            .all(|finger| finger.gross_slip_s > SLIDES_AFTER_S);
-        let spent = self.slides.is_some() && everywhere && strongest_n > RELEASE_SHARE * f2_n;
+            .all(|finger| finger.gross_slip_s > SPENT_AFTER_S);
+        let slides = (self.slides.is_some() && everywhere) || self.sinks_s > SPENT_AFTER_S;
+        let spent = slides && strongest_n > RELEASE_SHARE * f2_n;
         let reason = Reason::limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
         (spent && self.retreat.is_none() && !self.found).then(|| reason.by(ModuleId::FORCE_LIMIT))
     }
@@ -326,6 +360,7 @@ impl Runner {
             return self.give_up(Retreat::PutBack, reason, now, settings, modules);
         }
         if let Some(reason) = self.failure(percept, now, settings) {
+            self.holds &= reason.cause != Cause::LOST_OBJECT;
             return Outcome::Failed(reason);
         }
         let done = verdict == Verdict::Done;
@@ -365,11 +400,18 @@ impl Runner {
             return match self.retreat {
                 Some((Retreat::PutBack | Retreat::Withdraw, reason)) => Outcome::Refused(reason),
                 Some((Retreat::Raise, reason)) => Outcome::Failed(reason),
-                None => Outcome::Succeeded,
+                None => self.end(),
             };
         }
         self.enter(self.index + 1, now, settings, modules);
         Outcome::NextStep
+    }
+
+    /// The end of the task, once: what comes afterwards is another story.
+    fn end(&mut self) -> Outcome {
+        let objection = self.in_hand.objection().filter(|_| !self.ended);
+        self.ended = true;
+        objection.map_or(Outcome::Succeeded, Outcome::Failed)
     }
 
     fn enter(
@@ -397,6 +439,8 @@ impl Runner {
             Transition::Met(point) => self.reached = point,
             Transition::AllTouched => {
                 self.all_touched = false;
+                self.hangs = false;
+                self.in_hand = InHand::default();
                 self.lifted_from_m = None;
             }
             _ => {}
@@ -456,6 +500,9 @@ impl Runner {
                 weakest_n,
                 settings.perception.touch_off_n,
             ));
+        }
+        if let Some(reason) = self.in_hand.lost().filter(|_| self.holds) {
+            return Some(reason);
         }
         if step.transition == Transition::AllTouched {
             let deepest_m = (self.width_m / 2.0 - settings.motion.search_m).max(MEET_M);

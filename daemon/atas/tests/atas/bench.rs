@@ -74,6 +74,7 @@ impl Bench {
             all_touched: self.all_touched,
             closing_m: self.closing_m,
             carried_m: self.carried_m,
+            hangs: true,
             path: &self.path,
             carry_scale: self.carry_scale,
             closing_m_s: self.closing_m_s,

@@ -18,6 +18,7 @@ fn closing_that_the_gate_refuses_does_not_pile_up() {
         pose: None,
         closing_m_s: [0.002; FINGERS],
         verdict: Verdict::None,
+        finding: atas_core::modules::Finding::default(),
     };
     for _ in 0..2000 {
         let _refused = servo.follow(hand, &closing, &Percept::default(), 1e-3);

@@ -186,7 +186,9 @@ fn relax_opens_while_friction_and_force_are_to_spare() {
         ("near the least force", felt(0.4, 0.0, 0.0, 0.54), false),
         ("above the least force", felt(0.4, 0.0, 0.0, 0.56), true),
     ] {
-        let proposal = Bench::new(ModuleId::RELAX).evaluate(&percept);
+        let mut bench = Bench::new(ModuleId::RELAX);
+        assert!(!bench.evaluate(&percept).active, "{case}: not at once");
+        let proposal = bench.evaluate_for(200, &percept);
         assert_eq!(proposal.active, active, "{case}");
         assert!(
             proposal.closing_m_s.iter().all(|v| if active {
@@ -199,7 +201,7 @@ fn relax_opens_while_friction_and_force_are_to_spare() {
     }
     let opening = |utilisation| {
         Bench::new(ModuleId::RELAX)
-            .evaluate(&felt(utilisation, 0.0, 0.0, 2.0))
+            .evaluate_for(200, &felt(utilisation, 0.0, 0.0, 2.0))
             .closing_m_s[0]
     };
     assert!(
@@ -219,7 +221,7 @@ fn relax_distrusts_a_friction_that_noise_may_have_made() {
                 ..finger(2.0)
             }; 2],
         );
-        let proposal = Bench::new(ModuleId::RELAX).evaluate(&felt);
+        let proposal = Bench::new(ModuleId::RELAX).evaluate_for(200, &felt);
         assert_eq!(proposal.active, active, "{friction_error}");
     }
 }

@@ -66,7 +66,8 @@ impl Skin {
             .intake
             .check(frame, tick, &self.settings.intake)
             .unwrap();
-        self.perception.update(&checked, &self.settings.perception);
+        self.perception
+            .update(&checked, false, &self.settings.perception);
     }
 
     /// The same total force on a round contact around the pole for some frames of 1 ms.

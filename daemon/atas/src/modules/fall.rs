@@ -1,0 +1,101 @@
+//! Whether what hangs in the hand falls: then the hand carries less than it did just before. It needs no friction
+//! coefficient, so it holds where a poor sensor reads a wrong one.
+
+/// Fall of the load that means falling: share, and least, N (ours: well beyond what a trembling hand makes of it).
+const FALL_SHARE: f64 = 0.04;
+const FALL_FLOOR_N: f64 = 0.02;
+/// How many standard deviations of its own scatter that must be besides (ours).
+const SCATTER_MARGIN: f64 = 3.5;
+/// Time constant over which the load is felt, s (ours: a few frames of noise).
+const FELT_S: f64 = 0.02;
+/// Time constant with which another load is believed, s (ours: a fall is over by then, one way or the other).
+const BELIEVED_S: f64 = 0.7;
+/// Time from when it hangs until its load is known, s (ours: what a tug shakes).
+const SETTLING_S: f64 = 0.3;
+
+/// The load of a hand that carries.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Fall {
+    load: Option<Load>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Load {
+    felt_n: f64,
+    believed_n: f64,
+    /// Variance of the one around the other while nothing falls, N².
+    scatter_n2: f64,
+    /// How long it has hung, s.
+    hung_s: f64,
+}
+
+impl Fall {
+    /// Takes in the vertical load, N, after so much sensor time, s; `None` while nothing hangs. True while it falls.
+    pub(super) fn follow(&mut self, down_n: Option<f64>, step_s: f64) -> bool {
+        let Some(down_n) = down_n else {
+            self.load = None;
+            return false;
+        };
+        let load = self.load.get_or_insert(Load::begin(down_n));
+        load.follow(down_n, step_s);
+        load.falls()
+    }
+}
+
+impl Load {
+    fn begin(down_n: f64) -> Self {
+        let scatter_n = FALL_SHARE / 2.0 * down_n;
+        Self {
+            felt_n: down_n,
+            believed_n: down_n,
+            scatter_n2: scatter_n * scatter_n,
+            hung_s: 0.0,
+        }
+    }
+
+    fn follow(&mut self, down_n: f64, step_s: f64) {
+        self.hung_s += step_s;
+        let share = |filter_s: f64| step_s / (filter_s + step_s);
+        self.felt_n += (down_n - self.felt_n) * share(FELT_S);
+        self.believed_n += (down_n - self.believed_n) * share(BELIEVED_S);
+        if !self.falls() {
+            let off_n = self.felt_n - self.believed_n;
+            self.scatter_n2 += (off_n * off_n - self.scatter_n2) * share(BELIEVED_S);
+        }
+    }
+
+    fn falls(&self) -> bool {
+        let limit_n = FALL_FLOOR_N
+            .max(FALL_SHARE * self.believed_n)
+            .max(SCATTER_MARGIN * libm::sqrt(self.scatter_n2));
+        self.hung_s > SETTLING_S && self.believed_n - self.felt_n > limit_n
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After a second at 2 N, how many of the next 200 ms fall.
+    fn falls(load_n: impl Fn(usize) -> f64) -> usize {
+        let mut fall = Fall::default();
+        for tick in 0..1000 {
+            let before = fall.follow(Some(2.0 + 0.01 * (tick % 2) as f64), 1e-3);
+            assert!(!before, "steady");
+        }
+        (0..200)
+            .filter(|tick| fall.follow(Some(load_n(*tick)), 1e-3))
+            .count()
+    }
+
+    #[test]
+    fn what_the_hand_suddenly_carries_less_of_falls() {
+        assert!(
+            falls(|_| 1.8) > 150,
+            "kinetic friction carries a tenth less"
+        );
+        assert_eq!(falls(|tick| 2.0 + 0.002 * tick as f64), 0, "a growing load");
+        assert_eq!(falls(|_| 1.97), 0, "a tremble");
+        assert_eq!(Fall::default().follow(None, 1e-3), false);
+    }
+}

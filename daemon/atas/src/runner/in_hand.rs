@@ -1,0 +1,132 @@
+//! What has become of the object in the hand, as far as fingertips can tell: how far it slipped, whether it turned, and
+//! whether it is still there. A task that ends without these answers would claim what nobody has looked at.
+//!
+//! * **Slip**: what falls accelerates by as much as the fingers carry too little; integrated twice that is a distance. What
+//!   still stands slides by as much as the hand travels.
+//! * **Turn**: an object whose centre of mass lies beside the grip loads both fingertips with a moment about the closing axis.
+//!   While friction carries it, the lever (moment over weight) stays; an object that turns swings its centre of mass below
+//!   the grip, and the lever gets shorter.
+//! * **Loss**: what is gone has no weight, whatever a drifting sensor says of the grip.
+
+use crate::modules::Finding;
+use crate::perception::Percept;
+use robot_model::FINGERS;
+use shm_schemas::{Cause, Reason};
+
+/// Standard gravity, m/s².
+const GRAVITY_M_S2: f64 = 9.81;
+/// Slip beyond which a task has not succeeded, m (ours: 3 mm, less what the estimate may be wrong by).
+const SLIP_MAX_M: f64 = 0.0028;
+/// Time constant over which moment and lever are felt, s (ours: a period of a hand's tremble).
+const FILTER_S: f64 = 0.05;
+/// Time constant of the weight, s (ours).
+const WEIGHT_S: f64 = 0.7;
+/// Load of both fingers from which on a lever can be told, N (ours: several times the noise of two fingertips).
+const LOAD_MIN_N: f64 = 0.05;
+/// Share of the moment that friction could carry from which on an object may have turned, and the share of its lever that
+/// then must be left (ours, measured on objects with their centre of mass up to 5 mm aside).
+const TURNING: [[f64; 2]; 2] = [[0.6, 0.89], [0.5, 0.7]];
+/// Share of its weight below which an object is gone, and how long it must be, s (ours).
+const GONE_SHARE: f64 = 0.3;
+const GONE_S: f64 = 0.2;
+
+/// One hold, from the beginning of the lift.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct InHand {
+    /// Moment about the closing axis over load, m, and share of friction that it takes, low-passed; the most of each.
+    lever_m: f64,
+    torsion: f64,
+    lever_most_m: f64,
+    torsion_most: f64,
+    /// Weight as it was before anything fell, N; 0 while unknown.
+    weight_n: f64,
+    falling_m_s: f64,
+    slid_m: f64,
+    /// How far the hand had carried it when a test found last that it still stands, m.
+    stood_at_m: f64,
+    gone_s: f64,
+}
+
+impl InHand {
+    /// Takes in one tick: what the hand feels, the vertical load on it, N, how far it has carried, m, and what the modules
+    /// have found out.
+    pub(super) fn follow(
+        &mut self,
+        percept: &Percept,
+        down_n: f64,
+        carried_m: f64,
+        (finding, hangs): (Finding, bool),
+    ) {
+        let step_s = percept.step_s;
+        if carried_m <= 0.0 || step_s <= 0.0 {
+            return;
+        }
+        if finding.slides && !hangs {
+            self.slid_m += (carried_m - self.stood_at_m).max(0.0);
+            self.stood_at_m = carried_m;
+        }
+        self.feel(percept, step_s);
+        if hangs {
+            self.weigh(down_n, finding.slides, step_s);
+        }
+    }
+
+    fn feel(&mut self, percept: &Percept, step_s: f64) {
+        let fingers = &percept.fingers[..FINGERS];
+        let share = step_s / (FILTER_S + step_s);
+        let load_n: f64 = fingers.iter().map(|f| f.tangential_n).sum();
+        if load_n < LOAD_MIN_N {
+            return;
+        }
+        // The fingertips face each other, so a moment about the closing axis has opposite signs about their normals.
+        let signs = fingers.iter().zip([1.0, -1.0]);
+        let moment_n_m: f64 = signs.map(|(f, sign)| sign * f.moment_n_m).sum();
+        self.lever_m += (moment_n_m.abs() / load_n - self.lever_m) * share;
+        let torsion = fingers.iter().map(|f| f.torsion).fold(0.0, larger);
+        self.torsion += (torsion - self.torsion) * share;
+        self.lever_most_m = larger(self.lever_most_m, self.lever_m);
+        self.torsion_most = larger(self.torsion_most, self.torsion);
+    }
+
+    fn weigh(&mut self, down_n: f64, slides: bool, step_s: f64) {
+        if self.weight_n <= 0.0 {
+            self.weight_n = down_n.max(0.0);
+            return;
+        }
+        let missing = 1.0 - down_n / self.weight_n;
+        if slides || self.falling_m_s > 0.0 {
+            self.falling_m_s = (self.falling_m_s + GRAVITY_M_S2 * missing * step_s).max(0.0);
+            self.slid_m += self.falling_m_s * step_s;
+        } else {
+            self.weight_n += (down_n - self.weight_n) * step_s / (WEIGHT_S + step_s);
+        }
+        self.gone_s = if missing > 1.0 - GONE_SHARE {
+            self.gone_s + step_s
+        } else {
+            0.0
+        };
+    }
+
+    /// Why the object is no longer in the hand, if so.
+    pub(super) fn lost(&self) -> Option<Reason> {
+        (self.gone_s > GONE_S)
+            .then(|| Reason::limit(Cause::LOST_OBJECT, 0.0, GONE_SHARE * self.weight_n))
+    }
+
+    /// Why the task has not succeeded although it came to its end.
+    pub(super) fn objection(&self) -> Option<Reason> {
+        if self.slid_m > SLIP_MAX_M {
+            let reason = Reason::limit(Cause::SLIPPED_IN_HAND, self.slid_m, SLIP_MAX_M);
+            return Some(reason);
+        }
+        let turned = |[torsion, left]: &[f64; 2]| {
+            self.torsion_most > *torsion && self.lever_m < left * self.lever_most_m
+        };
+        let reason = Reason::limit(Cause::TURNED_IN_HAND, self.lever_m, self.lever_most_m);
+        TURNING.iter().any(turned).then_some(reason)
+    }
+}
+
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
