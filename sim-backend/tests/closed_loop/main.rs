@@ -8,3 +8,4 @@ mod placing;
 mod restart;
 mod rig;
 mod screwing;
+mod unlike;
