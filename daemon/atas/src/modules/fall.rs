@@ -27,18 +27,21 @@ struct Load {
     scatter_n2: f64,
     /// How long it has hung, s.
     hung_s: f64,
+    falling: bool,
 }
 
 impl Fall {
-    /// Takes in the vertical load, N, after so much sensor time, s; `None` while nothing hangs. True while it falls.
-    pub(super) fn follow(&mut self, down_n: Option<f64>, step_s: f64) -> bool {
+    /// Takes in the vertical load, N, after so much sensor time, s; `None` while nothing hangs. True while it falls; what the
+    /// hand itself has shaken does not begin to.
+    pub(super) fn follow(&mut self, down_n: Option<f64>, shaken: bool, step_s: f64) -> bool {
         let Some(down_n) = down_n else {
             self.load = None;
             return false;
         };
         let load = self.load.get_or_insert(Load::begin(down_n));
         load.follow(down_n, step_s);
-        load.falls()
+        load.falling = load.has_fallen() && (load.falling || !shaken);
+        load.falling
     }
 }
 
@@ -50,6 +53,7 @@ impl Load {
             believed_n: down_n,
             scatter_n2: scatter_n * scatter_n,
             hung_s: 0.0,
+            falling: false,
         }
     }
 
@@ -58,13 +62,13 @@ impl Load {
         let share = |filter_s: f64| step_s / (filter_s + step_s);
         self.felt_n += (down_n - self.felt_n) * share(FELT_S);
         self.believed_n += (down_n - self.believed_n) * share(BELIEVED_S);
-        if !self.falls() {
+        if !self.has_fallen() {
             let off_n = self.felt_n - self.believed_n;
             self.scatter_n2 += (off_n * off_n - self.scatter_n2) * share(BELIEVED_S);
         }
     }
 
-    fn falls(&self) -> bool {
+    fn has_fallen(&self) -> bool {
         let limit_n = FALL_FLOOR_N
             .max(FALL_SHARE * self.believed_n)
             .max(SCATTER_MARGIN * libm::sqrt(self.scatter_n2));
@@ -77,25 +81,30 @@ mod tests {
     use super::*;
 
     /// After a second at 2 N, how many of the next 200 ms fall.
-    fn falls(load_n: impl Fn(usize) -> f64) -> usize {
+    fn falls(shaken: bool, load_n: impl Fn(usize) -> f64) -> usize {
         let mut fall = Fall::default();
         for tick in 0..1000 {
-            let before = fall.follow(Some(2.0 + 0.01 * (tick % 2) as f64), 1e-3);
+            let before = fall.follow(Some(2.0 + 0.01 * (tick % 2) as f64), false, 1e-3);
             assert!(!before, "steady");
         }
         (0..200)
-            .filter(|tick| fall.follow(Some(load_n(*tick)), 1e-3))
+            .filter(|tick| fall.follow(Some(load_n(*tick)), shaken, 1e-3))
             .count()
     }
 
     #[test]
     fn what_the_hand_suddenly_carries_less_of_falls() {
         assert!(
-            falls(|_| 1.8) > 150,
+            falls(false, |_| 1.8) > 150,
             "kinetic friction carries a tenth less"
         );
-        assert_eq!(falls(|tick| 2.0 + 0.002 * tick as f64), 0, "a growing load");
-        assert_eq!(falls(|_| 1.97), 0, "a tremble");
-        assert_eq!(Fall::default().follow(None, 1e-3), false);
+        assert_eq!(
+            falls(false, |tick| 2.0 + 0.002 * tick as f64),
+            0,
+            "a growing load"
+        );
+        assert_eq!(falls(false, |_| 1.97), 0, "a tremble");
+        assert_eq!(falls(true, |_| 1.8), 0, "the hand itself shakes it");
+        assert!(!Fall::default().follow(None, false, 1e-3));
     }
 }

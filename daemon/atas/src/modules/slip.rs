@@ -27,6 +27,10 @@ const TORSION_OFF: f64 = 0.45;
 /// lightly loaded (ours).
 const ALIKE: f64 = 0.935;
 const ALIKE_ABOVE: f64 = 0.8;
+/// How far aside the end of the way must be for a hand to be conveying, m (ours).
+const CONVEYS_M: f64 = 0.001;
+/// How long a load swings after the hand has changed its speed, s (ours).
+const BRAKING_S: f64 = 0.15;
 /// Multiple of the pressing speed while it falls (ours): it falls by millimetres otherwise.
 const HURRY: f64 = 3.0;
 /// How far the hand must have carried its object, so that nothing but the hand holds it, m (ours).
@@ -45,6 +49,9 @@ pub(super) struct Slip {
     fall: Fall,
     /// Time until the latch opens, s.
     latch_s: f64,
+    /// Factor on the hand's speed a tick before, and time until what its change shook is over, s.
+    carry_scale: f64,
+    braking_s: f64,
 }
 
 impl Module for Slip {
@@ -57,9 +64,9 @@ impl Module for Slip {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let down_n = -force_up_n(percept, context.base_from_tip);
-        let falls = self
-            .fall
-            .follow(hangs(context).then_some(down_n), percept.step_s);
+        let brakes = self.brakes(context);
+        let load_n = hangs(context).then_some(down_n);
+        let falls = self.fall.follow(load_n, brakes, percept.step_s);
         let mut cause = falls;
         let lifts = context.carried_m > 0.0;
         for (turning, finger) in self.turning.iter_mut().zip(&percept.fingers) {
@@ -73,7 +80,9 @@ impl Module for Slip {
                 } else {
                     settings.slip_on
                 };
-            cause |= *slipping || slips_grossly(finger, context) || is_loading(finger, context);
+            cause |= *slipping
+                || slips_grossly(finger, context)
+                || (!brakes && is_loading(finger, context));
         }
         self.latch_s = if cause {
             settings.slip_latch_s
@@ -82,11 +91,10 @@ impl Module for Slip {
         };
         let active = cause || self.latch_s > 0.0;
         let (_, strongest_n) = force_range_n(percept);
-        // Setting down ends the slipping sooner than waiting would. What hangs weighs the same at any speed: a hand that
-        // brakes would only shake it.
-        let helps = strongest_n < context.thresholds.f2_n
-            && context.lowering_m.is_none()
-            && !hangs(context);
+        // Setting down ends the slipping sooner than waiting would. What is lifted off weighs the same at any speed: a hand
+        // that brakes would only shake it.
+        let loads = !hangs(context) || conveys(context);
+        let helps = loads && strongest_n < context.thresholds.f2_n && context.lowering_m.is_none();
         let closing_m_s = match (active, falls) {
             (_, true) => HURRY * settings.enhance_m_s,
             (true, false) => settings.enhance_m_s,
@@ -109,9 +117,28 @@ impl Module for Slip {
     }
 }
 
+impl Slip {
+    /// Whether the hand that carries has just changed its speed: that shakes its load.
+    fn brakes(&mut self, context: &Context<'_>) -> bool {
+        let before = core::mem::replace(&mut self.carry_scale, context.carry_scale);
+        self.braking_s = if before == context.carry_scale {
+            self.braking_s - context.step_s
+        } else {
+            BRAKING_S
+        };
+        hangs(context) && self.braking_s > 0.0
+    }
+}
+
 /// Whether the hand alone carries, and is not about to set down.
 fn hangs(context: &Context<'_>) -> bool {
     context.hangs && context.carried_m > HANGS_M && context.lowering_m.is_none()
+}
+
+/// Whether the hand is on its way to another place, where its own motion may shake the grip loose.
+fn conveys(context: &Context<'_>) -> bool {
+    let ahead_m = context.path.end().centre_m - context.frame.centre_m;
+    ahead_m.xy().norm() > CONVEYS_M
 }
 
 /// A patch that is sheared everywhere alike slides, or was loaded and pressed together. Under a steady load it slides.

@@ -19,13 +19,15 @@ const GRAVITY_M_S2: f64 = 9.81;
 const SLIP_MAX_M: f64 = 0.0028;
 /// Time constant over which moment and lever are felt, s (ours: a period of a hand's tremble).
 const FILTER_S: f64 = 0.05;
+/// Load of both fingers below which they are felt for longer, because the sensors' noise counts more, N (ours).
+const LIGHT_N: f64 = 0.3;
 /// Time constant of the weight, s (ours).
 const WEIGHT_S: f64 = 0.7;
 /// Load of both fingers from which on a lever can be told, N (ours: several times the noise of two fingertips).
 const LOAD_MIN_N: f64 = 0.05;
 /// Share of the moment that friction could carry from which on an object may have turned, and the share of its lever that
 /// then must be left (ours, measured on objects with their centre of mass up to 5 mm aside).
-const TURNING: [[f64; 2]; 2] = [[0.6, 0.89], [0.5, 0.7]];
+const TURNING: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
 /// Share of its weight below which an object is gone, and how long it must be, s (ours).
 const GONE_SHARE: f64 = 0.3;
 const GONE_S: f64 = 0.2;
@@ -73,11 +75,11 @@ impl InHand {
 
     fn feel(&mut self, percept: &Percept, step_s: f64) {
         let fingers = &percept.fingers[..FINGERS];
-        let share = step_s / (FILTER_S + step_s);
         let load_n: f64 = fingers.iter().map(|f| f.tangential_n).sum();
         if load_n < LOAD_MIN_N {
             return;
         }
+        let share = step_s / (FILTER_S * (1.0 + LIGHT_N / load_n) + step_s);
         // The fingertips face each other, so a moment about the closing axis has opposite signs about their normals.
         let signs = fingers.iter().zip([1.0, -1.0]);
         let moment_n_m: f64 = signs.map(|(f, sign)| sign * f.moment_n_m).sum();
