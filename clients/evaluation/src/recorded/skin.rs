@@ -83,7 +83,8 @@ impl Skin {
         self.intake.begin();
         self.perception.begin();
         if let Some(checked) = self.intake.check(&self.frame, tick, &self.settings.intake) {
-            self.perception.update(&checked, &self.settings.perception);
+            self.perception
+                .update(&checked, false, &self.settings.perception);
         }
         self.perception.percept()
     }
