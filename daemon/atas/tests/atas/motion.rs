@@ -43,7 +43,7 @@ fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec
         let checked = intake
             .check(&frame, tick, &settings.intake)
             .expect("a good frame");
-        perception.update(&checked, &settings.perception);
+        perception.update(&checked, false, &settings.perception);
         let motion = perception.percept().fingers[0].motion;
         if motion.comparisons as usize > found.len() {
             found.push(motion);
