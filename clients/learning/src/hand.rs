@@ -96,7 +96,8 @@ impl PolicyHand {
         self.intake.begin();
         self.perception.begin();
         if let Some(checked) = frame.and_then(|it| self.intake.check(it, tick, &settings.intake)) {
-            self.perception.update(&checked, false, &settings.perception);
+            self.perception
+                .update(&checked, false, &settings.perception);
         }
     }
 
