@@ -179,6 +179,8 @@ impl PolicyHand {
             turning: 1.0,
             lowering_m: None,
             base_from_tip,
+            // Nobody has tugged at it to prove that.
+            hangs: false,
         };
         let proposals = self
             .modules
