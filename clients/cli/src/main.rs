@@ -6,7 +6,7 @@
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
 //!                                   ├─ recordings, explain ──▶ atas-recording
-//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, bench, replay; `atas-live`: dashboard
+//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, calibrate, bench, replay; `atas-live`: dashboard
 //! ```
 //!
 //! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and

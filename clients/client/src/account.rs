@@ -75,9 +75,9 @@ pub fn last_goal(events: &[ModuleEvent]) -> &[ModuleEvent] {
 #[must_use]
 pub fn tell(events: &[ModuleEvent]) -> Option<Account> {
     let (first, last) = (events.first()?, events.last()?);
-    let goals = events.iter().filter(|event| event.kind == EventKind::GOAL);
+    let mut goals = events.iter().filter(|event| event.kind == EventKind::GOAL);
     let is_final = |event: &&ModuleEvent| event.text.as_str() != GoalState::RUNNING.name();
-    let end = goals.clone().filter(is_final).last().or(goals.last());
+    let end = goals.clone().rfind(is_final).or_else(|| goals.next_back());
     Some(Account {
         state: end.map_or("running".to_owned(), |end| end.text.to_string()),
         reason: end.map_or(Reason::default(), |end| end.reason),

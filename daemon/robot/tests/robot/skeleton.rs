@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use robot_model::{
-    FINGERS, Placement, ROBOT_JOINTS, RobotModel, Side, Skeleton, TIP_LINKS, TWO_HAND_ARM_URDF,
+    Placement, ROBOT_JOINTS, RobotModel, Side, Skeleton, TIP_LINKS, TWO_HAND_ARM_URDF,
 };
 
 use crate::support::{ROBOT, between_limits, fractions};
@@ -37,9 +37,8 @@ proptest! {
         q_rad[side.joint_range()].copy_from_slice(q_hand_rad.as_slice());
         let base_from = placed(&skeleton, &q_rad);
         let pose = hand.forward(&q_hand_rad);
-        for finger in 0..FINGERS {
-            let name = TIP_LINKS[side.index()][finger];
-            let index = skeleton.limbs().iter().position(|limb| limb.name == name).expect("a tip");
+        for (finger, name) in TIP_LINKS[side.index()].iter().enumerate() {
+            let index = skeleton.limbs().iter().position(|limb| limb.name == *name).expect("a tip");
             let tip = pose.base_from_tip()[finger];
             let found = &base_from[index];
             prop_assert!((found.translation.vector - tip.translation_m).norm() < 1e-9);
