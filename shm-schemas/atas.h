@@ -346,6 +346,10 @@ enum atas_cause {
     ATAS_CAUSE_TOO_SOFT = 50,
     // The hand was found gripping something; it keeps it and watches it.
     ATAS_CAUSE_GRIP_FOUND = 51,
+    // The object turned about the closing axis while it was held.
+    ATAS_CAUSE_TURNED_IN_HAND = 52,
+    // The object slipped through the fingers on the way, and was held again.
+    ATAS_CAUSE_SLIPPED_IN_HAND = 53,
     // The ways of the task are too long, or those of both hands together too many, to be checked.
     ATAS_CAUSE_TASK_TOO_LONG = 60,
 };

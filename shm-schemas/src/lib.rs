@@ -20,6 +20,7 @@ extern crate std;
 
 mod body;
 pub mod capacity;
+pub mod catalogue;
 mod code;
 mod control;
 mod crc;

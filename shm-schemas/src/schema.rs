@@ -1,12 +1,8 @@
-//! The schema as data: every payload and every code with its fields, their places, types and meanings.
+//! The schema as data: what a payload and a code are, with fields, their places, types and meanings.
 //!
-//! In: the declarations of this crate, through the macros that make them. Out: what other languages are told: the C header
-//! (`atas.h`), the tables of the protocol page and Python's array types are made from it, and cannot say anything else than
-//! the compiler does.
+//! In: the declarations of this crate, through the macros that make them. Out: the words of [the catalogue](crate::catalogue).
 
 use crate::text::Text;
-use crate::{control, event, frame, goal, joints, module, reason, record, stamp, status, stop};
-use crate::{swarm, tick, truth, view};
 
 /// What a field is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,58 +103,3 @@ impl<const N: usize> Described for Text<N> {
 impl<T: Described, const N: usize> Described for [T; N] {
     const TYPE: Type = Type::Array(&T::TYPE, N);
 }
-
-/// Every code.
-pub const CODES: &[&CodeType] = &[
-    &stamp::Hand::CODE,
-    &joints::Mode::CODE,
-    &goal::GoalKind::CODE,
-    &goal::GoalPolicy::CODE,
-    &goal::GoalState::CODE,
-    &goal::Turn::CODE,
-    &control::ControlOp::CODE,
-    &control::ControlOutcome::CODE,
-    &stop::StopOutcome::CODE,
-    &event::EventKind::CODE,
-    &module::ModuleId::CODE,
-    &reason::Cause::CODE,
-    &record::OrderKind::CODE,
-];
-
-/// Every payload; one that is part of another stands before it.
-pub const PAYLOADS: &[&PayloadType] = &[
-    &stamp::Stamp::PAYLOAD,
-    &frame::HandFrame::PAYLOAD,
-    &joints::JointState::PAYLOAD,
-    &joints::JointCommand::PAYLOAD,
-    &goal::GoalRequest::PAYLOAD,
-    &goal::GraspFigures::PAYLOAD,
-    &reason::Reason::PAYLOAD,
-    &goal::GoalUpdate::PAYLOAD,
-    &control::ControlRequest::PAYLOAD,
-    &control::ControlReply::PAYLOAD,
-    &stop::StopRequest::PAYLOAD,
-    &stop::StopAnswer::PAYLOAD,
-    &event::ModuleEvent::PAYLOAD,
-    &status::Percentiles::PAYLOAD,
-    &status::HandStatus::PAYLOAD,
-    &status::JointStatus::PAYLOAD,
-    &status::Status::PAYLOAD,
-    &status::SensorStatus::PAYLOAD,
-    &tick::FingerReport::PAYLOAD,
-    &tick::HandReport::PAYLOAD,
-    &tick::TickReport::PAYLOAD,
-    &view::View::PAYLOAD,
-    &record::SettingsRecord::PAYLOAD,
-    &record::StepRecord::PAYLOAD,
-    &record::TrackRecord::PAYLOAD,
-    &record::TaskRecord::PAYLOAD,
-    &record::OrderRecord::PAYLOAD,
-    &record::TickInputs::PAYLOAD,
-    &record::HandWiringRecord::PAYLOAD,
-    &record::RunHeader::PAYLOAD,
-    &swarm::AgentSensors::PAYLOAD,
-    &swarm::WheelCommands::PAYLOAD,
-    &truth::ObjectTruth::PAYLOAD,
-    &truth::WorldTruth::PAYLOAD,
-];

@@ -350,7 +350,8 @@ fn five_touches_of_a_real_dome_are_five_wherever_its_stamps_come_from() {
         let begins = verdict.touches.expect("touches");
         assert_eq!(begins.len(), 5, "{begins:?}");
         for (begin, expected) in begins.iter().zip([12_803, 24_320, 25_442, 26_757, 28_327]) {
-            assert!((expected..expected + 20).contains(begin), "{begins:?}");
+            // A filter without time of its own is a frame ahead of one with it.
+            assert!((expected - 1..expected + 20).contains(begin), "{begins:?}");
         }
     }
 }

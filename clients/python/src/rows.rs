@@ -8,7 +8,8 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
-use shm_schemas::schema::{CODES, PAYLOADS, PayloadType, Type};
+use shm_schemas::catalogue::{CODES, PAYLOADS};
+use shm_schemas::schema::{PayloadType, Type};
 use shm_schemas::{Payload, Reason};
 use zerocopy::FromBytes;
 

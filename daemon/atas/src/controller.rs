@@ -60,7 +60,7 @@ impl Controller {
             HandControl::new(Hand::BOTH[side.index()], robot.hand(side).clone(), &wiring)
         };
         Self {
-            hands: Side::BOTH.map(hand),
+            hands: [hand(Side::Left), hand(Side::Right)],
             joints: JointIntake::new(robot, wiring.joints_required),
             mode: ModeMachine::default(),
             gate: Gate::new(robot, wiring.writer_epoch),

@@ -102,6 +102,7 @@ impl Skeleton {
         while let Some((link, parent, joint)) = open.pop() {
             let index = limbs.len();
             if index >= robot.links.len() {
+                open.push((link, parent, joint));
                 break;
             }
             limbs.push(limb(&robot, link, parent, joint, &joint_names)?);

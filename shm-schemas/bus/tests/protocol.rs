@@ -4,7 +4,8 @@
 use std::fmt::Write;
 
 use shm_bus::{BORROWED, EXCHANGES, STREAMS};
-use shm_schemas::schema::{CODES, PAYLOADS, PayloadType, Type};
+use shm_schemas::catalogue::{CODES, PAYLOADS};
+use shm_schemas::schema::{PayloadType, Type};
 
 const PAGE: &str = include_str!("../../../clients/protocol.md");
 

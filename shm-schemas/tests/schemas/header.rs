@@ -1,6 +1,7 @@
 //! The C header: what it says is made from the schema, and a C compiler agrees with every size, place and checksum.
 
-use shm_schemas::schema::{CODES, CodeType, Field, PAYLOADS, PayloadType, Type};
+use shm_schemas::catalogue::{CODES, PAYLOADS};
+use shm_schemas::schema::{CodeType, Field, PayloadType, Type};
 use shm_schemas::{HandFrame, JointState, Layout, Payload, capacity, service};
 use std::fmt::Write;
 use std::path::Path;

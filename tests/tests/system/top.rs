@@ -233,17 +233,9 @@ fn topics(bus: &str) {
     assert_eq!(of("hand-frame/left")["readable"], false);
     // Nobody opened these, and looking made nothing.
     assert_eq!(of("agent-sensors")["writers"], 0);
-    let (code, rate) = atas(&[
-        "topic",
-        "hz",
-        "tick-report",
-        "--seconds",
-        "0.5",
-        "--bus",
-        bus,
-    ]);
+    let (code, rate) = atas(&["topic", "hz", "view", "--seconds", "1", "--bus", bus]);
     assert_eq!(code, Some(0));
-    assert!(rate[0]["payloads"].as_u64() > Some(50), "{rate:?}");
+    assert!(rate[0]["payloads"].as_u64() > Some(5), "{rate:?}");
     let (code, views) = atas(&["topic", "echo", "view", "--count", "2", "--bus", bus]);
     assert_eq!((code, views.len()), (Some(0), 2));
     let joints = views[1]["joints"]["position_rad"].as_array().map(Vec::len);

@@ -203,6 +203,11 @@ const HELPS: &[Help] = &[
         "one object: every figure of the tables; null where not_measured says why",
     ),
     Help(
+        "bench stop",
+        &["atas bench stop --count 1000"],
+        "one object: stops, seen, within_3_ticks, ticks and answered_us as distributions, goals",
+    ),
+    Help(
         "record",
         &[
             "atas record --out run.mcap --note seed=7",
