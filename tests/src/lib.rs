@@ -5,7 +5,6 @@
 //! nothing depends on this crate.
 #![forbid(unsafe_code)]
 
-pub mod browser;
 pub mod figures;
 pub mod loopback;
 

@@ -46,7 +46,7 @@ pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
         ),
     };
     ensure!(
-        !columns.is_empty() && columns.len() % group == 0,
+        !columns.is_empty() && columns.len().is_multiple_of(group),
         "could not calibrate {} values per row of {path}, needs {group} per element",
         columns.len()
     );
@@ -136,8 +136,11 @@ fn force(sheet: &Sheet, row: usize, columns: [usize; AXES]) -> Option<[f64; AXES
     Some(force_n)
 }
 
+/// The press that a row belongs to, if to any, and its force, N.
+type Reference = Option<(usize, [f64; AXES])>;
+
 /// The recording has the forces itself; its column `press` numbers presses, else a hundred rows make one.
-fn own(sheet: &Sheet) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
+fn own(sheet: &Sheet) -> anyhow::Result<Vec<Reference>> {
     let columns = columns(sheet)?;
     let press = sheet.column("press");
     let number = |row: usize| match press {
@@ -149,11 +152,7 @@ fn own(sheet: &Sheet) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
 }
 
 /// A person was guided: each step is a press.
-fn by_steps(
-    sheet: &Sheet,
-    recording: &Recording,
-    steps: &Sheet,
-) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
+fn by_steps(sheet: &Sheet, recording: &Recording, steps: &Sheet) -> anyhow::Result<Vec<Reference>> {
     let (from, to) = (steps.column("from_ns"), steps.column("to_ns"));
     let columns = columns(steps)?;
     let step = |row: usize| {
@@ -176,7 +175,7 @@ fn by_stream(
     sheet: &Sheet,
     recording: &Recording,
     stream: &Sheet,
-) -> anyhow::Result<Vec<Option<(usize, [f64; AXES])>>> {
+) -> anyhow::Result<Vec<Reference>> {
     let columns = columns(stream)?;
     let path = stream.path.display();
     let when = stream.column("captured_ns").with_context(|| {

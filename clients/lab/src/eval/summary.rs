@@ -141,11 +141,11 @@ fn keep(folder: &Path, name: &str, text: &str, evaluated: &[Evaluated]) -> anyho
         )
     })?;
     let series = evaluated.iter().flat_map(|e| &e.rows);
-    let samples: Vec<&TrialRow> = series.flat_map(sampled).collect();
+    let samples: Vec<&TrialRow> = series.flat_map(|rows| sampled(rows)).collect();
     File::create(&folder.join(format!("{name}.csv")))?.write(samples.into_iter())
 }
 
 /// The first of a series, and the one in the middle.
-fn sampled(rows: &Vec<TrialRow>) -> impl Iterator<Item = &TrialRow> {
+fn sampled(rows: &[TrialRow]) -> impl Iterator<Item = &TrialRow> {
     rows.iter().step_by(rows.len().div_ceil(SAMPLES).max(1))
 }

@@ -5,6 +5,9 @@ use shm_schemas::Layout;
 use super::least_squares::Normal;
 use super::{AXES, Calibration, FORMAT, Model, Quality, Silence};
 
+/// A force of the reference, N, and how far what is told is from it, N.
+type Pair = ([f64; AXES], [f64; AXES]);
+
 /// Parts that the presses are dealt into for judging: each is left out once.
 const FOLDS: usize = 5;
 /// How far the matrices of elements may be expected to lie apart, over their size (ours: gains spread by 3 %, crosstalk is a few
@@ -106,7 +109,7 @@ pub fn fit(
             residuals.push((point.force_n, error_n));
         }
     }
-    let root = |of: fn(&([f64; AXES], [f64; AXES])) -> &[f64; AXES], axis: usize| {
+    let root = |of: fn(&Pair) -> &[f64; AXES], axis: usize| {
         let squares: f64 = residuals.iter().map(|pair| of(pair)[axis].powi(2)).sum();
         (squares / residuals.len() as f64).sqrt()
     };
@@ -253,6 +256,10 @@ fn matrices(points: &[(Vec<f64>, [f64; AXES])], layout: &Layout) -> Result<Newto
         let mut normal = Normal::new(ENTRIES * layout.count);
         let mut row = vec![0.0; ENTRIES * layout.count];
         for (values, force_n) in points {
+            #[expect(
+                clippy::needless_range_loop,
+                reason = "the axis is one index of several"
+            )]
             for k in 0..AXES {
                 for (element, value) in values.chunks_exact(AXES).enumerate() {
                     for entry in 0..ENTRIES {

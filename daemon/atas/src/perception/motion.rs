@@ -113,7 +113,7 @@ impl Motion {
             .map(|(now, before)| (now - before) * (now - before))
             .sum();
         self.heard_s += step_s;
-        let share = step_s / self.heard_s.min(NOISE_S).max(1e-9);
+        let share = step_s / self.heard_s.clamp(1e-9, NOISE_S);
         self.noise_n2 += (0.5 * f64::from(sum) - self.noise_n2) * share.min(1.0);
     }
 
