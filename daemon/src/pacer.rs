@@ -75,7 +75,7 @@ impl Pacer {
 }
 
 /// What warming the caches takes, ns: a dry tick takes about as long as a real one (measured: 10 to 15 µs when cold). Ours.
-const WARM_NS: u64 = 15_000;
+const WARM_NS: u64 = 18_000;
 /// Least time between waking up and a deadline where the spin's cap allows it, ns: warming, and the latency of a punctual
 /// wake-up before it. Ours.
 const EARLY_NS: u64 = WARM_NS + 5_000;

@@ -26,9 +26,6 @@ pub struct Exchange {
     pub responses: usize,
 }
 
-/// Every exchange.
-pub const EXCHANGES: [Exchange; 2] = [crate::goal::EXCHANGE, crate::control::EXCHANGE];
-
 impl Exchange {
     /// Most processes that may have the service open.
     #[must_use]

@@ -64,7 +64,7 @@ pub use bus::Bus;
 pub use clock::{now_ns, writer_epoch};
 pub use control::{ControlCall, ControlClient, ControlServer};
 pub use error::BusError;
-pub use exchange::{EXCHANGES, Exchange};
+pub use exchange::Exchange;
 pub use fresh::FreshBus;
 pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
 pub use name::BusName;
@@ -75,3 +75,6 @@ pub use publisher::Publisher;
 pub use qos::{BORROWED, STREAMS, Stream};
 pub use subscriber::Subscriber;
 pub use traffic::Traffic;
+
+/// Every exchange.
+pub const EXCHANGES: [Exchange; 2] = [goal::EXCHANGE, control::EXCHANGE];
