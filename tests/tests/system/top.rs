@@ -170,7 +170,6 @@ fn a_running_robot_on_one_screen() {
     ] {
         terminal.wait_for(part);
     }
-    topics(name);
     let goal = [
         "grasp",
         "--at",
@@ -183,15 +182,17 @@ fn a_running_robot_on_one_screen() {
         name,
     ];
     let _goal = Process::start("atas", &goal);
+    // What stays on the screen: in lock-step the steps pass faster than it is drawn.
     for part in [
         "RUN",
-        "goal grasp running",
-        "1, first touch",
-        "2, slip",
+        "goal grasp running, step hold",
         "step lift",
+        "1, first touch",
     ] {
         terminal.wait_for(part);
     }
+    // In lock-step time goes on only while there is a goal.
+    topics(name);
     assert!(terminal.has_written("\x1b[38;5;"), "colours on a terminal");
     terminal.resize(12, 60);
     terminal.wait_for("needs 80 × 24 characters, has 60 × 12");
