@@ -169,6 +169,8 @@ class Cause(IntEnum):
     SUPERVISOR_SILENT = 44
     TOO_SOFT = 50
     GRIP_FOUND = 51
+    TURNED_IN_HAND = 52
+    SLIPPED_IN_HAND = 53
     TASK_TOO_LONG = 60
 
 
