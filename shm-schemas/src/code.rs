@@ -65,6 +65,9 @@ macro_rules! code {
             }
         }
 
+        #[cfg(feature = "serde")]
+        $crate::bytes::as_bytes!($name);
+
         impl $crate::schema::Described for $name {
             const TYPE: $crate::schema::Type = $crate::schema::Type::Code(&Self::CODE);
         }

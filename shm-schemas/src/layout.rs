@@ -10,14 +10,18 @@ use fnv::FnvHasher;
 
 /// One fingertip's elements. The first `count` entries of each array are used.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Layout {
     /// Number of elements, 1 to [`ELEMENTS`].
     pub count: usize,
     /// Outward normal d of each element, unit vectors, tip frame.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub normal: [[f64; 3]; ELEMENTS],
     /// First tangent t1 = t2 × d of each element, unit vectors, tip frame.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub tangent1: [[f64; 3]; ELEMENTS],
     /// Second tangent t2 (up made normal to d) of each element, unit vectors, tip frame.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub tangent2: [[f64; 3]; ELEMENTS],
     /// Distance of each element from the dome centre, m.
     pub radius_m: f64,

@@ -19,6 +19,8 @@
 extern crate std;
 
 mod body;
+#[cfg(feature = "serde")]
+mod bytes;
 pub mod capacity;
 pub mod catalogue;
 mod code;

@@ -43,6 +43,9 @@ macro_rules! payload {
             const SCHEMA: &'static $crate::schema::PayloadType = &$name::PAYLOAD;
         }
 
+        #[cfg(feature = "serde")]
+        $crate::bytes::as_bytes!($name);
+
         impl $crate::schema::Described for $name {
             const TYPE: $crate::schema::Type = $crate::schema::Type::Payload(&Self::PAYLOAD);
         }

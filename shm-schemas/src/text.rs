@@ -36,6 +36,9 @@ impl<const N: usize> Text<N> {
     }
 }
 
+#[cfg(feature = "serde")]
+crate::bytes::as_bytes!(Text<const N: usize>);
+
 impl<const N: usize> Default for Text<N> {
     fn default() -> Self {
         Self([0; N])

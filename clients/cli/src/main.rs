@@ -6,7 +6,7 @@
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
 //!                                   ├─ recordings, explain ──▶ atas-recording
-//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, calibrate, bench, replay; `atas-live`: dashboard
+//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, calibrate, bench, record, replay; `atas-live`: dashboard
 //! ```
 //!
 //! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
@@ -58,8 +58,8 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Events(arguments) => events::events(arguments, interrupt, output),
         Command::Param { action } => parameter(action, output),
         Command::Latency(arguments) => latency::latency(arguments, interrupt, output),
-        Command::Record { action, options } => match action {
-            None => recordings::record(options, interrupt, output),
+        Command::Record { action, .. } => match action {
+            None => neighbours::hand_over(command.program()),
             Some(RecordAction::Check { file }) => recordings::check(file, output),
             Some(RecordAction::Repair { file, out }) => {
                 recordings::repair(file, out.as_deref(), output)

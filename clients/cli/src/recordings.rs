@@ -1,82 +1,14 @@
-//! `atas record` with its actions, `atas diff` and `atas export`: what `atas-recording` did, in words.
+//! `atas record check` and `repair`, `atas diff` and `atas export`: what `atas-recording` did, in words.
 
-use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime};
+use std::path::Path;
+use std::time::Instant;
 
-use atas_client::{Session, json};
+use atas_client::json;
 use atas_console::arguments::{self, ExportKind};
 use atas_console::{Ended, Exit, Interrupt, Output};
-use atas_recording::{Bounds, Choices, Contents, Difference, Exported, Kind, Tally};
+use atas_recording::{Choices, Contents, Difference, Exported, Kind};
 use serde_json::{Value, json};
 use shm_schemas::Status;
-
-/// `atas record`.
-pub(crate) fn record(
-    arguments: &arguments::Record,
-    interrupt: &Interrupt,
-    output: &mut Output,
-) -> anyhow::Result<()> {
-    let session = Session::join(&arguments.bus.bus)?;
-    let out = arguments.out.clone().unwrap_or_else(default_out);
-    let bounds = Bounds {
-        file_bytes: arguments.max_size,
-        files: arguments.max_files.map(usize::from),
-        total_bytes: arguments.disk_budget,
-    };
-    let notes = arguments.notes.iter().cloned().collect();
-    let tally = atas_recording::record(session.bus(), &out, bounds, notes, interrupt.flag())?;
-    print(&tally, output)
-}
-
-fn default_out() -> PathBuf {
-    let unix = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-    format!("atas-{}.mcap", unix.map_or(0, |time| time.as_secs())).into()
-}
-
-fn print(tally: &Tally, output: &mut Output) -> anyhow::Result<()> {
-    let files: Vec<String> = tally
-        .files
-        .iter()
-        .map(|file| file.display().to_string())
-        .collect();
-    if output.is_json() {
-        output.json(&json!({
-            "parts": tally.parts,
-            "lost": tally.lost,
-            "has_beginning": tally.has_beginning,
-            "disk_budget_reached": tally.is_full,
-            "bytes": tally.bytes,
-            "files": files,
-        }))?;
-    } else {
-        output.line(format_args!(
-            "recorded {} parts of ticks, lost {}, {:.1} MiB in {}",
-            tally.parts,
-            tally.lost,
-            tally.bytes as f64 / f64::from(1 << 20),
-            files.join(", ")
-        ))?;
-    }
-    if tally.is_full {
-        return Err(Ended::with(
-            Exit::Failed,
-            "the disk budget is used up; the recording ended early",
-        ));
-    }
-    if tally.lost > 0 {
-        let sentence = format!(
-            "lost {} parts of ticks: the recording cannot be replayed beyond them",
-            tally.lost
-        );
-        return Err(Ended::with(Exit::Failed, sentence));
-    }
-    if !tally.has_beginning {
-        tracing::warn!(
-            "a run was not recorded from its first tick and cannot be replayed; start the recorder first"
-        );
-    }
-    Ok(())
-}
 
 /// `atas record check`.
 pub(crate) fn check(path: &Path, output: &mut Output) -> anyhow::Result<()> {

@@ -186,6 +186,7 @@ impl Command {
             | Self::Plot { .. }
             | Self::Bench { .. }
             | Self::Calibrate { .. }
+            | Self::Record { action: None, .. }
             | Self::Replay { .. } => Program::Lab,
             Self::Dashboard(_) => Program::Live,
             _ => Program::Operator,

@@ -34,6 +34,7 @@ pub mod replay;
 mod report;
 mod rows;
 pub mod seeds;
+pub mod state;
 mod statistics;
 mod tally;
 mod task;

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
+use atas_core::Controller;
 use atas_core::record::{Replay, Replayed, read_origin};
-use atas_recording::{Entry, Reader, command_difference, origin, payload};
+use atas_recording::{Entry, Reader, command_difference, payload, state};
 use robot_model::RobotModel;
+use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, RunHeader, TickInputs};
 
 /// Frames of one hand that one tick can have taken: what the daemon's intake takes at most, with room.
@@ -22,7 +24,7 @@ pub struct Agreement {
     pub different: u64,
 }
 
-/// Replays the files of one run, in order; `each` sees every tick, as it was recorded and as it is now.
+/// Replays the files of one run, in order, from the run's first tick or from the state that the first of them begins with; `each` sees every tick, as it was recorded and as it is now.
 ///
 /// # Errors
 /// A file cannot be read, or not be replayed.
@@ -31,34 +33,55 @@ pub fn replay(
     mut each: impl FnMut(&TickInputs, &Replayed<'_>),
 ) -> anyhow::Result<Agreement> {
     let mut agreement = Agreement::default();
-    let mut left = vec![HandFrame::default(); FRAMES];
-    let mut right = left.clone();
-    let mut storage = Some([&mut left[..], &mut right[..]]);
-    let mut replay = None::<Replay<'_>>;
+    let mut replay = None::<Replay<Vec<HandFrame>>>;
+    // The header of the first file and the state at its beginning, if it goes on with a run.
+    let (mut header, mut begin) = (None, None);
     let readers: Result<Vec<Reader>, _> = files.iter().map(|file| Reader::open(file)).collect();
     for entry in readers?.into_iter().flatten() {
         let Entry::Message(message) = entry? else {
             continue;
         };
-        if let Some(header) = payload::<RunHeader>(&message)?
-            && let Some(storage) = storage.take()
-        {
-            replay = Some(Replay::new(
-                read_origin(&header, &robot(&header)?)?,
-                storage,
-            ));
+        if replay.is_none() {
+            begin = state(&message).map(<[u8]>::to_vec).or(begin);
+            header = payload::<RunHeader>(&message)?.or(header);
         }
-        if let Some(part) = payload::<TickInputs>(&message)? {
-            let replay = replay.as_mut();
-            let replay = replay
-                .context("could not replay because the file has no run header before its ticks")?;
-            if let Some(replayed) = replay.feed(&part)? {
-                each(&part, &replayed);
-                agreement.take(&part, &replayed);
-            }
+        let Some(part) = payload::<TickInputs>(&message)? else {
+            continue;
+        };
+        let replay = match &mut replay {
+            Some(replay) => replay,
+            none => none.insert(begin_at(header.as_deref(), begin.as_deref())?),
+        };
+        if let Some(replayed) = replay.feed(&part)? {
+            each(&part, &replayed);
+            agreement.take(&part, &replayed);
         }
     }
     Ok(agreement)
+}
+
+/// A replay from the beginning of a run, or from a state.
+fn begin_at(
+    header: Option<&RunHeader>,
+    begin: Option<&[u8]>,
+) -> anyhow::Result<Replay<Vec<HandFrame>>> {
+    let header =
+        header.context("could not replay because the file has no run header before its ticks")?;
+    let Some(state) = begin else {
+        return Ok(Replay::new(origin(header)?, frames()));
+    };
+    let (controller, next_sequence) = crate::state::decode(state)?;
+    Ok(Replay::resume(controller, next_sequence, frames()))
+}
+
+/// The controller that the run began with.
+pub(crate) fn origin(header: &RunHeader) -> anyhow::Result<Controller> {
+    Ok(read_origin(header, &robot(header)?)?)
+}
+
+/// Room for the frames of one tick.
+pub(crate) fn frames() -> [Vec<HandFrame>; HANDS] {
+    [(); HANDS].map(|()| vec![HandFrame::default(); FRAMES])
 }
 
 impl Agreement {
@@ -75,7 +98,7 @@ impl Agreement {
 
 /// The robot that the header names.
 fn robot(header: &RunHeader) -> anyhow::Result<RobotModel> {
-    let urdf = origin::urdf(Some(header))?;
+    let urdf = atas_recording::origin::urdf(Some(header))?;
     RobotModel::from_urdf(&urdf)
         .with_context(|| format!("could not load the robot {}", header.robot))
 }

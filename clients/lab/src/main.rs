@@ -1,12 +1,13 @@
 //! `atas-lab`: the laboratory's part of the `atas` command, which needs the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|plot|calibrate|bench|replay ─▶ atas-lab
+//!  atas demo|eval|plot|calibrate|bench|record|replay ─▶ atas-lab
 //!   ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
 //!   ├─ eval ────▶ atas-evaluation on all cores
 //!   ├─ plot ────▶ atas-evaluation, one run, as a figure
 //!   ├─ calibrate ▶ recorded presses into a calibration of a sensor
 //!   ├─ bench ───▶ this machine, beside cyclictest and other transports
+//!   ├─ record ──▶ atas-recording, with the controller beside it
 //!   └─ replay ──▶ the production controller on a recording
 //! ```
 //!
@@ -20,6 +21,7 @@ mod calibrate;
 mod demo;
 mod eval;
 mod plot;
+mod record;
 mod replay;
 
 use std::process::ExitCode;
@@ -38,6 +40,10 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Plot { figure } => plot::plot(figure, output),
         Command::Bench { what } => bench::bench(what, interrupt, output),
         Command::Calibrate { action } => calibrate::calibrate(action, interrupt, output),
+        Command::Record {
+            action: None,
+            options,
+        } => record::record(options, interrupt, output),
         Command::Replay { files } => replay::replay(files, output),
         _ => Err(Ended::with(
             Exit::Usage,

@@ -13,13 +13,15 @@
 //!   flushed survives any end of the recorder; every ordinary end writes the footer. Lost parts are counted and named.
 //! * **Time** in the files is the sensors' time (`CLOCK_MONOTONIC`, or virtual in lock-step). The wall clock stands in
 //!   the metadata; what is exported has it ([`Clock`]).
-//! * **Absent on purpose:** the controller: who replays a recording brings it along. Seeds of a simulator and hashes of tables, which the daemon does not know; what they led to is
+//!   A file that goes on with a run begins with the state that the controller had then, if a [`Follower`] follows the run.
+//! * **Absent on purpose:** the controller: who records or replays brings it along. Seeds of a simulator and hashes of tables, which the daemon does not know; what they led to is
 //!   in the inputs. `--note seed=7` keeps them.
 
 mod check;
 mod clock;
 mod diff;
 mod export;
+mod follower;
 pub mod origin;
 mod payloads;
 mod reader;
@@ -32,6 +34,7 @@ pub use check::{Contents, check, repair};
 pub use clock::Clock;
 pub use diff::{Difference, command_difference, diff};
 pub use export::{Choices, Exported, Kind, export};
+pub use follower::{Follower, state};
 pub use payloads::Recorded;
 pub use reader::{Entry, Reader, payload};
 pub use recorder::record;

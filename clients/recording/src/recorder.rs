@@ -13,6 +13,7 @@ use shm_schemas::{
     ModuleEvent, Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport, service,
 };
 
+use super::follower::Follower;
 use super::rotation::{Bounds, Recording, Tally};
 
 /// Pause between two looks at the bus, whose streams hold 256 payloads (ours: 5 ms of ticks at 10 kHz are 50).
@@ -38,7 +39,7 @@ enum Message {
     Sensor(Box<SensorStatus>),
 }
 
-/// Records until `stop` is set or the bytes are used up.
+/// Records until `stop` is set or the bytes are used up. With a `follower`, every file of a run can be replayed by itself.
 ///
 /// # Errors
 /// The bus or the files cannot be opened, read or written.
@@ -47,10 +48,11 @@ pub fn record(
     out: &Path,
     bounds: Bounds,
     notes: BTreeMap<String, String>,
+    follower: Option<Box<dyn Follower>>,
     stop: &AtomicBool,
 ) -> anyhow::Result<Tally> {
     let mut ports = Ports::open(bus)?;
-    let recording = Recording::create(out, bounds, notes)?;
+    let recording = Recording::create(out, bounds, notes, follower)?;
     tracing::info!(file = %out.display(), "recording until Ctrl-C");
     let (send, receive) = sync_channel(WAITING);
     let writing = std::thread::spawn(move || write(recording, &receive));

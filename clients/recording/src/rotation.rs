@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use mcap::records::Metadata;
-use shm_schemas::{RunHeader, TickInputs};
+use shm_schemas::{RunHeader, Stamp, TickInputs};
 
 use super::clock::Clock;
+use super::follower::Follower;
 use super::writer::Writer;
 
 /// Longest time that a sudden end of the recorder can lose (ours).
@@ -58,6 +59,11 @@ pub(super) struct Recording {
     closed: VecDeque<(PathBuf, u64)>,
     pieces: u32,
     run: Option<Box<RunHeader>>,
+    follower: Option<Box<dyn Follower>>,
+    /// Whether the follower could follow this run so far.
+    follows: bool,
+    /// Timestamp of the last part.
+    last: Stamp,
     next_sequence: Option<u64>,
     tally: Tally,
     flushed: Instant,
@@ -68,6 +74,7 @@ impl Recording {
         out: &Path,
         bounds: Bounds,
         notes: BTreeMap<String, String>,
+        follower: Option<Box<dyn Follower>>,
     ) -> anyhow::Result<Self> {
         Ok(Self {
             writer: Writer::create(out)?,
@@ -78,6 +85,9 @@ impl Recording {
             closed: VecDeque::new(),
             pieces: 0,
             run: None,
+            follower,
+            follows: false,
+            last: Stamp::default(),
             next_sequence: None,
             tally: Tally {
                 has_beginning: true,
@@ -99,6 +109,7 @@ impl Recording {
 
     /// A daemon began a run: another file, unless this is the first.
     pub(super) fn begin_run(&mut self, header: Box<RunHeader>) -> anyhow::Result<()> {
+        self.follow(|follower| follower.begin(&header));
         if self.run.replace(header).is_some() {
             self.next_file()?;
         } else {
@@ -117,7 +128,25 @@ impl Recording {
         }
         self.next_sequence = Some(sequence + 1);
         self.tally.parts += 1;
+        self.last = part.stamp;
+        if self.follows {
+            self.follow(|follower| follower.take(part));
+        }
         self.writer.write(part)
+    }
+
+    /// What cannot be followed is recorded all the same, and told once.
+    fn follow(&mut self, what: impl FnOnce(&mut dyn Follower) -> anyhow::Result<()>) {
+        let Some(follower) = &mut self.follower else {
+            return;
+        };
+        let followed = what(&mut **follower);
+        self.follows = followed.is_ok();
+        if let Err(error) = followed {
+            tracing::warn!(
+                "later files of this run cannot be replayed without those before them: {error:#}"
+            );
+        }
     }
 
     /// Flushes when it is time, and goes on in another file when this one is large. False when the disk budget is used
@@ -128,12 +157,10 @@ impl Recording {
         }
         self.flushed = Instant::now();
         self.size = self.writer.flush()?;
-        if self
-            .bounds
-            .file_bytes
-            .is_some_and(|bytes| self.size >= bytes)
-        {
+        let is_large = self.bounds.file_bytes.is_some_and(|most| self.size >= most);
+        if is_large && !self.is_within_tick() {
             self.next_file()?;
+            self.write_state()?;
         }
         let total = self.closed.iter().map(|(_, size)| size).sum::<u64>() + self.size;
         Ok(self.bounds.total_bytes.is_none_or(|bytes| total < bytes))
@@ -179,6 +206,21 @@ impl Recording {
             let _ = std::fs::remove_file(oldest);
         }
         self.introduce()
+    }
+
+    fn is_within_tick(&self) -> bool {
+        let follower = self.follower.as_ref().filter(|_| self.follows);
+        follower.is_some_and(|follower| follower.is_within_tick())
+    }
+
+    /// Writes what the run's next part goes on from.
+    fn write_state(&mut self) -> anyhow::Result<()> {
+        let follower = self.follower.as_ref().filter(|_| self.follows);
+        let state = follower.map(|follower| follower.state()).transpose()?;
+        match state.flatten() {
+            Some(state) => self.writer.write_state(&self.last, &state),
+            None => Ok(()),
+        }
     }
 
     /// Writes where the file comes from.

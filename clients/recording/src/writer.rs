@@ -11,6 +11,7 @@ use mcap::{Compression, WriteOptions};
 use serde_json::Value;
 use shm_schemas::Stamp;
 
+use super::follower;
 use super::payloads::{POD, Recorded};
 
 /// Bytes that are compressed together (ours: a tenth of a second at 1 kHz).
@@ -19,6 +20,10 @@ const CHUNK_BYTES: u64 = 1 << 20;
 const LEVEL: u32 = 1;
 /// Schema of JSON messages: any object.
 const ANY_OBJECT: &[u8] = br#"{"type":"object"}"#;
+
+/// Schema of a state, for whoever wonders.
+const ANY_STATE: &[u8] =
+    b"a map of the controller's fields by their names, of the version in the field `version`";
 
 /// An open file. Dropping it writes the footer, as far as the disk lets it.
 pub(super) struct Writer {
@@ -71,6 +76,13 @@ impl Writer {
         let schema = || ("atas.json", ANY_OBJECT.to_vec());
         let channel = self.channel(topic, "json", "jsonschema", schema)?;
         self.message(channel, stamp, value.to_string().as_bytes())
+    }
+
+    /// Writes a controller's state, encoded, that the next part goes on from.
+    pub(super) fn write_state(&mut self, last: &Stamp, state: &[u8]) -> anyhow::Result<()> {
+        let schema = || ("atas.ControllerState", ANY_STATE.to_vec());
+        let channel = self.channel(follower::TOPIC, follower::ENCODING, "text", schema)?;
+        self.message(channel, last, state)
     }
 
     /// Writes a message of another file.

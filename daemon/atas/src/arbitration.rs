@@ -14,6 +14,7 @@ use robot_model::FINGERS;
 
 /// What one hand shall do in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Intent {
     /// Where the hand shall be; `None` keeps it.
     pub pose: Option<PoseCommand>,
@@ -27,6 +28,7 @@ pub struct Intent {
 
 /// The speeds of the tick before, which limit those of this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arbiter {
     closing_m_s: [f64; FINGERS],
     carry_scale: f64,

@@ -29,6 +29,7 @@ use shm_schemas::{
 
 /// The pure heart: state that only [`Controller::step`] changes, and only as a function of its inputs.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Controller {
     settings: Settings,
     wiring: Wiring,

@@ -100,6 +100,7 @@ impl Goal {
 
 /// The goal that is being pursued.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ActiveGoal {
     /// What was asked.
     pub request: GoalRequest,

@@ -26,6 +26,7 @@ const IMPLAUSIBLE_FACTOR: f64 = 2.0;
 
 /// One hand of the controller.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HandControl {
     hand: Hand,
     model: HandModel,

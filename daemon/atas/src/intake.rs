@@ -59,6 +59,7 @@ enum Refusal {
 
 /// Counts since the start, as [`shm_schemas::HandStatus`] shows them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameCounts {
     /// Believed.
     pub frames: u64,
@@ -82,6 +83,7 @@ pub struct FrameCounts {
 
 /// The gatekeeper of one hand's frames.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameIntake {
     hand: Hand,
     layout_hash: u64,
@@ -102,15 +104,18 @@ pub struct FrameIntake {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Pinned {
     epoch: u64,
     sequence: u64,
     captured_ns: u64,
     received_ns: u64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::large::each"))]
     force_n: Forces,
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Candidate {
     epoch: u64,
     sequence: u64,

@@ -67,6 +67,7 @@ pub const EVENTS_PER_TICK: usize = 24;
 
 /// Everything that one tick gives out.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outputs {
     /// The command to publish, sealed by the safety gate.
     pub command: JointCommand,
@@ -80,6 +81,7 @@ pub struct Outputs {
 
 /// A bounded list of events.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Events {
     list: [ModuleEvent; EVENTS_PER_TICK],
     count: usize,

@@ -9,6 +9,7 @@ use shm_schemas::{Cause, JointState, JointStatus, Reason};
 
 /// The gatekeeper of joint states, and the newest that it believed.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointIntake {
     joints: [Joint; ROBOT_JOINTS],
     required: bool,
@@ -22,6 +23,7 @@ pub struct JointIntake {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Newest {
     sequence: u64,
     epoch: u64,

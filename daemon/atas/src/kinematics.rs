@@ -39,6 +39,7 @@ impl HandCommand {
 
 /// The commanded pose of one hand.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandServo {
     frame: GraspFrame,
     q_rad: HandVector,

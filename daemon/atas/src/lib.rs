@@ -27,6 +27,8 @@ pub mod intake;
 pub mod io;
 pub mod joints;
 pub mod kinematics;
+#[cfg(feature = "serde")]
+mod large;
 pub mod limits;
 mod mode;
 pub mod modules;

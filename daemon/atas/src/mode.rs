@@ -18,6 +18,7 @@ use shm_schemas::{Mode, Reason};
 
 /// The mode and why it is so.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ModeMachine {
     mode: Mode,
     reason: Reason,

@@ -23,6 +23,7 @@ pub struct Speeds {
 
 /// One path between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Path {
     from: GraspFrame,
     to: GraspFrame,

@@ -50,6 +50,7 @@ impl SafeCommand {
 
 /// The gate and what it last let through.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gate {
     joints: [Joint; ROBOT_JOINTS],
     position_rad: [f64; ROBOT_JOINTS],
@@ -297,6 +298,7 @@ fn flatten(raw: &RawCommand) -> [f64; ROBOT_JOINTS] {
 
 /// One joint's commanded motion.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Motion {
     position_rad: f64,
     velocity_rad_s: f64,

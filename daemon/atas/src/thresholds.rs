@@ -9,6 +9,7 @@ const F1_BELOW_F2: f64 = 0.8;
 
 /// The two thresholds of the grasping force.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Thresholds {
     /// F_1: minimum grasping force, N.
     pub f1_n: f64,

@@ -5,6 +5,7 @@ use shm_schemas::{Cause, Reason};
 
 /// One tick of the control loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tick {
     /// Counts from 0; a gap means missed ticks.
     pub index: u64,
@@ -31,6 +32,7 @@ pub(crate) fn nanoseconds(seconds: f64) -> u64 {
 /// Notices that the loop stood still. After a long sleep (SIGSTOP, a suspended machine) the world may be another one:
 /// the first tick back must hold.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StallWatch {
     step_s: f64,
     last_ns: Option<u64>,

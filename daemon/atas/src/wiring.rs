@@ -6,6 +6,7 @@ use shm_schemas::capacity::HANDS;
 
 /// One hand's sensor.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandWiring {
     /// Where the elements sit; frames with another layout are refused.
     pub layout: Layout,
@@ -19,6 +20,7 @@ pub struct HandWiring {
 
 /// Everything that does not change while the controller lives.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wiring {
     /// Per hand, left first.
     pub hands: [HandWiring; HANDS],

@@ -12,6 +12,7 @@ pub const CAPSULES_MAX: usize = 16;
 
 /// All points within `radius_m` of the segment from `a_m` to `b_m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Capsule {
     /// One end of the segment, metres.
     pub a_m: Vector3<f64>,
@@ -34,6 +35,7 @@ impl Capsule {
 
 /// Up to [`CAPSULES_MAX`] capsules; reads as a slice.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Capsules {
     shapes: [Capsule; CAPSULES_MAX],
     count: usize,

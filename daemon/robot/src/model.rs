@@ -13,6 +13,7 @@ pub const TWO_HAND_ARM_URDF: &str = include_str!("../two_hand_arm.urdf");
 
 /// Which of the two arms with its hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Side {
     /// The arm at positive y.
     Left,
@@ -84,9 +85,11 @@ pub const TIP_LINKS: [[&str; FINGERS]; 2] = [
 
 /// One revolute joint: its name and what it can do.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Joint {
     /// Name, one of [`JOINT_NAMES`].
-    pub name: &'static str,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "joint_name"))]
+    pub name: JointName,
     /// Lower position limit, radians.
     pub lower_rad: f64,
     /// Upper position limit, radians, above the lower one.
@@ -97,11 +100,24 @@ pub struct Joint {
     pub effort_max_n_m: f64,
 }
 
+/// A joint's name. The alias keeps serde from borrowing it from what is read.
+type JointName = &'static str;
+
+/// The name of ours that is the one read.
+#[cfg(feature = "serde")]
+fn joint_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<JointName, D::Error> {
+    let read = <&str as serde::Deserialize>::deserialize(deserializer)?;
+    let ours = JOINT_NAMES.iter().flatten().find(|name| **name == read);
+    ours.copied()
+        .ok_or_else(|| serde::de::Error::custom("a joint with a name that no joint has"))
+}
+
 /// One arm with its hand: five arm joints, then three joints of finger 1, then three of finger 2.
 ///
 /// Each joint's frame is the URDF's joint frame turned so that its z is the joint's axis: forward kinematics then
 /// needs one rotation about z per joint whatever axes the URDF chose.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandModel {
     pub(crate) side: Side,
     pub(crate) joints: [Joint; HAND_JOINTS],

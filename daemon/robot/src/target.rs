@@ -38,6 +38,7 @@ impl HandTarget {
 /// The closing axis n is horizontal and points from finger 2's side to finger 1's side; t is n turned 90° anticlockwise
 /// seen from above; z is up. Finger 1 presses along −n, finger 2 along +n.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GraspFrame {
     /// Point between the fingertips, base frame, metres.
     pub centre_m: Vector3<f64>,

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 ///
 /// The columns of `rotation` are the axes of b seen from a; `translation_m` is the origin of b seen from a, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transform {
     /// Rotation matrix, orthonormal and right-handed.
     pub rotation: Matrix3<f64>,

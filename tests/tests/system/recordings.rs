@@ -316,6 +316,27 @@ fn recover(file: &Path) -> u64 {
 }
 
 #[test]
+fn every_file_of_a_run_replays_by_itself() {
+    let _alone = alone();
+    let mut rig = Rig::with("--object wood", "", |record| {
+        let bounds = ["--max-size", "4M", "--max-files", "3"];
+        Process::start("atas", &[record, &bounds[..]].concat())
+    });
+    grasp(&rig);
+    let folder = rig.end().parent().expect("a folder").to_owned();
+    let files: Vec<PathBuf> = std::fs::read_dir(&folder)
+        .expect("readable")
+        .map(|entry| entry.expect("readable").path())
+        .collect();
+    assert_eq!(files.len(), 3, "{files:?}");
+    assert!(!files.contains(&rig.file), "the run's beginning is gone");
+    for file in files {
+        let ticks = replayed("a file of a run", &file);
+        assert!(ticks > 0, "{}", file.display());
+    }
+}
+
+#[test]
 fn what_a_killed_recorder_flushed_is_recovered() {
     let _alone = alone();
     let mut rig = Rig::new("--object wood", "");

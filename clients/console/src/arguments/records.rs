@@ -13,10 +13,10 @@ pub struct Record {
     /// File to make; it must not exist [default: atas-SECONDS.mcap, seconds since 1970]
     #[arg(long, value_name = "FILE.mcap", value_parser = mcap)]
     pub out: Option<PathBuf>,
-    /// Go on in another file (FILE-001.mcap, …) when this one is larger, for example 500M
+    /// Go on in another file (FILE-001.mcap, …) when this one is larger, for example 500M; each can be replayed by itself
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub max_size: Option<u64>,
-    /// Keep this many files and remove the oldest; what was removed cannot be replayed
+    /// Keep this many files and remove the oldest
     #[arg(long, value_name = "N", requires = "max_size", value_parser = clap::value_parser!(u16).range(1..))]
     pub max_files: Option<u16>,
     /// End when all files together are larger, for example 20G

@@ -45,7 +45,7 @@ fn recorded(folder: &Path) -> PathBuf {
         files: None,
         total_bytes: None,
     };
-    let mut recording = Recording::create(&out, bounds, BTreeMap::new()).expect("made");
+    let mut recording = Recording::create(&out, bounds, BTreeMap::new(), None).expect("made");
     let mut header: Box<RunHeader> = Box::default();
     header.robot = Text::new("built-in");
     header.version = Text::new("0.1");

@@ -29,7 +29,8 @@ fn part(sequence: u64) -> TickInputs {
 
 /// Records so many parts of one run, as far as the budget goes.
 fn recorded(folder: &Path, bounds: Bounds, parts: u64) -> Tally {
-    let mut recording = Recording::create(&folder.join("run.mcap"), bounds, notes()).expect("made");
+    let mut recording =
+        Recording::create(&folder.join("run.mcap"), bounds, notes(), None).expect("made");
     recording.begin_run(Box::default()).expect("begun");
     for sequence in 0..parts {
         recording.inputs(&part(sequence)).expect("written");
@@ -163,7 +164,7 @@ fn the_disk_budget_ends_the_recording_with_whole_files() {
 fn another_run_goes_into_another_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run.mcap");
-    let mut recording = Recording::create(&out, unbounded(), notes()).expect("made");
+    let mut recording = Recording::create(&out, unbounded(), notes(), None).expect("made");
     for run in 1..=2 {
         recording.begin_run(Box::default()).expect("begun");
         for sequence in 0..3 * run {

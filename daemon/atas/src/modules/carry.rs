@@ -9,6 +9,7 @@ use shm_schemas::ModuleId;
 
 /// How far along its path the hand is, s of path time.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Carry {
     path_s: f64,
 }

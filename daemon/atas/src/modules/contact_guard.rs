@@ -13,6 +13,7 @@ const TOUCH_FACTOR: f64 = 2.0;
 
 /// The module has no memory: a touch is a touch.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ContactGuard;
 
 impl Module for ContactGuard {

@@ -15,11 +15,13 @@ const SETTLING_S: f64 = 0.3;
 
 /// The load of a hand that carries.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fall {
     load: Option<Load>,
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Load {
     felt_n: f64,
     believed_n: f64,

@@ -13,6 +13,7 @@ use shm_schemas::ModuleId;
 
 /// The module has no memory: what the fingers feel decides.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FirstTouch;
 
 impl Module for FirstTouch {

@@ -15,6 +15,7 @@ const GROSS_FILTER_S: f64 = 0.1;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ForceLimit {
     active: bool,
     /// Low-passed momentary utilisation of the finger that slips least.

@@ -16,6 +16,7 @@ macro_rules! modules {
 
         /// The modules of one hand, with their memories.
         #[derive(Clone, Debug, Default)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct Modules {
             $($file: $file::$Type,)*
         }

@@ -23,6 +23,7 @@ const FRAMES: u32 = 2;
 
 /// What the module remembers of one lift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum LoadTest {
     /// The lift has not begun.
     #[default]
@@ -39,6 +40,7 @@ pub(super) enum LoadTest {
 
 /// One tug.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tug {
     /// Where it began, m of carrying.
     from_m: f64,

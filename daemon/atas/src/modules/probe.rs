@@ -13,6 +13,7 @@ use shm_schemas::ModuleId;
 
 /// The samples so far.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Probe {
     elapsed_s: f64,
     stiffness: StiffnessEstimate,

@@ -64,6 +64,7 @@ pub struct Proposal {
 
 /// What a module has found out about the object in the hand, by evidence that needs no friction coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// It slides through the fingers.
     pub slides: bool,
@@ -73,6 +74,7 @@ pub struct Finding {
 
 /// A wanted pose of the hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PoseCommand {
     /// The pose.
     pub frame: GraspFrame,
@@ -84,6 +86,7 @@ pub struct PoseCommand {
 
 /// A module's conclusion about the task.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Verdict {
     /// Nothing to conclude.
     #[default]

@@ -42,6 +42,7 @@ const LOAD_FLOOR_N: f64 = 0.03;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Relax {
     /// Low-passed utilisation of the finger that uses most of its friction; `None` while it is unknown.
     utilisation: Option<f64>,

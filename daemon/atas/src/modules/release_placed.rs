@@ -22,6 +22,7 @@ const SCATTER_MARGIN: f64 = 4.0;
 
 /// What the module remembers of one descent.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ReleasePlaced {
     descent_s: f64,
     reference_n: Option<f64>,

@@ -4,6 +4,7 @@ use shm_schemas::ModuleId;
 
 /// Which modules a step of a task consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Selection(u32);
 
 impl Selection {

@@ -40,6 +40,7 @@ pub(super) const STEADY_SHARE: f64 = 0.06;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slip {
     /// Per finger, whether cause (a) holds.
     slipping: [bool; FINGERS],

@@ -20,6 +20,7 @@ const SAMPLE_S: f64 = 0.041;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlipReaction {
     /// The force target over F_1, minus one.
     raised: f64,

@@ -14,6 +14,7 @@ use shm_schemas::ModuleId;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TerminateScrew {
     /// Filtered shearing force, N.
     shear_n: f64,

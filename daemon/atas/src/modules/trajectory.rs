@@ -38,6 +38,7 @@ const FOLLOW_MAX_M: f64 = 0.008;
 
 /// The edges of the square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Edge {
     /// Towards the cap.
     In,
@@ -54,6 +55,7 @@ enum Edge {
 
 /// Where on its square the hand is, and what it has learnt.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Trajectory {
     edge: Edge,
     /// Way along the edge, m, and speed, m/s.

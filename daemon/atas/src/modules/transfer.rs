@@ -13,6 +13,7 @@ use shm_schemas::ModuleId;
 
 /// How far along its way the hand is.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Transfer {
     /// Path time, s.
     path_s: f64,

@@ -17,6 +17,7 @@ const NOISE_MARGIN: f64 = 5.0;
 
 /// What one fingertip feels.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FingerPercept {
     /// Filtered force of the object on the tip, tip frame, N.
     pub force_tip_n: Vector3<f64>,
@@ -77,9 +78,12 @@ impl Default for FingerPercept {
 
 /// The state of one fingertip's perception.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finger {
     axes: ElementAxes,
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     filtered_n: [[f64; 3]; ELEMENTS],
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     bias_n: [[f64; 3]; ELEMENTS],
     noise: Noise,
     increment: Increment,

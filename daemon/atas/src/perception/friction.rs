@@ -38,6 +38,7 @@ pub(super) struct Slipping {
 
 /// Memory of one contact, from first touch to letting go.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Friction {
     /// m_raw: low-passed ratio of the most loaded elements.
     reading: f64,

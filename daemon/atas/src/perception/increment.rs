@@ -9,7 +9,9 @@ use nalgebra::Vector3;
 
 /// A ring of past tangential forces, thinned out so that it always spans the window.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Increment {
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     samples: [(u64, Vector3<f64>); INCREMENT_SAMPLES],
     newest: usize,
     count: usize,

@@ -28,6 +28,7 @@ use shm_schemas::capacity::FINGERS;
 
 /// What one hand feels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Percept {
     /// Per finger; fingers without a sensor feel nothing.
     pub fingers: [FingerPercept; FINGERS],
@@ -39,6 +40,7 @@ pub struct Percept {
 
 /// One hand's perception.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Perception {
     fingers: [Finger; FINGERS],
     count: usize,

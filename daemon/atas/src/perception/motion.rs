@@ -23,6 +23,7 @@ const NOISE_S: f64 = 1.0;
 
 /// What the comparison of windows says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionPercept {
     /// How far the pattern has moved from one window to the next, in multiples of what the sensor's noise alone would do;
     /// 0 before there are two windows, and for a sensor without any noise.
@@ -35,13 +36,16 @@ pub struct MotionPercept {
 
 /// The memory of one fingertip.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Motion {
     /// Sums over half windows, N; `sums[newest]` grows.
+    #[cfg_attr(feature = "serde", serde(with = "crate::large::each"))]
     sums: [[f32; VALUES]; HALVES],
     frames: [u32; HALVES],
     newest: usize,
     covered_s: f64,
     /// The readings of the frame before, N.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     before: [f32; VALUES],
     /// Sum of the variances of all values, N², from the differences between frames.
     noise_n2: f64,

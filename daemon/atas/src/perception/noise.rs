@@ -12,9 +12,11 @@ const FILTER_S: f64 = 0.3;
 
 /// Running variance of the filtered tangential readings.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Noise {
     variance_n2: Option<f64>,
     /// The readings of the frame before, N; `None` after a touch.
+    #[cfg_attr(feature = "serde", serde(with = "crate::large::maybe"))]
     before_n: Option<[[f64; 3]; ELEMENTS]>,
 }
 

@@ -10,10 +10,14 @@ const NOISE_CLEARANCE: f64 = 6.0;
 
 /// The axes of every element in tip coordinates.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ElementAxes {
     pub(super) count: usize,
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     normal: [Vector3<f64>; ELEMENTS],
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     tangent1: [Vector3<f64>; ELEMENTS],
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     tangent2: [Vector3<f64>; ELEMENTS],
     /// Radius of the dome on which the elements lie, m.
     radius_m: f64,

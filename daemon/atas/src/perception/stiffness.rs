@@ -16,6 +16,7 @@ const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 
 /// Running sums of a least-squares line of closing over force.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StiffnessEstimate {
     filtered_closing_m: Option<f64>,
     hardest_n: f64,
@@ -29,6 +30,7 @@ pub struct StiffnessEstimate {
 
 /// What the probe found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StiffnessFit {
     /// k: stiffness of one face of the object, N/m.
     pub object_n_m: f64,

@@ -27,6 +27,7 @@ const SIDE_ABOVE_M: f64 = 0.03;
 
 /// The poses of one goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Waypoints {
     tilted: GraspFrame,
     before: GraspFrame,

@@ -86,26 +86,38 @@ pub struct Replayed<'a> {
 
 /// A controller that is fed a recording.
 #[derive(Debug)]
-pub struct Replay<'a> {
+pub struct Replay<F> {
     controller: Controller,
-    frames: [&'a mut [HandFrame]; HANDS],
+    frames: [F; HANDS],
     counts: [usize; HANDS],
     next_sequence: u64,
     next_part: u32,
 }
 
-impl<'a> Replay<'a> {
+impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
     /// A replay from the beginning, with room for the frames of one tick per hand: 64 are enough for any recording of
     /// the daemon. `controller` comes from [`super::read_origin`].
     #[must_use]
-    pub fn new(controller: Controller, frames: [&'a mut [HandFrame]; HANDS]) -> Self {
+    pub fn new(controller: Controller, frames: [F; HANDS]) -> Self {
+        Self::resume(controller, 0, frames)
+    }
+
+    /// A replay that goes on where another one was ([`Replay::state`]).
+    #[must_use]
+    pub fn resume(controller: Controller, next_sequence: u64, frames: [F; HANDS]) -> Self {
         Self {
             controller,
             frames,
             counts: [0; HANDS],
-            next_sequence: 0,
+            next_sequence,
             next_part: 0,
         }
+    }
+
+    /// The controller after the last tick, and the sequence of the part that comes next; `None` within a tick.
+    #[must_use]
+    pub fn state(&self) -> Option<(&Controller, u64)> {
+        (self.next_part == 0).then_some((&self.controller, self.next_sequence))
     }
 
     /// Takes the next part; when a tick is complete, runs it and compares its command.
@@ -129,7 +141,10 @@ impl<'a> Replay<'a> {
                 index: part.tick,
                 now_ns: part.stamp.captured_ns,
             },
-            frames: [&left[..self.counts[0]], &right[..self.counts[1]]],
+            frames: [
+                &left.as_ref()[..self.counts[0]],
+                &right.as_ref()[..self.counts[1]],
+            ],
             joints: (part.has_joints != 0).then_some(&part.joints),
             order: order.as_ref(),
         });
@@ -164,7 +179,7 @@ impl<'a> Replay<'a> {
                 continue;
             }
             let count = &mut self.counts[hand];
-            let slot = self.frames[hand].get_mut(*count);
+            let slot = self.frames[hand].as_mut().get_mut(*count);
             *slot.ok_or(ReplayError::Malformed { tick: part.tick })? = part.frames[hand];
             *count += 1;
         }

@@ -34,6 +34,7 @@ const GONE_S: f64 = 0.2;
 
 /// One hold, from the beginning of the lift.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct InHand {
     /// Moment about the closing axis over load, m, and share of friction that it takes, low-passed; the most of each.
     lever_m: f64,

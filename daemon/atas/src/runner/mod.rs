@@ -57,6 +57,7 @@ pub enum Outcome {
 
 /// One hand's task.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Runner {
     track: Track,
     index: usize,
@@ -90,6 +91,7 @@ pub struct Runner {
 
 /// What the hand does about a task that it cannot go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Retreat {
     /// Puts the object back where it was.
     PutBack,

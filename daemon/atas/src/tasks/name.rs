@@ -5,6 +5,7 @@ use core::ops::Deref;
 
 /// Up to [`Name::MAX`] bytes of text. What does not fit is cut at a character boundary.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Name {
     bytes: [u8; Self::MAX],
     length: usize,

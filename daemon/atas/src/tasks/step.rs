@@ -6,6 +6,7 @@ use crate::modules::Selection;
 
 /// One step of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Step {
     /// Name, as users see it.
     pub name: Name,
@@ -41,6 +42,7 @@ impl Step {
 
 /// How the hand moves in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Motion {
     /// Not at all; the fingers follow the modules.
     Stay,
@@ -64,6 +66,7 @@ pub enum Motion {
 
 /// When a step is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Transition {
     /// The path has ended.
     Arrived,
@@ -83,6 +86,7 @@ pub enum Transition {
 
 /// A named pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Waypoint {
     /// Where the arm rests, tilted and open for a grasp from the side.
     Tilted,

@@ -10,6 +10,7 @@ pub const STEPS_MAX: usize = shm_schemas::capacity::STEPS;
 
 /// The steps of one hand, in order; reads as a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Track {
     steps: [Step; STEPS_MAX],
     count: usize,

@@ -1,0 +1,142 @@
+//! A controller's state between two ticks of a recorded run: written at the beginning of a file that goes on with the run,
+//! read by a replay that has nothing before it.
+//!
+//! All fields go by their names, so that the state of a controller with other fields is refused, not misread.
+
+use anyhow::Context;
+use atas_core::Controller;
+use atas_core::record::Replay;
+use atas_recording::Follower;
+use serde::{Deserialize, Serialize};
+use shm_schemas::{HandFrame, RunHeader, TickInputs};
+
+use crate::replay::{frames, origin};
+
+/// What is written.
+#[derive(Serialize)]
+struct Saved<'a> {
+    version: &'a str,
+    next_sequence: u64,
+    controller: &'a Controller,
+}
+
+/// What is read before all else.
+#[derive(Deserialize)]
+struct Made<'a> {
+    version: &'a str,
+}
+
+/// What is read.
+#[derive(Deserialize)]
+struct Read {
+    next_sequence: u64,
+    controller: Controller,
+}
+
+fn encode(controller: &Controller, next_sequence: u64) -> anyhow::Result<Vec<u8>> {
+    let saved = Saved {
+        version: env!("CARGO_PKG_VERSION"),
+        next_sequence,
+        controller,
+    };
+    rmp_serde::to_vec_named(&saved).context("could not save the controller's state")
+}
+
+/// The controller of a state, and the sequence of the part that it goes on with.
+///
+/// # Errors
+/// The state is of another version, or damaged.
+pub(crate) fn decode(state: &[u8]) -> anyhow::Result<(Controller, u64)> {
+    let made: Made<'_> = rmp_serde::from_slice(state)
+        .context("could not read the controller's state; the recording is damaged")?;
+    let ours = env!("CARGO_PKG_VERSION");
+    anyhow::ensure!(
+        made.version == ours,
+        "could not read the controller's state because version {} recorded it, needs {ours}; replay with that version, or \
+         from the first file of the run",
+        made.version
+    );
+    let read: Read = rmp_serde::from_slice(state).context(
+        "could not read the controller's state because another controller recorded it; replay with the version that \
+         recorded it, or from the first file of the run",
+    )?;
+    Ok((read.controller, read.next_sequence))
+}
+
+/// The production controller, beside a recorder: it replays the run as it is recorded.
+#[derive(Debug, Default)]
+pub struct Shadow {
+    replay: Option<Replay<Vec<HandFrame>>>,
+}
+
+impl Follower for Shadow {
+    fn begin(&mut self, run: &RunHeader) -> anyhow::Result<()> {
+        self.replay = None;
+        self.replay = Some(Replay::new(origin(run)?, frames()));
+        Ok(())
+    }
+
+    fn take(&mut self, part: &TickInputs) -> anyhow::Result<()> {
+        let Some(replay) = &mut self.replay else {
+            return Ok(());
+        };
+        if let Some(replayed) = replay.feed(part)? {
+            anyhow::ensure!(
+                replayed.is_equal,
+                "in tick {} the daemon commanded something else than this version does",
+                part.tick
+            );
+        }
+        Ok(())
+    }
+
+    fn is_within_tick(&self) -> bool {
+        self.replay
+            .as_ref()
+            .is_some_and(|replay| replay.state().is_none())
+    }
+
+    fn state(&self) -> anyhow::Result<Option<Vec<u8>>> {
+        let state = self.replay.as_ref().and_then(Replay::state);
+        let begun = state.filter(|(_, next_sequence)| *next_sequence > 0);
+        begun
+            .map(|(controller, next_sequence)| encode(controller, next_sequence))
+            .transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use atas_core::{Settings, Wiring};
+    use robot_model::RobotModel;
+
+    use super::*;
+
+    #[test]
+    fn what_is_not_ours_is_refused() {
+        let robot = RobotModel::two_hand_arm().expect("built in");
+        let controller = Controller::new(&robot, Wiring::default(), Settings::default());
+        let saved = encode(&controller, 7).expect("encoded");
+        let (read, next_sequence) = decode(&saved).expect("decoded");
+        assert_eq!(next_sequence, 7);
+        assert!(encode(&read, 7).expect("encoded") == saved, "every bit");
+        let check = |state: Vec<u8>, part: &str| {
+            let error = format!("{:#}", decode(&state).expect_err("must be refused"));
+            assert!(error.contains(part), "{error}");
+        };
+        let replaced = |from: &str, to: &str| {
+            let at = saved.windows(from.len()).position(|w| w == from.as_bytes());
+            let mut state = saved.clone();
+            let at = at.expect("in it");
+            state[at..at + to.len()].copy_from_slice(to.as_bytes());
+            state
+        };
+        check(
+            replaced(env!("CARGO_PKG_VERSION"), "9"),
+            "because version 9",
+        );
+        check(replaced("stall_watch", "stall_hatch"), "another controller");
+        check(saved[..saved.len() / 2].to_vec(), "another controller");
+        check(b"nonsense".to_vec(), "damaged");
+    }
+}

@@ -1,0 +1,51 @@
+//! Payloads in a saved state: their bytes, as on the bus. What is kept of a payload is read again only where its size is
+//! the same.
+
+use core::fmt;
+use core::marker::PhantomData;
+
+use serde::de::{Error, SeqAccess, Visitor};
+use zerocopy::{FromBytes, IntoBytes};
+
+/// Reads a `T` from as many bytes as it has.
+pub(crate) struct BytesOf<T>(pub(crate) PhantomData<T>);
+
+impl<'de, T: FromBytes + IntoBytes> Visitor<'de> for BytesOf<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes", size_of::<T>())
+    }
+
+    fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<T, E> {
+        T::read_from_bytes(bytes).map_err(|_| E::invalid_length(bytes.len(), &self))
+    }
+
+    /// Formats without a word for bytes have them as a sequence.
+    fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<T, A::Error> {
+        let mut value = T::new_zeroed();
+        for (at, byte) in value.as_mut_bytes().iter_mut().enumerate() {
+            let next = bytes.next_element()?;
+            *byte = next.ok_or_else(|| A::Error::invalid_length(at, &self))?;
+        }
+        Ok(value)
+    }
+}
+
+/// Implements `Serialize` and `Deserialize` for a type that is plain bytes.
+macro_rules! as_bytes {
+    ($name:ident $(<const $n:ident: usize>)?) => {
+        impl $(<const $n: usize>)? serde::Serialize for $name $(<$n>)? {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_bytes(zerocopy::IntoBytes::as_bytes(self))
+            }
+        }
+
+        impl<'de $(, const $n: usize)?> serde::Deserialize<'de> for $name $(<$n>)? {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_bytes($crate::bytes::BytesOf(core::marker::PhantomData))
+            }
+        }
+    };
+}
+pub(crate) use as_bytes;
