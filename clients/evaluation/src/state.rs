@@ -42,6 +42,10 @@ fn encode(controller: &Controller, next_sequence: u64) -> anyhow::Result<Vec<u8>
     rmp_serde::to_vec_named(&saved).context("could not save the controller's state")
 }
 
+/// Stack for reading a controller, which serde puts together in place, several times over: more than threads have by
+/// themselves.
+const STACK_BYTES: usize = 64 << 20;
+
 /// The controller of a state, and the sequence of the part that it goes on with.
 ///
 /// # Errors
@@ -56,7 +60,15 @@ pub(crate) fn decode(state: &[u8]) -> anyhow::Result<(Controller, u64)> {
          from the first file of the run",
         made.version
     );
-    let read: Read = rmp_serde::from_slice(state).context(
+    let read = std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        let read = || rmp_serde::from_slice::<Box<Read>>(state);
+        let read = thread.spawn_scoped(scope, read)?.join();
+        read.map_err(|_| {
+            anyhow::anyhow!("could not read the controller's state: the reader panicked")
+        })
+    })?;
+    let read = read.context(
         "could not read the controller's state because another controller recorded it; replay with the version that \
          recorded it, or from the first file of the run",
     )?;

@@ -89,7 +89,8 @@ impl Task {
     /// gentlest (`atas eval tune TASK`).
     pub(super) fn best_baselines(self) -> [GripPolicy; 2] {
         let (fixed_n, start_n, ceiling_n) = match self {
-            Self::Grasp | Self::PickPlace => (6.0, 1.0, 8.0),
+            Self::Grasp => (7.0, 1.0, 8.0),
+            Self::PickPlace => (6.0, 1.0, 8.0),
             Self::Screw | Self::Assembly => (1.0, 0.6, 2.0),
         };
         let slip_reactive = GripPolicy::SlipReactive { start_n, ceiling_n };

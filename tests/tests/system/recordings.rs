@@ -319,7 +319,7 @@ fn recover(file: &Path) -> u64 {
 fn every_file_of_a_run_replays_by_itself() {
     let _alone = alone();
     let mut rig = Rig::with("--object wood", "", |record| {
-        let bounds = ["--max-size", "4M", "--max-files", "3"];
+        let bounds = ["--max-size", "1M", "--max-files", "3"];
         Process::start("atas", &[record, &bounds[..]].concat())
     });
     grasp(&rig);

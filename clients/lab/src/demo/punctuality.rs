@@ -16,8 +16,8 @@ pub(super) struct Punctuality {
     pub(super) daemon_missed: u64,
     /// Milliseconds that the simulator skipped.
     pub(super) simulator_missed: u64,
-    /// Commands that lapsed without a successor, or were refused.
-    pub(super) lapsed: u32,
+    /// Commands that expired without a successor, or were refused.
+    pub(super) expired: u32,
     /// [`StatusFlags`] at the end.
     flags: u32,
 }
@@ -29,7 +29,7 @@ impl Punctuality {
             ticks,
             daemon_missed: to.1.missed_ticks.saturating_sub(from.1.missed_ticks),
             simulator_missed: to.0.missed_ticks.saturating_sub(from.0.missed_ticks),
-            lapsed: to
+            expired: to
                 .0
                 .expired_commands
                 .saturating_sub(from.0.expired_commands),
@@ -53,7 +53,7 @@ impl Punctuality {
             ticks: sum.ticks + next.ticks,
             daemon_missed: sum.daemon_missed + next.daemon_missed,
             simulator_missed: sum.simulator_missed + next.simulator_missed,
-            lapsed: sum.lapsed + next.lapsed,
+            expired: sum.expired + next.expired,
             flags: next.flags,
         })
     }
@@ -65,12 +65,12 @@ impl Punctuality {
             return None;
         }
         let mut text = format!(
-            "Real time: missed {} of {} ticks (atasd {}, atas-sim {}), {} commands lapsed; {}, {}.",
+            "Real time: missed {} of {} ticks (atasd {}, atas-sim {}), {} commands expired; {}, {}.",
             self.missed(),
             self.ticks,
             self.daemon_missed,
             self.simulator_missed,
-            self.lapsed,
+            self.expired,
             if has(StatusFlags::REALTIME) {
                 "real-time scheduling"
             } else {
@@ -100,7 +100,7 @@ impl Punctuality {
             "starved": self.starved(),
             "missed_by_atasd": self.daemon_missed,
             "missed_by_atas_sim": self.simulator_missed,
-            "lapsed_commands": self.lapsed,
+            "expired_commands": self.expired,
             "lockstep": self.flags & StatusFlags::LOCKSTEP != 0,
             "realtime": self.flags & StatusFlags::REALTIME != 0,
             "phase_locked": self.flags & StatusFlags::PHASE_LOCKED != 0,
@@ -158,7 +158,7 @@ mod tests {
             sentence(StatusFlags::REALTIME | StatusFlags::PHASE_LOCKED, 0).expect("a sentence");
         assert_eq!(
             told,
-            "Real time: missed 0 of 9 ticks (atasd 0, atas-sim 0), 0 commands lapsed; real-time scheduling, phase-locked."
+            "Real time: missed 0 of 9 ticks (atasd 0, atas-sim 0), 0 commands expired; real-time scheduling, phase-locked."
         );
         let told = sentence(StatusFlags::DEGRADED, 2).expect("a sentence");
         assert!(
