@@ -148,7 +148,7 @@ mod tests {
             "because version 9",
         );
         check(replaced("stall_watch", "stall_hatch"), "another controller");
-        check(saved[..saved.len() / 2].to_vec(), "another controller");
+        check(saved[..saved.len() / 2].to_vec(), "damaged");
         check(b"nonsense".to_vec(), "damaged");
     }
 }
