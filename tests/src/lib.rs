@@ -5,6 +5,7 @@
 //! nothing depends on this crate.
 #![forbid(unsafe_code)]
 
+pub mod browser;
 pub mod figures;
 pub mod loopback;
 
@@ -69,6 +70,16 @@ pub fn skipped(why: &str) {
     let test = std::thread::current().name().unwrap_or_default().to_owned();
     // If nobody can read it, nobody needs to be told.
     let _ = writeln!(std::io::stderr(), "SKIPPED: {test}: {why}");
+}
+
+/// A program that a test needs is not installed. Where everything must be tested, as `CI` says, that is a failure;
+/// elsewhere the rest of the test is skipped, loudly.
+///
+/// # Panics
+/// Where `CI` is set.
+pub fn lacking(what: &str) {
+    assert!(std::env::var_os("CI").is_none(), "{what}");
+    skipped(what);
 }
 
 /// A process that is killed when it goes out of scope, and whose log is shown if the test failed.

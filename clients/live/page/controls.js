@@ -2,13 +2,19 @@
 
 export class Controls {
   constructor() {
-    this.token = takeToken();
     this.answer = document.getElementById("answer");
-    for (const name of ["stop", "recover"]) {
-      const button = document.getElementById(name);
+    this.buttons = ["stop", "recover"].map((name) => document.getElementById(name));
+    for (const button of this.buttons) button.addEventListener("click", () => this.ask(button.id));
+    // The whole address, typed into a tab that shows the page already, loads nothing anew.
+    addEventListener("hashchange", () => this.admit());
+    this.admit();
+  }
+
+  admit() {
+    this.token = takeToken();
+    for (const button of this.buttons) {
       button.disabled = !this.token;
       button.title = this.token ? "" : "open the page by the whole address that the server printed";
-      button.addEventListener("click", () => this.ask(name));
     }
   }
 

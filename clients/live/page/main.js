@@ -84,22 +84,31 @@ class Page {
   /** Once per frame of the screen, if there is something new. */
   draw() {
     requestAnimationFrame(() => this.draw());
-    if (this.newest === this.drawn) return;
-    const picture = (this.drawn = this.newest);
-    this.robot.show(picture, forces(picture, this.scene.layouts));
-    this.fingers.draw(picture);
-    const now = performance.now();
-    if (now - this.toldAt > READABLE || this.scene.recording) {
-      this.toldAt = now;
-      this.fingers.tell(picture);
-      by("tick").textContent = String(picture.tick);
-      if (this.scene.recording) this.mode(picture.mode);
+    const picture = this.newest;
+    if (!picture) return;
+    if (picture !== this.drawn) {
+      this.drawn = picture;
+      this.robot.show(picture, forces(picture, this.scene.layouts));
+      this.fingers.draw(picture);
     }
-    if (this.frames++ % SLOWLY === 0 || this.scene.recording) this.traces.draw(picture.t_s, !this.scene.recording);
+    // What changes slowly follows even if no other picture comes: the last one before time stands still counts too.
+    if (picture !== this.told && (performance.now() - this.toldAt > READABLE || this.scene.recording)) this.tell(picture);
+    if (picture !== this.traced && (this.frames++ % SLOWLY === 0 || this.scene.recording)) {
+      this.traced = picture;
+      this.traces.draw(picture.t_s, !this.scene.recording);
+    }
+  }
+
+  tell(picture) {
+    this.told = picture;
+    this.toldAt = performance.now();
+    this.fingers.tell(picture);
+    by("tick").textContent = String(picture.tick);
+    if (this.scene.recording) this.mode(picture.mode);
   }
 
   redraw() {
-    this.drawn = null;
+    this.drawn = this.traced = null;
     this.frames = 0;
     this.timing.draw();
     this.faultList.draw();

@@ -1,6 +1,7 @@
 //! From the observing thread to every open page: messages as they come, and what a page that opens later must know.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use axum::extract::ws::Utf8Bytes;
@@ -24,6 +25,8 @@ const EVENTS: usize = 500;
 pub(crate) struct Feed {
     messages: broadcast::Sender<Utf8Bytes>,
     past: Mutex<Past>,
+    /// Pages that have begun, ever.
+    begun: AtomicU64,
 }
 
 /// What a page that opens must know.
@@ -46,6 +49,7 @@ impl Default for Feed {
         Self {
             messages: broadcast::Sender::new(WAITING),
             past: Mutex::default(),
+            begun: AtomicU64::new(0),
         }
     }
 }
@@ -66,6 +70,11 @@ impl Feed {
         self.messages.receiver_count()
     }
 
+    /// Pages that have begun, ever: more than before means that one has seen no picture yet.
+    pub(crate) fn begun(&self) -> u64 {
+        self.begun.load(Ordering::Relaxed)
+    }
+
     /// What a page that opens must know.
     pub(crate) fn past(&self) -> MutexGuard<'_, Past> {
         self.past.lock().unwrap_or_else(PoisonError::into_inner)
@@ -76,6 +85,7 @@ impl Feed {
         // Under the lock, so that nothing falls between the past and the first message.
         let past = self.past();
         let receiver = self.messages.subscribe();
+        self.begun.fetch_add(1, Ordering::Relaxed);
         (past.told().to_string().into(), receiver)
     }
 }
@@ -151,7 +161,9 @@ mod tests {
             feed.past().note(&report);
         }
         feed.past().happened(json!("a"));
+        assert_eq!(feed.begun(), 0);
         let (past, mut receiver) = feed.listen();
+        assert_eq!(feed.begun(), 1);
         feed.tell("picture", &2);
         let past: Value = serde_json::from_str(&past).expect("JSON");
         let moments = past["past"]["moments"].as_array().expect("moments");

@@ -57,8 +57,12 @@ fn gone(feed: &Feed, why: &str) {
 struct Observer {
     watch: Watch,
     looks: u64,
-    /// Tick of the last picture, and process of the daemon that it was of.
-    shown: (u64, u32),
+    /// Process of the daemon.
+    pid: u32,
+    /// Whether a tick has been reported.
+    has_report: bool,
+    /// Pages that had begun at the last look.
+    begun: u64,
     /// Layout hash of each hand's frames, and how many elements that means.
     layouts: [(u64, usize); HANDS],
 }
@@ -68,7 +72,9 @@ impl Observer {
         Self {
             watch,
             looks: 0,
-            shown: (0, 0),
+            pid: 0,
+            has_report: false,
+            begun: 0,
             layouts: [(0, 0); HANDS],
         }
     }
@@ -77,14 +83,12 @@ impl Observer {
         let (mut reports, mut events) = (Vec::new(), Vec::new());
         self.watch
             .look(|report| reports.push(*report), |event| events.push(*event))?;
-        if self.shown.1 != self.watch.status.pid {
-            self.shown = (0, self.watch.status.pid);
+        if self.pid != self.watch.status.pid {
+            self.pid = self.watch.status.pid;
             feed.past().forget();
         }
         self.tell_events(feed, &reports, &events);
-        if !reports.is_empty() {
-            self.tell_picture(feed);
-        }
+        self.tell_picture(feed, !reports.is_empty());
         if self.looks.is_multiple_of(STATUS_EVERY) {
             let status = self.status();
             feed.tell("status", &status);
@@ -94,9 +98,15 @@ impl Observer {
         Ok(())
     }
 
-    fn tell_picture(&mut self, feed: &Feed) {
-        feed.past().note(&self.watch.report);
-        if feed.pages() == 0 {
+    fn tell_picture(&mut self, feed: &Feed, is_new: bool) {
+        if is_new {
+            self.has_report = true;
+            feed.past().note(&self.watch.report);
+        }
+        // A page that opens while time stands still is shown where it stands.
+        let before = std::mem::replace(&mut self.begun, feed.begun());
+        let is_wanted = is_new || before != self.begun;
+        if !self.has_report || !is_wanted || feed.pages() == 0 {
             return;
         }
         for (hand, known) in self.layouts.iter_mut().enumerate() {

@@ -1,6 +1,7 @@
 //! The whole system: real processes, real shared memory, each test on a bus of its own.
 
 mod architecture;
+mod dashboard;
 mod determinism;
 mod explain;
 mod faults;

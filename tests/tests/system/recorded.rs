@@ -7,8 +7,22 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use system_tests::{Process, binary, wait_for};
 
-/// Lets the right hand grasp this object and records it; the exit code of the goal.
+/// Exit codes, and what the recorder said.
+pub(crate) struct Taped {
+    pub(crate) goal: Option<i32>,
+    recorder: Option<i32>,
+    log: String,
+}
+
+/// Lets the right hand grasp this object and records it without a loss; the exit code of the goal.
 pub(crate) fn grasp(object: &str, file: &str) -> Option<i32> {
+    let taped = tape(object, file);
+    assert_eq!(taped.recorder, Some(0), "{}", taped.log);
+    taped.goal
+}
+
+/// Lets the right hand grasp this object and records what can be recorded.
+pub(crate) fn tape(object: &str, file: &str) -> Taped {
     let bus = FreshBus::new("taped");
     let name = bus.as_str();
     let mut recorder = Process::start("atas", &["record", "--bus", name, "--out", file]);
@@ -34,10 +48,13 @@ pub(crate) fn grasp(object: &str, file: &str) -> Option<i32> {
     });
     let goal = "grasp --at 0.32,-0.15,0.0345 --width 50 --lift 10 --hold 0.05 --bus";
     let goal: Vec<&str> = goal.split(' ').chain([name]).collect();
-    let code = Process::start("atas", &goal).wait().code();
+    let goal = Process::start("atas", &goal).wait().code();
     daemon.signal(Signal::TERM);
     daemon.wait();
     recorder.signal(Signal::INT);
-    assert_eq!(recorder.wait().code(), Some(0), "{}", recorder.log());
-    code
+    Taped {
+        goal,
+        recorder: recorder.wait().code(),
+        log: recorder.log(),
+    }
 }
