@@ -182,7 +182,7 @@ class Hand:
 def grasp(thing: Thing, atasd: Path, limit_s: float) -> dict[str, Any]:
     """A grasp over the bus, with the real daemon in lock-step."""
     name = f"mujoco-{os.getpid()}"
-    words = [atasd, "--lockstep", "--config", "/dev/null", "--bus", name]
+    words = [str(atasd), "--lockstep", "--config", "/dev/null", "--bus", name]
     bus = atas.Bus(name, role="mujoco", create=True)
     hand, robot = Hand(thing), bus.robot()
     left, right = bus.sensor("left"), bus.sensor("right")

@@ -53,4 +53,4 @@ def programs(bus_name: str, tmp_path: Path) -> Iterator[Programs]:
     for process in reversed(programs.started):
         process.terminate()
     for process in reversed(programs.started):
-        process.wait(20)
+        process.wait(60)

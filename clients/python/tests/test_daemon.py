@@ -95,7 +95,7 @@ def test_two_runs_give_the_same_commands(programs: Programs, tmp_path_factory: p
     finally:
         for process in again.started:
             process.terminate()
-            process.wait(20)
+            process.wait(60)
         atas.wipe(again.bus)
 
 

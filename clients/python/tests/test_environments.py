@@ -66,10 +66,11 @@ def test_many_are_the_same_as_each_alone() -> None:
             if step == steps:
                 break
             if over:
-                (one, _), over = alone.reset(), False
+                one, _ = alone.reset()
+                over = False
             else:
-                one, _, terminated, truncated, _ = alone.step(drawn[step, index])
-                over = terminated or truncated
+                one, _, has_ended, is_late, _ = alone.step(drawn[step, index])
+                over = has_ended or is_late
 
 
 def test_gymnasium_makes_vectors() -> None:

@@ -10,6 +10,8 @@ import atas
 from atas import _native, codes
 
 PACKAGE = Path(codes.__file__).parent
+HOME = Path(__file__).resolve().parents[1]
+"""Where mypy finds its settings: strict."""
 
 
 def generated() -> str:
@@ -30,7 +32,7 @@ def test_the_codes_are_the_schemas(tmp_path: Path) -> None:
     if actual.read_text() != expected:
         (tmp_path / "codes.py").write_text(expected)
         raise AssertionError(f"codes.py is not the schema's; replace it by {tmp_path / 'codes.py'}")
-    assert issubclass(codes.Mode, enum.IntEnum) and codes.Mode.SAFE_STOP == 4
+    assert issubclass(codes.Mode, enum.IntEnum) and int(codes.Mode.SAFE_STOP) == 4
 
 
 def test_everything_public_is_documented() -> None:
@@ -47,7 +49,8 @@ def test_everything_public_is_documented() -> None:
 def test_the_types_are_what_the_library_has() -> None:
     for command in (
         ["mypy.stubtest", "atas._native", "--ignore-disjoint-bases"],
-        ["mypy", "--strict", "--package", "atas"],
+        ["mypy", "--package", "atas"],
+        ["mypy", "tests", "examples"],
     ):
-        checked = subprocess.run([sys.executable, "-m", *command], capture_output=True, text=True, check=False)
+        checked = subprocess.run([sys.executable, "-m", *command], cwd=HOME, capture_output=True, text=True, check=False)
         assert checked.returncode == 0, checked.stdout + checked.stderr

@@ -53,7 +53,7 @@ def test_what_is_wrong_is_said() -> None:
         ({"noise": -1.0}, "noise"),
     ):
         with pytest.raises(ValueError, match=says):
-            atas.Simulation(**arguments)  # type: ignore[arg-type]
+            atas.Simulation(**arguments)
 
 
 def test_settings_reach_the_controller() -> None:
