@@ -68,13 +68,19 @@ fn report(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
+    // What takes an hour must not fail at its end.
+    if let Some(folder) = &summary.golden {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("could not make the folder {}", folder.display()))?;
+    }
     let evaluated = run(kind, summary, interrupt)?;
     let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
     let text = text(&reports);
-    if let Some(folder) = &summary.golden {
-        keep(folder, kind.name, &text, &evaluated)?;
+    print(summary, &reports, &text, output)?;
+    match &summary.golden {
+        Some(folder) => keep(folder, kind.name, &text, &evaluated),
+        None => Ok(()),
     }
-    print(summary, &reports, &text, output)
 }
 
 fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<Vec<Evaluated>> {
@@ -134,12 +140,7 @@ fn print(
 /// Writes the table, and some of its trials, so that a test can run them again.
 fn keep(folder: &Path, name: &str, text: &str, evaluated: &[Evaluated]) -> anyhow::Result<()> {
     let path = folder.join(format!("{name}.md"));
-    std::fs::write(&path, text).with_context(|| {
-        format!(
-            "could not write {}; name a folder that exists",
-            path.display()
-        )
-    })?;
+    std::fs::write(&path, text).with_context(|| format!("could not write {}", path.display()))?;
     let series = evaluated.iter().flat_map(|e| &e.rows);
     let samples: Vec<&TrialRow> = series.flat_map(|rows| sampled(rows)).collect();
     File::create(&folder.join(format!("{name}.csv")))?.write(samples.into_iter())

@@ -80,7 +80,7 @@ impl Mcap {
             .library(concat!("atas ", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
             .compression_level(LEVEL)
-            .compression_threads(0);
+            .compression_threads(1);
         let mut mcap = options.create(file)?;
         let made_by = subject.made_by.iter();
         mcap.write_metadata(&mcap::records::Metadata {
