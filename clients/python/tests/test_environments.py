@@ -119,6 +119,14 @@ def test_wrong_actions_are_refused() -> None:
         many.step(np.zeros((3, 5), np.float32))
 
 
+@pytest.mark.parametrize(
+    ("arguments", "says"), [({"noise": -1.0}, "noise"), ({"noise": np.nan}, "noise"), ({"num_envs": 0}, "num_envs"), ({"threads": -1}, "threads")]
+)
+def test_wrong_arguments_are_refused(arguments: dict[str, Any], says: str) -> None:
+    with pytest.raises(ValueError, match=f"because {says} was"):
+        GraspVectorEnv(**arguments)
+
+
 def test_importing_makes_the_environments_known() -> None:
     assert atas.__version__
     assert all(name in gymnasium.registry for name in NAMES)

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 
 def learn(*arguments: str) -> dict[str, object]:
     words = [sys.executable, "-m", "atas.learn", "--format", "json", *arguments]
@@ -21,3 +23,18 @@ def test_the_baseline_learns(tmp_path: Path) -> None:
     assert curve[-1]["return_mean"] > curve[0]["return_mean"] + 2.0, curve
     assert told["parameters"] == learn(*words)["parameters"], "the same seed, the same bits"
     assert figure.read_text().startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("atas.learn --generations 0", "from 1 on"),
+        ("atas.learn --population x", "from 3 on"),
+        ("atas.learn --out absent/x.svg", "is no folder"),
+        ("atas.bench --steps 5", "from 100 on"),
+        ("atas.bench --sensor 0", "0.1 to 86400"),
+    ],
+)
+def test_wrong_words_are_refused(words: str, says: str) -> None:
+    ran = subprocess.run([sys.executable, "-m", *words.split()], capture_output=True, text=True, check=False)
+    assert ran.returncode == 2 and says in ran.stderr and "Traceback" not in ran.stderr, ran.stderr

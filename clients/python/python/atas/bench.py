@@ -8,12 +8,16 @@ import os
 import subprocess
 import sys
 import time
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._native import Bus, wipe
-from .environments import GraspEnv, GraspVectorEnv, HandEnv, PickPlaceEnv
+from .arguments import count, need_gymnasium, seconds
 from .rate import Rate
+
+if TYPE_CHECKING:
+    from .environments import HandEnv
 
 STEP_S = 0.02
 """Simulated time of one step."""
@@ -33,22 +37,27 @@ def alone(environment: HandEnv, steps: int) -> float:
     return steps * STEP_S / (time.process_time() - begin)
 
 
-def together(count: int, steps: int) -> tuple[float, float]:
+def together(number: int, steps: int) -> tuple[float, float]:
     """Simulated over wall time, and over processor time, of many on all cores."""
-    environments = GraspVectorEnv(count)
+    from .environments import GraspVectorEnv
+
+    environments = GraspVectorEnv(number)
     random = np.random.default_rng(0)
     environments.reset(seed=0)
     wall, cpu = time.monotonic(), time.process_time()
     for _ in range(steps):
-        actions = random.uniform(-0.3, 0.3, (count, 5)).astype(np.float32)
+        actions = random.uniform(-0.3, 0.3, (number, 5)).astype(np.float32)
         actions[:, 3:] += 0.2
         environments.step(actions)
-    simulated = count * steps * STEP_S
+    simulated = number * steps * STEP_S
     return simulated / (time.monotonic() - wall), simulated / (time.process_time() - cpu)
 
 
 def environments(steps: int) -> dict[str, float]:
     """Simulated over real time."""
+    need_gymnasium()
+    from .environments import GraspEnv, PickPlaceEnv
+
     vector_wall, vector_core = together(64, steps // 10)
     return {
         "grasp_realtime_factor": alone(GraspEnv(), steps),
@@ -94,15 +103,15 @@ def sensor(seconds: float) -> dict[str, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m atas.bench", description=__doc__)
-    parser.add_argument("--steps", type=int, default=2000, help="default %(default)s")
-    parser.add_argument("--sensor", type=float, metavar="SECONDS", help="a sensor of 1 kHz for so long instead")
+    parser.add_argument("--steps", type=count(100), default=2000, help="default %(default)s")
+    parser.add_argument("--sensor", type=seconds, metavar="SECONDS", help="a sensor of 1 kHz for so long instead")
     parser.add_argument("--publish", metavar="BUS", help=argparse.SUPPRESS)
     parser.add_argument("--format", choices=("human", "json"), default="human")
     options = parser.parse_args()
     if options.publish:
         publish(options.publish, options.sensor)
         return
-    figures = sensor(options.sensor) if options.sensor else environments(options.steps)
+    figures = sensor(options.sensor) if options.sensor is not None else environments(options.steps)
     if options.format == "json":
         print(json.dumps(figures))
     else:

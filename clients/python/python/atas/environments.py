@@ -57,12 +57,18 @@ def _told(rows: Row) -> Observation:
     return told
 
 
+def _check_noise(noise: float) -> None:
+    if not 0.0 <= noise < float("inf"):
+        raise ValueError(f"could not make an environment because noise was {noise}, needs a finite number from 0 on")
+
+
 class HandEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """One environment. `objects` are built-in names or paths of TOML files, `noise` scales the sensors' noise."""
 
     metadata: dict[str, Any] = {"render_modes": []}
 
     def __init__(self, task: str, *, objects: Sequence[str] | None = None, noise: float = 1.0) -> None:
+        _check_noise(noise)
         self.observation_space, self.action_space = _spaces()
         self._environment = Environment(task, None if objects is None else list(objects), noise)
         self._begun = False
@@ -111,6 +117,11 @@ class HandVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         threads: int = 0,
         autoreset: bool = True,
     ) -> None:
+        _check_noise(noise)
+        if num_envs < 1:
+            raise ValueError(f"could not make environments because num_envs was {num_envs}, needs at least 1")
+        if threads < 0:
+            raise ValueError(f"could not make environments because threads was {threads}, needs 0 (one per core) or more")
         mode = AutoresetMode.NEXT_STEP if autoreset else AutoresetMode.DISABLED
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
         self.num_envs = num_envs

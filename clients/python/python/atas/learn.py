@@ -16,7 +16,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .environments import GraspVectorEnv, Observation
+from .arguments import count, need_gymnasium
+
+need_gymnasium()
+
+from .environments import GraspVectorEnv, Observation  # noqa: E402 -- after the words on what it needs
 
 Numbers = NDArray[np.float64]
 
@@ -138,15 +142,17 @@ def draw(curve: list[dict[str, float]], judged: dict[str, float]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m atas.learn", description="Learns to grasp; see the module's text.")
-    parser.add_argument("--generations", type=int, default=12, help="default %(default)s")
-    parser.add_argument("--population", type=int, default=24, help="candidates per generation, default %(default)s")
-    parser.add_argument("--episodes", type=int, default=12, help="per candidate, default %(default)s")
-    parser.add_argument("--trials", type=int, default=200, help="unseen episodes at the end, default %(default)s")
-    parser.add_argument("--seed", type=int, default=1, help="default %(default)s")
+    parser.add_argument("--generations", type=count(1), default=12, help="default %(default)s")
+    parser.add_argument("--population", type=count(3), default=24, help="candidates per generation, default %(default)s")
+    parser.add_argument("--episodes", type=count(1), default=12, help="per candidate, default %(default)s")
+    parser.add_argument("--trials", type=count(1), default=200, help="unseen episodes at the end, default %(default)s")
+    parser.add_argument("--seed", type=count(0), default=1, help="default %(default)s")
     parser.add_argument("--objects", nargs="+", help="built-in names or TOML files; default: all that can be held")
     parser.add_argument("--out", type=Path, help="where the learning curve goes, as SVG")
     parser.add_argument("--format", choices=("human", "json"), default="human")
     options = parser.parse_args()
+    if options.out and not options.out.parent.is_dir():
+        parser.error(f"could not write {options.out} because {options.out.parent} is no folder; make it first")
     is_json = options.format == "json"
     parameters, curve = learn(
         options.generations, options.population, options.episodes, options.seed, options.objects, is_json
