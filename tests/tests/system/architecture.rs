@@ -116,6 +116,7 @@ const TOP_LEVEL: &[&str] = &[
     "LICENSE-MIT",
     "LICENSE-APACHE",
     ".gitignore",
+    ".cargo",
     ".ci",
     ".git",
     "daemon",
