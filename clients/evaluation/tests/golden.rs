@@ -1,0 +1,109 @@
+//! The README's table is the one that was measured, and some of the trials behind it come out the same today.
+//!
+//! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads: a table, and of every
+//! series behind it the first trial and the one in the middle. A controller or a simulator that behaves otherwise fails
+//! here, until its figures are measured and the README has them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use atas_evaluation::{GripPolicy, Plan, Task, TrialRow, seeds};
+use sim_backend::Object;
+
+/// A row by its columns.
+type Columns = BTreeMap<String, String>;
+/// The columns that say which trial a row is of.
+const KEY: [&str; 7] = [
+    "task", "policy", "errors", "rate_hz", "noise", "object", "seed",
+];
+
+fn golden(file: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("golden")
+        .join(file);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn columns(csv: &[u8]) -> Vec<Columns> {
+    let mut reader = csv::Reader::from_reader(csv);
+    let names = reader.headers().expect("names").clone();
+    let named = |row: csv::StringRecord| {
+        let cells = names.iter().zip(&row);
+        cells
+            .map(|(name, cell)| (name.to_owned(), cell.to_owned()))
+            .collect()
+    };
+    let rows = reader.records().map(|row| named(row.expect("a row")));
+    rows.collect()
+}
+
+fn written(rows: &[TrialRow]) -> Vec<Columns> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).expect("it has a form");
+    }
+    columns(&writer.into_inner().expect("memory"))
+}
+
+#[test]
+fn the_table_of_the_readme_is_the_one_that_was_measured() {
+    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
+    let readme = std::fs::read_to_string(readme).expect("readable");
+    let table = golden("all.md");
+    let missing = table
+        .lines()
+        .find(|line| !readme.lines().any(|other| other == *line));
+    assert_eq!(
+        missing, None,
+        "a line of golden/all.md is not in the README"
+    );
+    assert!(
+        readme.contains(&table),
+        "golden/all.md stands otherwise in the README"
+    );
+}
+
+/// Runs the first kept trial of a task again under its usual condition, with all policies.
+fn check(task: Task, kept: &[Columns], baselines: bool) {
+    let condition = task.conditions().swap_remove(0);
+    let of_task = kept.iter().find(|row| row["task"] == task.name());
+    let first = of_task.unwrap_or_else(|| panic!("golden/all.csv has {}", task.name()));
+    let seed: u64 = first["seed"].parse().expect("a seed");
+    assert_eq!(seeds::purpose(seed, 1), "judging");
+    let baselines = match baselines {
+        true => GripPolicy::baselines(task, None).to_vec(),
+        false => Vec::new(),
+    };
+    let plan = Plan {
+        task,
+        objects: vec![Object::built_in(&first["object"]).expect("built in")],
+        trials: 1,
+        first_seed: seed,
+        conditions: vec![condition],
+        baselines,
+        compare_everywhere: false,
+        threads: 0,
+        settings: atas_core::Settings::default(),
+    };
+    let evaluated = plan.run(&AtomicBool::new(false), || ());
+    let rows = evaluated.expect("it runs").expect("nobody stopped it").rows;
+    for today in written(&rows.concat()) {
+        let same = |row: &&Columns| KEY.iter().all(|name| row[*name] == today[*name]);
+        let then = kept.iter().find(same);
+        assert_eq!(
+            Some(&today),
+            then,
+            "golden/all.csv was measured with something else"
+        );
+    }
+}
+
+#[test]
+fn trials_behind_the_table_come_out_as_they_were_measured() {
+    let kept = columns(golden("all.csv").as_bytes());
+    for task in Task::ALL {
+        // A baseline's assembly takes longest.
+        check(task, &kept, task != Task::Assembly);
+    }
+}
