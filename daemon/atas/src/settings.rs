@@ -215,7 +215,7 @@ settings! {
         /// Factor on the hand's speed while Module 2 is active and Module 3 is not.
         slip_carry_scale = 0.1 in 0.0..1.0;
         /// Friction utilisation below which a steady grip is relaxed.
-        relax_below = 0.89 in 0.1..1.0;
+        relax_below = 0.91 in 0.1..1.0;
         /// Opening speed of each finger while relaxing an unloaded grip, m/s.
         relax_m_s = 0.001 in 0.0..0.02;
         /// Opening speed of Module 3 above its release force, m/s.

@@ -4,8 +4,9 @@
 /// Fall of the load that means falling: share, and least, N (ours: well beyond what a trembling hand makes of it).
 const FALL_SHARE: f64 = 0.04;
 const FALL_FLOOR_N: f64 = 0.02;
-/// How many standard deviations of its own scatter that must be besides (ours).
-const SCATTER_MARGIN: f64 = 3.5;
+/// How many standard deviations of its own scatter that must be besides (ours: at 3.5 the noise of light objects falls once
+/// in ten holds).
+const SCATTER_MARGIN: f64 = 4.5;
 /// Time constant over which the load is felt, s (ours: a few frames of noise).
 const FELT_S: f64 = 0.02;
 /// Time constant with which another load is believed, s (ours: a fall is over by then, one way or the other).
@@ -61,7 +62,9 @@ impl Load {
 
     fn follow(&mut self, down_n: f64, step_s: f64) {
         self.hung_s += step_s;
-        let share = |filter_s: f64| step_s / (filter_s + step_s);
+        // As long as it has not hung for a whole time constant, all that was felt counts alike.
+        let hung_s = self.hung_s;
+        let share = |filter_s: f64| step_s / (filter_s.min(hung_s) + step_s);
         self.felt_n += (down_n - self.felt_n) * share(FELT_S);
         self.believed_n += (down_n - self.believed_n) * share(BELIEVED_S);
         if !self.has_fallen() {
@@ -108,5 +111,30 @@ mod tests {
         assert_eq!(falls(false, |_| 1.97), 0, "a tremble");
         assert_eq!(falls(true, |_| 1.8), 0, "the hand itself shakes it");
         assert!(!Fall::default().follow(None, false, 1e-3));
+    }
+
+    /// A sponge in front of fingertips of twice the usual noise: what is felt scatters by a tenth of its weight, and would
+    /// fall in one hold of ten if it had to scatter more than 3.5 times as much as usual.
+    #[test]
+    fn the_noise_of_a_light_object_does_not_fall() {
+        let falls_in = |seed: u64| {
+            let (mut fall, mut state, mut filtered_n) = (Fall::default(), seed, 0.13);
+            let mut random = || {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(seed | 1);
+                (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+            };
+            (0..10_000)
+                .filter(|_| {
+                    let noise_n = 0.05 * (0..4).map(|_| random()).sum::<f64>();
+                    filtered_n += (0.13 + noise_n - filtered_n) / 6.0;
+                    fall.follow(Some(filtered_n), false, 1e-3)
+                })
+                .count()
+        };
+        for seed in 1..=100 {
+            assert_eq!(falls_in(seed), 0, "seed {seed}");
+        }
     }
 }

@@ -35,8 +35,9 @@ const BRAKING_S: f64 = 0.15;
 const HURRY: f64 = 3.0;
 /// How far the hand must have carried its object, so that nothing but the hand holds it, m (ours).
 const HANGS_M: f64 = 0.001;
-/// Share of the tangential force that a trembling hand changes within the window of dF_t (ours).
+/// Share of the tangential force that a trembling hand changes within the window of dF_t, usually and at most (ours).
 pub(super) const STEADY_SHARE: f64 = 0.06;
+const TREMBLE_SHARE: f64 = 0.1;
 
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
@@ -151,7 +152,7 @@ fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bool {
 fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
     let settings = &context.settings.grasp;
     let tremble_n = if context.hangs {
-        STEADY_SHARE * finger.tangential_n
+        TREMBLE_SHARE * finger.tangential_n
     } else {
         0.0
     };

@@ -41,8 +41,9 @@ pub(super) struct InHand {
     torsion: f64,
     lever_most_m: f64,
     torsion_most: f64,
-    /// Weight as it was before anything fell, N; 0 while unknown.
+    /// Weight as it was before anything fell, N; 0 while unknown. How long it has been felt, s.
     weight_n: f64,
+    weighed_s: f64,
     falling_m_s: f64,
     slid_m: f64,
     /// How far the hand had carried it when a test found last that it still stands, m.
@@ -93,7 +94,7 @@ impl InHand {
 
     fn weigh(&mut self, down_n: f64, slides: bool, step_s: f64) {
         if self.weight_n <= 0.0 {
-            self.weight_n = down_n.max(0.0);
+            (self.weight_n, self.weighed_s) = (down_n.max(0.0), 0.0);
             return;
         }
         let missing = 1.0 - down_n / self.weight_n;
@@ -101,7 +102,10 @@ impl InHand {
             self.falling_m_s = (self.falling_m_s + GRAVITY_M_S2 * missing * step_s).max(0.0);
             self.slid_m += self.falling_m_s * step_s;
         } else {
-            self.weight_n += (down_n - self.weight_n) * step_s / (WEIGHT_S + step_s);
+            // At first all that was felt counts alike: one reading of a light object tells little.
+            self.weighed_s += step_s;
+            let filter_s = self.weighed_s.min(WEIGHT_S);
+            self.weight_n += (down_n - self.weight_n) * step_s / (filter_s + step_s);
         }
         self.gone_s = if missing > 1.0 - GONE_SHARE {
             self.gone_s + step_s
