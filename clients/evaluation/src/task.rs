@@ -90,8 +90,9 @@ impl Task {
     pub(super) fn best_baselines(self) -> [GripPolicy; 2] {
         let (fixed_n, start_n, ceiling_n) = match self {
             Self::Grasp => (7.0, 1.0, 8.0),
-            Self::PickPlace => (6.0, 1.0, 8.0),
-            Self::Screw | Self::Assembly => (1.0, 0.6, 2.0),
+            Self::PickPlace => (7.0, 1.0, 8.0),
+            Self::Screw => (3.0, 0.35, 8.0),
+            Self::Assembly => (1.0, 0.6, 2.0),
         };
         let slip_reactive = GripPolicy::SlipReactive { start_n, ceiling_n };
         [GripPolicy::FixedForce(fixed_n), slip_reactive]
