@@ -52,10 +52,3 @@ fn a_redundant_arm_with_a_gripper_grasps() {
         grasps(robot!("arm7-gripper"), name);
     }
 }
-
-#[test]
-fn two_fingers_against_one_grasp() {
-    for name in ["wood", "sponge", "paper-box"] {
-        grasps(robot!("arm6-three-finger"), name);
-    }
-}
