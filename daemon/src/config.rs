@@ -25,8 +25,8 @@ pub use tasks::{TaskProblem, Tasks};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use atas_core::{HandWiring, STIFFNESS_N_M_RAD, Settings, Wiring, settings};
-use robot_model::{HAND_JOINTS, HandVector, ModelError, RobotModel};
+use atas_core::{HandWiring, Settings, Wiring, settings};
+use robot_model::{ModelError, RobotModel};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 
@@ -133,9 +133,10 @@ pub struct Robot {
     pub urdf: String,
     /// Whether joint feedback exists; without it the daemon senses and never moves anything.
     pub joints_required: bool,
-    /// Servo stiffness of each joint of one hand, N·m/rad.
-    pub stiffness_n_m_rad: [f64; HAND_JOINTS],
 }
+
+/// Fingers of a hand of the paper's robot.
+const FINGERS: usize = 2;
 
 /// The value of `robot.urdf` that means the paper's robot.
 pub const BUILT_IN: &str = "built-in";
@@ -185,7 +186,6 @@ impl Default for Robot {
         Self {
             urdf: BUILT_IN.to_owned(),
             joints_required: true,
-            stiffness_n_m_rad: STIFFNESS_N_M_RAD,
         }
     }
 }
@@ -194,7 +194,7 @@ impl Default for HandSensor {
     fn default() -> Self {
         Self {
             layout: LayoutChoice::Named("dome-41".to_owned()),
-            fingers: robot_model::FINGERS,
+            fingers: FINGERS,
             rate_hz: 1000.0,
             required: true,
         }
@@ -242,7 +242,6 @@ impl Config {
                 self.hands.right.wiring("hands.right.layout")?,
             ],
             joints_required: self.robot.joints_required,
-            stiffness_n_m_rad: HandVector::from_row_slice(&self.robot.stiffness_n_m_rad),
             tick_s: 1.0 / f64::from(self.realtime.rate_hz),
             writer_epoch,
         })

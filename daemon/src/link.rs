@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use atas_core::Order;
-use robot_model::ROBOT_JOINTS;
+use robot_model::RobotVector;
 use rtrb::{Consumer, Producer, RingBuffer};
 use shm_bus::stop;
 use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, TickReport, View};
@@ -51,7 +51,7 @@ pub struct TickRecord {
     /// Whether every commanded velocity is zero.
     pub at_rest: bool,
     /// Commanded positions, rad, if there are any.
-    pub commanded_rad: Option<[f64; ROBOT_JOINTS]>,
+    pub commanded_rad: Option<RobotVector>,
     /// Calls to the bus that failed so far.
     pub bus_failures: u64,
     /// Whether the ticks are locked to the frames.

@@ -6,7 +6,7 @@
 //! * **Absent on purpose:** statistics. The tick only writes down what it measured; the supervisor counts.
 
 use atas_core::{Controller, Order, Tick};
-use robot_model::ROBOT_JOINTS;
+use robot_model::RobotVector;
 use shm_bus::{Bus, BusError, Publisher, now_ns};
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{JointCommand, TickReport, service};
@@ -228,9 +228,9 @@ fn arrivals(report: &TickReport, ports: &InputPorts) -> [Option<Arrivals>; STREA
     [left, right, (captured_ns != 0).then_some(joints)]
 }
 
-fn commanded_rad(command: &JointCommand) -> Option<[f64; ROBOT_JOINTS]> {
-    let positions_rad = command.position_rad.first_chunk().copied();
-    positions_rad.filter(|_| command.joint_count > 0)
+fn commanded_rad(command: &JointCommand) -> Option<RobotVector> {
+    let positions_rad = command.position_rad.get(..command.joint_count as usize)?;
+    (!positions_rad.is_empty()).then(|| RobotVector::from_slice(positions_rad))
 }
 
 /// Times the stages of one tick.

@@ -7,7 +7,7 @@
 //! Which commands are obeyed at all says [`Obedience`]. What is obeyed is told in every joint state, so that the next daemon
 //! goes on from there.
 
-use robot_model::ROBOT_JOINTS;
+use robot_model::RobotVector;
 use shm_schemas::{JointCommand, JointState};
 
 use crate::obedience::{Accepted, Obedience, Orders};
@@ -31,13 +31,10 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// A drive that holds these positions until told otherwise, with joints that move as fast as this.
-    pub(crate) fn holding(
-        position_rad: [f64; ROBOT_JOINTS],
-        speed_max_rad_s: [f64; ROBOT_JOINTS],
-    ) -> Self {
+    pub(crate) fn holding(position_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
         let held = Orders {
             position_rad,
-            velocity_rad_s: [0.0; ROBOT_JOINTS],
+            velocity_rad_s: RobotVector::zeros(position_rad.len()),
         };
         Self {
             obedience: Obedience::at(position_rad, speed_max_rad_s),
@@ -55,7 +52,7 @@ impl Drive {
         let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
         let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
-        self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
+        self.held.velocity_rad_s.fill(0.0);
         match due {
             Some(due) if due.valid_until_ns >= now_ns => {
                 self.held = due.orders;
@@ -75,8 +72,9 @@ impl Drive {
 
     /// Tells what the joints are commanded to.
     pub(crate) fn tell(&self, state: &mut JointState) {
-        state.commanded_count = ROBOT_JOINTS as u32;
-        state.commanded_rad[..ROBOT_JOINTS].copy_from_slice(&self.held.position_rad);
+        let joints = self.held.position_rad.len();
+        state.commanded_count = joints as u32;
+        state.commanded_rad[..joints].copy_from_slice(&self.held.position_rad);
         if let Some(last) = &self.obeyed {
             state.command_epoch = last.stamp.writer_epoch;
             state.command_sequence = last.stamp.sequence;
@@ -97,21 +95,25 @@ mod tests {
     use super::*;
 
     const MS_NS: u64 = 1_000_000;
+    const JOINTS: usize = 22;
 
     fn command(position_rad: f64, valid_until_ns: u64) -> JointCommand {
         let mut command = JointCommand {
-            joint_count: ROBOT_JOINTS as u32,
+            joint_count: JOINTS as u32,
             valid_until_ns,
             ..Default::default()
         };
-        command.position_rad[..ROBOT_JOINTS].fill(position_rad);
-        command.velocity_rad_s[..ROBOT_JOINTS].fill(0.5);
+        command.position_rad[..JOINTS].fill(position_rad);
+        command.velocity_rad_s[..JOINTS].fill(0.5);
         command.seal();
         command
     }
 
     fn drive() -> Drive {
-        Drive::holding([0.0; ROBOT_JOINTS], [200.0; ROBOT_JOINTS])
+        Drive::holding(
+            RobotVector::zeros(JOINTS),
+            RobotVector::repeat(JOINTS, 200.0),
+        )
     }
 
     #[test]
@@ -201,7 +203,7 @@ mod tests {
             drive.orders(None, ms * MS_NS);
         }
         drive.tell(&mut state);
-        assert_eq!(state.commanded_count as usize, ROBOT_JOINTS);
+        assert_eq!(state.commanded_count as usize, JOINTS);
         assert_eq!(
             (state.commanded_rad[3], state.command_epoch),
             (1.0, 7),
@@ -217,7 +219,7 @@ mod tests {
         /// Whatever is wrong with a command, the joints keep what they had.
         #[test]
         fn a_damaged_command_changes_nothing(
-            joint in 0..ROBOT_JOINTS,
+            joint in 0..JOINTS,
             bad in prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
             damage in 0..4_u8,
             bit in 0..8 * core::mem::offset_of!(JointCommand, pad),

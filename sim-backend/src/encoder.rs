@@ -1,6 +1,6 @@
 //! What the drives report of the joints: positions, velocities and torques in steps, without noise.
 
-use robot_model::{ARM_JOINTS, HAND_JOINTS, ROBOT_JOINTS, Side};
+use robot_model::HandModel;
 use shm_schemas::JointState;
 
 use crate::plant::Plant;
@@ -16,18 +16,21 @@ const VELOCITY_STEP_RAD_S: f64 = 1e-3;
 /// Step of a measured torque, N·m. Ours.
 const EFFORT_STEP_N_M: f64 = 1e-3;
 
-/// Fills in the joints of one hand.
-pub(crate) fn read(plant: &Plant, side: Side, out: &mut JointState) {
-    out.joint_count = ROBOT_JOINTS as u32;
-    for joint in 0..HAND_JOINTS {
-        let index = side.first_joint() + joint;
-        let step_rad = if joint < ARM_JOINTS {
+/// Fills in the joints of one hand behind those that are there.
+pub(crate) fn read(plant: &Plant, model: &HandModel, out: &mut JointState) {
+    let first = out.joint_count as usize;
+    out.joint_count += model.joints().len() as u32;
+    for (joint, of_joint) in model.joints().iter().enumerate() {
+        let index = first + joint;
+        let unit = of_joint.radian();
+        let step_rad = if model.arm_joints().contains(&joint) {
             ARM_STEP_RAD
         } else {
             FINGER_STEP_RAD
         };
-        out.position_rad[index] = quantised(plant.position_rad[joint], step_rad);
-        out.velocity_rad_s[index] = quantised(plant.velocity_rad_s[joint], VELOCITY_STEP_RAD_S);
+        out.position_rad[index] = quantised(plant.position_rad[joint], step_rad * unit);
+        out.velocity_rad_s[index] =
+            quantised(plant.velocity_rad_s[joint], VELOCITY_STEP_RAD_S * unit);
         out.effort_n_m[index] = quantised(plant.effort_n_m[joint], EFFORT_STEP_N_M);
     }
 }

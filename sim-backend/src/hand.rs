@@ -4,9 +4,7 @@
 //! newtons per metre sees nanometres. A hand in free air only moves its joints.
 
 use nalgebra::Vector3;
-use robot_model::{
-    ARM_JOINTS, FINGER_JOINTS, FINGERS, HandModel, HandPose, HandVector, finger_root,
-};
+use robot_model::{HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 
 use crate::contact::{Approach, Contact, Wrench};
 use crate::hold::Grip;
@@ -30,16 +28,17 @@ pub(crate) struct Hand {
     pub(crate) plant: Plant,
     /// Where the command interpolation stands, rad.
     reference_rad: HandVector,
-    pub(crate) contacts: [Contact; FINGERS],
+    /// Per fingertip, as everything that follows but the wrench on the joints.
+    pub(crate) contacts: Vec<Contact>,
     /// The object that each fingertip was nearest to.
-    facing: [usize; FINGERS],
+    facing: Vec<usize>,
     vibration: Vibration,
     contact_n_m: HandVector,
     near: bool,
     /// Where it was at the start of the millisecond.
     pose: HandPose,
     /// Each fingertip's skin.
-    pads: [Pad; FINGERS],
+    pads: Vec<Pad>,
 }
 
 /// A fingertip in the base frame.
@@ -61,11 +60,13 @@ impl Hand {
         let side = model.side().index() as u64;
         let mut random = Random::new(seed, stream::HAND_ERRORS + side);
         let mut draw = || random.between(-1.0, 1.0);
-        let stiffness = HandVector::from_fn(|_, _| 1.0 + errors.servo_stiffness * draw());
-        let links_m = HandVector::from_fn(|_, _| errors.link_m * draw());
-        let tips_m = [(); FINGERS].map(|()| errors.link_m * draw());
-        let pads =
-            [(); FINGERS].map(|()| Pad::dome_41().stiffer(1.0 + errors.tip_stiffness * draw()));
+        let (joints, fingers) = (model.joints().len(), model.finger_count());
+        let stiffness = HandVector::from_fn(joints, |_| 1.0 + errors.servo_stiffness * draw());
+        let mut drawn_m =
+            |count| -> Vec<f64> { (0..count).map(|_| errors.link_m * draw()).collect() };
+        let (links_m, tips_m) = (drawn_m(model.frame_count()), drawn_m(fingers));
+        let skin = |_| Pad::dome_41().stiffer(1.0 + errors.tip_stiffness * draw());
+        let pads = (0..fingers).map(skin).collect();
         let model = model.with_longer_links(&links_m, &tips_m);
         Self {
             plant: Plant::at(&model, start_rad, &stiffness),
@@ -73,36 +74,39 @@ impl Hand {
             pads,
             model,
             reference_rad: start_rad,
-            contacts: [Contact::new(), Contact::new()],
-            facing: [0; FINGERS],
+            contacts: vec![Contact::new(); fingers],
+            facing: vec![0; fingers],
             vibration,
-            contact_n_m: HandVector::zeros(),
+            contact_n_m: HandVector::zeros(joints),
             near: false,
         }
     }
 
     /// Looks round at the start of a millisecond of `dt_s`.
     pub(crate) fn begin(&mut self, objects: &[WorldObject], dt_s: f64) {
-        let arm_rad_s = (0..ARM_JOINTS)
-            .map(|joint| self.plant.velocity_rad_s[joint].abs())
+        let arm = self.model.arm_joints();
+        let arm_rad_s = arm
+            .map(|joint| {
+                self.plant.velocity_rad_s[joint].abs() / self.model.joints()[joint].radian()
+            })
             .fold(0.0, f64::max);
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
         self.pose = self.model.forward(&self.plant.position_rad);
         let pose = &self.pose;
         self.near = objects.iter().any(|object| {
-            let reach_m =
-                object.body.shape.bounding_radius_m() + self.model.dome_radius_m()[0] + NEAR_M;
-            let is_near = |finger| {
+            let object_m = object.body.shape.bounding_radius_m();
+            let is_near = |(finger, radius_m): (usize, &f64)| {
+                let reach_m = object_m + radius_m + NEAR_M;
                 (pose.tip_m(finger) - object.body.position_m).norm_squared() < reach_m * reach_m
             };
-            (0..FINGERS).any(is_near)
+            self.model.dome_radius_m().iter().enumerate().any(is_near)
         });
     }
 
     /// The contacts of one substep: wrenches on the objects, torques on the own joints.
     pub(crate) fn touch(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         let (tremble_m, tremble_m_s) = self.vibration.step();
-        self.contact_n_m = HandVector::zeros();
+        self.contact_n_m.fill(0.0);
         if !self.near {
             self.contacts
                 .iter_mut()
@@ -110,7 +114,7 @@ impl Hand {
             return;
         }
         let pose = self.model.forward(&self.plant.position_rad);
-        for finger in 0..FINGERS {
+        for finger in 0..self.model.finger_count() {
             let mut tip = self.tip(&pose, finger);
             tip.base_from_tip.translation_m.z += tremble_m;
             tip.velocity_m_s.z += tremble_m_s;
@@ -125,17 +129,23 @@ impl Hand {
         }
     }
 
-    /// Both fingertips' skins.
-    pub(crate) fn pads(&self) -> &[Pad; FINGERS] {
+    /// What it is simulated as.
+    pub(crate) fn model(&self) -> &HandModel {
+        &self.model
+    }
+
+    /// The fingertips' skins.
+    pub(crate) fn pads(&self) -> &[Pad] {
         &self.pads
     }
 
-    /// How the hand has both fingertips on the object with this index, if it has.
+    /// How the hand has a fingertip of each side on the object with this index, if it has.
     pub(crate) fn grip_on(&self, object: usize) -> Option<Grip> {
         let presses =
             |finger: usize| self.facing[finger] == object && self.contacts[finger].is_touching();
-        let tips_m = [0, 1].map(|finger| self.pose.tip_m(finger));
-        (0..FINGERS).all(presses).then(|| Grip {
+        let from = |side: usize| self.model.fingers_of(side).any(|finger| presses(finger));
+        let tips_m = [0, 1].map(|side| self.pose.side_m(side));
+        (0..VIRTUAL_FINGERS).all(from).then(|| Grip {
             hand: self.model.side().index(),
             base_from_hand: self.pose.base_from_hand().rotation,
             middle_m: (tips_m[0] + tips_m[1]) / 2.0,
@@ -169,17 +179,23 @@ impl Hand {
             &self.contact_n_m,
             dt_s,
         );
-        self.reference_rad += (target_rad - self.reference_rad) / left as f64;
+        let way_rad = *target_rad - self.reference_rad;
+        self.reference_rad += way_rad.map(|way_rad| way_rad / left as f64);
     }
 
     fn tip(&self, pose: &HandPose, finger: usize) -> Tip {
         let base_from_tip = pose.base_from_tip()[finger];
         let (mut velocity_m_s, mut angular_rad_s) = (Vector3::zeros(), Vector3::zeros());
-        for joint in chain(finger) {
-            let turning = pose.joint_axis(joint) * self.plant.velocity_rad_s[joint];
-            velocity_m_s +=
-                turning.cross(&(base_from_tip.translation_m - pose.joint_origin_m(joint)));
-            angular_rad_s += turning;
+        for mover in self.model.movers(finger) {
+            let speed = mover.ratio * self.plant.velocity_rad_s[mover.joint];
+            let moving = pose.frame_axis(mover.frame) * speed;
+            if mover.slides {
+                velocity_m_s += moving;
+                continue;
+            }
+            let lever_m = base_from_tip.translation_m - pose.frame_origin_m(mover.frame);
+            velocity_m_s += moving.cross(&lever_m);
+            angular_rad_s += moving;
         }
         Tip {
             base_from_tip,
@@ -191,18 +207,17 @@ impl Hand {
     /// Joint torques of a wrench about the dome's centre, base frame: Jᵀ·w, joint by joint as virtual work.
     fn react(&mut self, pose: &HandPose, finger: usize, wrench: &Wrench) {
         let tip_m = pose.tip_m(finger);
-        for joint in chain(finger) {
-            let arm_m = tip_m - pose.joint_origin_m(joint);
-            let moment_n_m = arm_m.cross(&wrench.force_n) + wrench.moment_n_m;
-            self.contact_n_m[joint] += pose.joint_axis(joint).dot(&moment_n_m);
+        for mover in self.model.movers(finger) {
+            let along = if mover.slides {
+                wrench.force_n
+            } else {
+                let arm_m = tip_m - pose.frame_origin_m(mover.frame);
+                arm_m.cross(&wrench.force_n) + wrench.moment_n_m
+            };
+            let effort_n_m = pose.frame_axis(mover.frame).dot(&along);
+            self.contact_n_m[mover.joint] += mover.ratio * effort_n_m;
         }
     }
-}
-
-/// The joints that move a finger's tip: the arm's and its own.
-fn chain(finger: usize) -> impl Iterator<Item = usize> {
-    let root = finger_root(finger);
-    (0..ARM_JOINTS).chain(root..root + FINGER_JOINTS)
 }
 
 impl Tip {

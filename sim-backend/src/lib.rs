@@ -55,7 +55,6 @@ pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
 pub use obedience::{Accepted, Obedience, Orders};
 pub use object::{Neck, Object, ObjectError};
-pub use plant::servo_stiffness_n_m_rad;
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,
     home_rad,

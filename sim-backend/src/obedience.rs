@@ -5,7 +5,7 @@
 //! expired, from another; and if no joint would have to move faster than it can. When an obeyed command expires, the robot
 //! holds its positions with zero velocity: that keeps the grip.
 
-use robot_model::ROBOT_JOINTS;
+use robot_model::RobotVector;
 use shm_schemas::{JointCommand, Stamp};
 
 /// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
@@ -19,9 +19,9 @@ const STEP_S: f64 = 0.008;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orders {
     /// Positions, rad.
-    pub position_rad: [f64; ROBOT_JOINTS],
+    pub position_rad: RobotVector,
     /// Velocities to feed forward, rad/s.
-    pub velocity_rad_s: [f64; ROBOT_JOINTS],
+    pub velocity_rad_s: RobotVector,
 }
 
 /// A command that is obeyed.
@@ -38,8 +38,8 @@ pub struct Accepted {
 /// The judge of arriving commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Obedience {
-    speed_max_rad_s: [f64; ROBOT_JOINTS],
-    start_rad: [f64; ROBOT_JOINTS],
+    speed_max_rad_s: RobotVector,
+    start_rad: RobotVector,
     /// The last command that was accepted, and when.
     newest: Option<(Accepted, u64)>,
     refused: u32,
@@ -48,7 +48,7 @@ pub struct Obedience {
 impl Obedience {
     /// For a robot whose joints stand at these positions and move as fast as this.
     #[must_use]
-    pub fn at(start_rad: [f64; ROBOT_JOINTS], speed_max_rad_s: [f64; ROBOT_JOINTS]) -> Self {
+    pub fn at(start_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
         Self {
             speed_max_rad_s,
             start_rad,
@@ -59,10 +59,11 @@ impl Obedience {
 
     /// The command, if it keeps the contract; counted if not.
     pub fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
+        let joints = self.start_rad.len();
         let accepted = Accepted {
             orders: Orders {
-                position_rad: core::array::from_fn(|joint| command.position_rad[joint]),
-                velocity_rad_s: core::array::from_fn(|joint| command.velocity_rad_s[joint]),
+                position_rad: RobotVector::from_slice(&command.position_rad[..joints]),
+                velocity_rad_s: RobotVector::from_slice(&command.velocity_rad_s[..joints]),
             },
             stamp: command.stamp,
             valid_until_ns: command.valid_until_ns,
@@ -107,7 +108,7 @@ impl Obedience {
                 (&newest.orders.position_rad, *then_ns)
             });
         let since_s = now_ns.saturating_sub(since_ns).min(VALIDITY_MAX_NS) as f64 * 1e-9;
-        (0..ROBOT_JOINTS).all(|joint| {
+        (0..self.start_rad.len()).all(|joint| {
             let top_rad_s = SPEED_SHARE * self.speed_max_rad_s[joint];
             let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
             step_rad <= top_rad_s * (STEP_S + since_s)
@@ -118,8 +119,11 @@ impl Obedience {
 
 /// Sealed, for exactly these joints, every number finite.
 fn is_whole(command: &JointCommand, orders: &Orders) -> bool {
-    let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
+    let mut numbers = orders
+        .position_rad
+        .iter()
+        .chain(orders.velocity_rad_s.iter());
     command.is_intact()
-        && command.joint_count as usize == ROBOT_JOINTS
+        && command.joint_count as usize == orders.position_rad.len()
         && numbers.all(|value| value.is_finite())
 }

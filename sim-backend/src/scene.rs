@@ -7,8 +7,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use nalgebra::Vector3;
-use robot_model::{GraspFrame, ROBOT_JOINTS, RobotModel, Side, Unreachable};
+use robot_model::{GraspFrame, RobotModel, RobotVector, Side, Unreachable};
 
 use crate::object::Object;
 use crate::shape::Shape;
@@ -29,10 +28,6 @@ pub const OBJECTS_MAX: usize = 4;
 const DEFAULT_PLACE_M: [f64; 2] = [0.32, 0.15];
 /// Default closing axis: along y, so that both hands may work side by side (robot design).
 const DEFAULT_YAW_RAD: f64 = FRAC_PI_2;
-/// Home of a hand: x, distance from the middle, height of the point between the fingertips, m (robot design).
-const HOME_M: [f64; 3] = [0.26, 0.22, 0.15];
-/// Distance between the fingertips at home, m. Ours: wider than every built-in object.
-const HOME_OPENING_M: f64 = 0.07;
 /// Lowest grasp height, m (robot design: dome centre ≥ 16 mm, grasp height ≥ 25 mm).
 const GRASP_HEIGHT_MIN_M: f64 = 0.025;
 /// A grasp aims a little above the centre of mass, so that the object hangs: height over half height (prototype).
@@ -103,7 +98,7 @@ pub struct Scene {
     /// Amplitude of the hands' tremble, m.
     pub vibration_m: f64,
     /// Joints at the start, rad; `None` is home.
-    pub start_rad: Option<[f64; ROBOT_JOINTS]>,
+    pub start_rad: Option<RobotVector>,
     /// How far robot and sensors may lie from what the controller was made for; the world draws them by its seed. Set it
     /// with [`Scene::with_errors`], which draws those of the objects as well.
     pub errors: Errors,
@@ -228,7 +223,7 @@ impl Scene {
         }
         self.errors.check()?;
         self.check_places()?;
-        for angle_rad in self.start_rad.iter().flatten() {
+        for angle_rad in self.start_rad.iter().flat_map(|start_rad| start_rad.iter()) {
             in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
         }
         Ok(())
@@ -258,25 +253,29 @@ impl Scene {
     }
 
     /// Joint angles at the start.
-    pub(crate) fn start(&self, robot: &RobotModel) -> Result<[f64; ROBOT_JOINTS], SceneError> {
+    pub(crate) fn start(&self, robot: &RobotModel) -> Result<RobotVector, SceneError> {
         self.start_rad.map_or_else(|| home_rad(robot), Ok)
     }
 }
 
-/// The home posture: both hands in front of the body, pointing down, open.
+/// The home posture: every hand where its robot file has it rest, pointing down, open.
 ///
 /// # Errors
 /// [`SceneError::HomeUnreachable`] for a robot of other dimensions that cannot get there.
-pub fn home_rad(robot: &RobotModel) -> Result<[f64; ROBOT_JOINTS], SceneError> {
-    let mut home_rad = [0.0; ROBOT_JOINTS];
-    for side in Side::BOTH {
+pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
+    let mut home_rad = RobotVector::zeros(robot.joint_count());
+    for side in robot.sides() {
         let hand = robot.hand(side);
-        let centre_m = Vector3::new(HOME_M[0], side.y_sign() * HOME_M[1], HOME_M[2]);
+        let centre_m = hand.home_m();
         let yaw_rad = hand.closing_yaw_rad(&centre_m, DEFAULT_YAW_RAD);
         let posture = hand
-            .posture_for(&GraspFrame::from_above(centre_m, yaw_rad, HOME_OPENING_M))
+            .posture_for(&GraspFrame::from_above(
+                centre_m,
+                yaw_rad,
+                hand.home_opening_m(),
+            ))
             .map_err(|source| SceneError::HomeUnreachable { side, source })?;
-        home_rad[side.joint_range()].copy_from_slice(posture.q_rad.as_slice());
+        home_rad[robot.joint_range(side)].copy_from_slice(&posture.q_rad);
     }
     Ok(home_rad)
 }

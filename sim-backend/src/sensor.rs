@@ -4,7 +4,7 @@
 //! its axes and adds an offset ([`Errors`]). A sensor may be slower than the tick; then most ticks have no frame.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{FINGERS, Side};
+use robot_model::Side;
 use shm_schemas::{Hand, HandFrame, Layout};
 
 use crate::clock::Clock;
@@ -30,7 +30,7 @@ pub(crate) struct HandSensor {
     hand: Hand,
     layout: Layout,
     layout_hash: u64,
-    tips: [TipSensor; FINGERS],
+    tips: Vec<TipSensor>,
     rate_hz: u64,
     sequence: u64,
 }
@@ -53,11 +53,14 @@ impl HandSensor {
         side: Side,
         rate_hz: u32,
         noise_factor: f64,
-        random: [Random; FINGERS],
-        errors: (&Errors, [Random; FINGERS]),
+        random: Vec<Random>,
+        errors: (&Errors, Vec<Random>),
     ) -> Self {
         let layout = Layout::dome_41();
-        let mut tips = random.map(|random| TipSensor::new(noise_factor, random));
+        let tips = random.into_iter();
+        let mut tips: Vec<_> = tips
+            .map(|random| TipSensor::new(noise_factor, random))
+            .collect();
         let (errors, mut draws) = errors;
         for (tip, random) in tips.iter_mut().zip(&mut draws) {
             tip.err(errors, random);
@@ -72,15 +75,15 @@ impl HandSensor {
         }
     }
 
-    /// The frame of this tick; `None` if no sample falls into it.
+    /// The frame of this tick; `None` if no sample falls into it, or there are no fingertips.
     pub(crate) fn sample(
         &mut self,
         clock: &Clock,
-        pads: &[Pad; FINGERS],
-        contacts: &[Contact; FINGERS],
+        pads: &[Pad],
+        contacts: &[Contact],
         out: &mut Option<HandFrame>,
     ) {
-        if !self.is_due(clock.tick) {
+        if self.tips.is_empty() || !self.is_due(clock.tick) {
             *out = None;
             return;
         }
@@ -89,7 +92,7 @@ impl HandSensor {
         self.sequence += 1;
         frame.layout_hash = self.layout_hash;
         frame.hand = self.hand;
-        frame.finger_count = FINGERS as u32;
+        frame.finger_count = self.tips.len() as u32;
         let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
         for (finger, (tip, contact)) in self.tips.iter_mut().zip(contacts).enumerate() {
             frame.valid_mask[finger] = (1 << DOME_ELEMENTS) - 1;

@@ -1,6 +1,6 @@
 //! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
 
-use robot_model::{FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{HandVector, RobotModel, RobotVector, Side};
 use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
 
 use crate::clock::Clock;
@@ -63,9 +63,9 @@ pub struct World {
 }
 
 /// Top speed of every joint, rad/s.
-fn joint_speeds_rad_s(robot: &RobotModel) -> [f64; ROBOT_JOINTS] {
-    let hand = |joint: usize| robot.hand(Side::BOTH[joint / HAND_JOINTS]);
-    core::array::from_fn(|joint| hand(joint).joints()[joint % HAND_JOINTS].velocity_max_rad_s)
+fn joint_speeds_rad_s(robot: &RobotModel) -> RobotVector {
+    let speed = |joint| robot.joint(joint).map_or(0.0, |it| it.velocity_max_rad_s);
+    RobotVector::from_fn(robot.joint_count(), speed)
 }
 
 impl World {
@@ -77,15 +77,23 @@ impl World {
         scene.check()?;
         let start_rad = scene.start(robot)?;
         let hand = |side: Side| {
-            let start = HandVector::from_column_slice(&start_rad[side.joint_range()]);
+            let start = HandVector::from_slice(&start_rad[robot.joint_range(side)]);
             let mut random = Random::new(seed, stream::VIBRATION + side.index() as u64);
             let vibration = Vibration::new(scene.vibration_m, SUBSTEP_S, &mut random);
             Hand::new(robot.hand(side), start, vibration, &scene.errors, seed)
         };
         let sensor = |side: Side| {
-            let random = |first| [first, first + 1].map(|tip| Random::new(seed, tip));
+            let fingers = robot.hand(side).finger_count() as u64;
+            let random = |first| {
+                (first..first + fingers)
+                    .map(|tip| Random::new(seed, tip))
+                    .collect()
+            };
             let rate_hz = scene.sensor_rate_hz[side.index()];
-            let tip = (FINGERS * side.index()) as u64;
+            let before = Side::BOTH[..side.index()].iter();
+            let tip: u64 = before
+                .map(|side| robot.hand(*side).finger_count() as u64)
+                .sum();
             let errors = (&scene.errors, random(stream::TIP_ERRORS + tip));
             let noise = random(stream::TIP_SENSOR + tip);
             HandSensor::new(side, rate_hz, scene.noise_factor, noise, errors)
@@ -122,8 +130,8 @@ impl World {
         out.joints = JointState::default();
         out.joints.stamp = self.clock.stamp(self.joint_sequence);
         self.joint_sequence += 1;
-        for side in Side::BOTH {
-            encoder::read(&self.hands[side.index()].plant, side, &mut out.joints);
+        for hand in &self.hands {
+            encoder::read(&hand.plant, hand.model(), &mut out.joints);
         }
         self.drive.tell(&mut out.joints);
         out.joints.seal();
@@ -213,8 +221,12 @@ impl World {
     }
 
     fn simulate(&mut self, orders: &Orders) {
-        let per_hand = |values: &[f64; ROBOT_JOINTS]| {
-            Side::BOTH.map(|side| HandVector::from_column_slice(&values[side.joint_range()]))
+        let [left, right] = self
+            .hands
+            .each_ref()
+            .map(|hand| hand.model().joints().len());
+        let per_hand = |values: &RobotVector| {
+            [0..left, left..left + right].map(|range| HandVector::from_slice(&values[range]))
         };
         let (target_rad, feed_forward_rad_s) = (
             per_hand(&orders.position_rad),

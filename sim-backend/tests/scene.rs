@@ -134,7 +134,7 @@ fn refusals_name_the_value_and_the_range() {
         "a plate's height in metres was -0.01",
     );
     check(
-        &|s| s.start_rad = Some([f64::NAN; 22]),
+        &|s| s.start_rad = Some([f64::NAN; 22].into()),
         "a start angle in radians was NaN",
     );
     check(

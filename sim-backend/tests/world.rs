@@ -4,9 +4,12 @@ mod common;
 
 use common::Script;
 use proptest::prelude::*;
-use robot_model::{ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{RobotModel, Side};
 use shm_schemas::{JointCommand, Layout};
 use sim_backend::{LATENCY_MS, Object, START_NS, Scene, Sensed, TICK_NS, World};
+
+/// Joints of the built-in robot.
+const JOINTS: usize = 22;
 
 fn world(scene: &Scene) -> World {
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
@@ -31,7 +34,7 @@ fn frames_and_joint_states_are_what_the_schema_says() {
             assert_eq!(frame.layout_hash, Layout::dome_41().hash());
             assert_eq!(frame.valid_mask, [(1 << 41) - 1, (1 << 41) - 1, 0, 0]);
         }
-        assert_eq!(sensed.joints.joint_count as usize, ROBOT_JOINTS);
+        assert_eq!(sensed.joints.joint_count as usize, JOINTS);
         assert_eq!(
             (
                 sensed.joints.stamp.sequence,
@@ -142,8 +145,7 @@ fn the_fingertips_carry_the_weight() {
     script.ticks(200, |_| ());
     let (frame, layout) = (script.sensed.frames[1].expect("a frame"), Layout::dome_41());
     let hand = script.robot.hand(Side::Right);
-    let q_rad =
-        robot_model::HandVector::from_column_slice(&script.sensed.joints.position_rad[11..22]);
+    let q_rad = robot_model::HandVector::from_slice(&script.sensed.joints.position_rad[11..22]);
     let pose = hand.forward(&q_rad);
     let mut force_n = nalgebra::Vector3::<f64>::zeros();
     for finger in 0..2 {
@@ -201,12 +203,12 @@ fn time_is_set_forward_but_never_back() {
 
 fn command(position_rad: f64, velocity_rad_s: f64, valid_until_ns: u64) -> JointCommand {
     let mut command = JointCommand {
-        joint_count: ROBOT_JOINTS as u32,
+        joint_count: JOINTS as u32,
         valid_until_ns,
         ..JointCommand::default()
     };
-    command.position_rad[..ROBOT_JOINTS].fill(position_rad);
-    command.velocity_rad_s[..ROBOT_JOINTS].fill(velocity_rad_s);
+    command.position_rad[..JOINTS].fill(position_rad);
+    command.velocity_rad_s[..JOINTS].fill(velocity_rad_s);
     command.seal();
     command
 }
@@ -234,7 +236,7 @@ proptest! {
     #[test]
     fn refused_commands_change_nothing(
         which in 0..4_usize,
-        joint in 0..ROBOT_JOINTS,
+        joint in 0..JOINTS,
         bad in prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
     ) {
         let mut refused = command(0.1, 0.1, START_NS + 50_000_000);

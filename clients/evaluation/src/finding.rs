@@ -113,7 +113,7 @@ fn grasped(outcome: Outcome, truth: &WorldTruth, load: Load) -> Vec<(&'static st
     if !matches!(outcome, Outcome::Held | Outcome::Slipped | Outcome::Turned) {
         return Vec::new();
     }
-    let pressed_n = &truth.normal_n[SIDE.index()][..robot_model::FINGERS];
+    let pressed_n = &truth.normal_n[SIDE.index()][..robot_model::VIRTUAL_FINGERS];
     let mean_n = pressed_n.iter().sum::<f64>() / pressed_n.len() as f64;
     vec![("over_grip", mean_n / load.needed_n)]
 }

@@ -1,10 +1,12 @@
 //! One episode: a world with the acting hand around an object, tick by tick.
 
+use std::ops::Range;
+
 use atas_core::kinematics::HandCommand;
 use atas_core::safety::{Gate, GateContext};
 use atas_core::{Settings, Tick};
 use nalgebra::Vector3;
-use robot_model::{FINGERS, GraspFrame, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{GraspFrame, HandVector, RobotModel, RobotVector, Side, VIRTUAL_FINGERS};
 use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
 use sim_backend::{Object, Sensed, World, home_rad};
 
@@ -30,6 +32,8 @@ pub(crate) struct Episode {
     hand: PolicyHand,
     /// Joints of the hand that rests, rad.
     rests_rad: HandVector,
+    /// Where the acting hand's joints are among the robot's.
+    joints: Range<usize>,
     settings: Settings,
     source_m: Vector3<f64>,
     place_m: Option<Vector3<f64>>,
@@ -66,7 +70,7 @@ impl Episode {
             .map_err(LearningError::Reach)?
             .q_rad;
         let mut start_rad = home_rad(robot)?;
-        start_rad[SIDE.joint_range()].copy_from_slice(q_rad.as_slice());
+        start_rad[robot.joint_range(SIDE)].copy_from_slice(&q_rad);
         scene.start_rad = Some(start_rad);
         let mut gate = Gate::new(robot, 1);
         gate.anchor(&start_rad);
@@ -81,7 +85,8 @@ impl Episode {
                 q_rad,
                 room(&source_m, place_m.as_ref()),
             ),
-            rests_rad: HandVector::from_row_slice(&start_rad[other.joint_range()]),
+            joints: robot.joint_range(SIDE),
+            rests_rad: HandVector::from_slice(&start_rad[robot.joint_range(other)]),
             settings: Settings::default(),
             source_m,
             place_m,
@@ -105,13 +110,14 @@ impl Episode {
 
     /// Through the gate; the hand that rests stands.
     fn pass(&mut self, acting: HandCommand) -> JointCommand {
-        let resting = HandCommand::new(self.rests_rad, [0.0; FINGERS]);
+        let resting = HandCommand::new(self.rests_rad, [0.0; VIRTUAL_FINGERS]);
         let mut raw = [resting; 2];
         raw[SIDE.index()] = acting;
         let mut grips = [self.hand.grip(); 2];
-        grips[1 - SIDE.index()].normal_n = [0.0; FINGERS];
-        let measured_rad: [f64; ROBOT_JOINTS] =
-            core::array::from_fn(|joint| self.sensed.joints.position_rad[joint]);
+        grips[1 - SIDE.index()].normal_n = [0.0; VIRTUAL_FINGERS];
+        let joints = &self.sensed.joints;
+        let measured_rad =
+            RobotVector::from_slice(&joints.position_rad[..joints.joint_count as usize]);
         let safe = self.gate.pass(
             &raw,
             &grips,
@@ -124,7 +130,8 @@ impl Episode {
                 settings: &self.settings.safety,
             },
         );
-        self.hand.adopt(safe.hand_rad(SIDE));
+        let own = &safe.command().position_rad[self.joints.clone()];
+        self.hand.adopt(HandVector::from_slice(own));
         *safe.command()
     }
 
@@ -146,7 +153,7 @@ impl Episode {
     }
 
     fn measured_rad(&self) -> HandVector {
-        HandVector::from_row_slice(&self.sensed.joints.position_rad[SIDE.joint_range()])
+        HandVector::from_slice(&self.sensed.joints.position_rad[self.joints.clone()])
     }
 
     /// The judge's view.
@@ -171,7 +178,7 @@ impl Episode {
             }
         }
         let state = &self.sensed.joints;
-        for (values, joint) in joints.chunks_exact_mut(3).zip(SIDE.joint_range()) {
+        for (values, joint) in joints.chunks_exact_mut(3).zip(self.joints.clone()) {
             values[0] = state.position_rad[joint] as f32;
             values[1] = state.velocity_rad_s[joint] as f32;
             values[2] = state.effort_n_m[joint] as f32;

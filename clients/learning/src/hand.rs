@@ -8,15 +8,15 @@ use atas_core::path::Path;
 use atas_core::perception::{Percept, Perception};
 use atas_core::safety::Grip;
 use atas_core::thresholds::Thresholds;
-use atas_core::{HandWiring, STIFFNESS_N_M_RAD, Settings, Tick};
+use atas_core::{HandWiring, Settings, Tick};
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{FINGERS, GraspFrame, HandModel, HandVector};
+use robot_model::{GraspFrame, HandModel, HandVector, VIRTUAL_FINGERS};
 use shm_schemas::{Hand, HandFrame};
 
 use crate::observation::MODULES;
 
 /// Numbers of one action: the hand's speed along x, y and z, the closing speed of finger 1 and of finger 2.
-pub const ACTIONS: usize = 3 + FINGERS;
+pub const ACTIONS: usize = 3 + VIRTUAL_FINGERS;
 /// Speed of the hand along an axis for an action of 1, m/s (ours: twice what the daemon conveys with).
 pub const MOVE_M_S: f64 = 0.1;
 /// Closing speed of a finger for an action of 1, m/s (ours: ten times what the daemon closes with).
@@ -53,13 +53,12 @@ impl PolicyHand {
     /// A hand that stands at these joint positions, rad.
     pub(crate) fn at(hand: Hand, model: HandModel, q_rad: HandVector, room: Room) -> Self {
         let wiring = HandWiring::default();
-        let stiffness_n_m_rad = HandVector::from_row_slice(&STIFFNESS_N_M_RAD);
         Self {
             intake: FrameIntake::new(hand, &wiring),
-            perception: Perception::new(&wiring),
+            perception: Perception::new(&wiring, &model),
             modules: Modules::default(),
             arbiter: Arbiter::default(),
-            servo: HandServo::at(&model, q_rad, stiffness_n_m_rad),
+            servo: HandServo::at(&model, q_rad),
             model,
             room,
             speed_m_s: Vector3::zeros(),
@@ -79,9 +78,9 @@ impl PolicyHand {
 
     /// What the gate must know of the grip.
     pub(crate) fn grip(&self) -> Grip {
-        let fingers = &self.percept().fingers;
+        let fingers = &self.percept().virtual_fingers;
         Grip {
-            normal_n: core::array::from_fn(|finger| fingers[finger].normal_n),
+            normal_n: fingers.map(|finger| finger.normal_n),
             f2_n: None,
         }
     }
@@ -139,7 +138,7 @@ impl PolicyHand {
     }
 
     /// Closing speeds that do not lead beyond the openings that can be commanded.
-    fn within_opening(&self, closing_m_s: [f64; FINGERS]) -> [f64; FINGERS] {
+    fn within_opening(&self, closing_m_s: [f64; VIRTUAL_FINGERS]) -> [f64; VIRTUAL_FINGERS] {
         let [least_m, most_m] = HALF_OPENING_M;
         let half_m = &self.servo.frame().half_opening_m;
         core::array::from_fn(|finger| {
@@ -154,11 +153,7 @@ impl PolicyHand {
     }
 
     /// What the modules say of what the hand feels, for an object that is not known yet.
-    pub(crate) fn ask_modules(
-        &mut self,
-        settings: &Settings,
-        base_from_tip: &[Matrix3<f64>; FINGERS],
-    ) {
+    pub(crate) fn ask_modules(&mut self, settings: &Settings, base_from_tip: &[Matrix3<f64>]) {
         let percept = self.perception.percept();
         let frame = *self.servo.frame();
         let thresholds = Thresholds::unknown(&settings.grasp);
@@ -168,8 +163,7 @@ impl PolicyHand {
             step_s: TICK_S,
             thresholds,
             least_n: thresholds.f1_n,
-            all_touched: weakest_n > 0.0
-                && percept.fingers[..FINGERS].iter().all(|it| it.in_contact),
+            all_touched: weakest_n > 0.0 && percept.virtual_fingers.iter().all(|it| it.in_contact),
             closing_m: 0.0,
             carried_m: 0.0,
             path: &Path::stay(frame),
@@ -194,8 +188,11 @@ impl PolicyHand {
     }
 
     /// Measured orientation of the fingertips.
-    pub(crate) fn orientations(&self, q_rad: &HandVector) -> [Matrix3<f64>; FINGERS] {
+    pub(crate) fn orientations(&self, q_rad: &HandVector) -> Vec<Matrix3<f64>> {
         let pose = self.model.forward(q_rad);
-        core::array::from_fn(|finger| pose.base_from_tip()[finger].rotation)
+        pose.base_from_tip()
+            .iter()
+            .map(|tip| tip.rotation)
+            .collect()
     }
 }

@@ -1,18 +1,20 @@
 //! What does not change while a page is open: the robot's links and where the elements of its fingertips sit.
 
-use robot_model::{Form, Limb, Placement, Shape, Skeleton, TIP_LINKS};
+use robot_model::{Form, Limb, ModelError, Placement, RobotModel, Shape, Side, Skeleton};
 use serde_json::{Value, json};
 use shm_schemas::{Layout, ModuleId};
 
-/// The robot, its skin and its modules.
-pub(crate) fn scene(skeleton: &Skeleton, layouts: &[Layout; 2]) -> Value {
+/// The robot of a URDF, its skin and its modules.
+pub(crate) fn scene(urdf: &str, layouts: &[Layout; 2]) -> Result<Value, ModelError> {
+    let (skeleton, robot) = (Skeleton::from_urdf(urdf)?, RobotModel::from_urdf(urdf)?);
+    let tips = Side::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
     let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
-    json!({
+    Ok(json!({
         "limbs": skeleton.limbs().iter().map(limb).collect::<Vec<_>>(),
-        "tips": TIP_LINKS,
+        "tips": tips,
         "layouts": layouts.each_ref().map(layout),
         "modules": modules.map(|id| json!({ "id": id.0, "name": id.name() })).collect::<Vec<_>>(),
-    })
+    }))
 }
 
 fn limb(limb: &Limb) -> Value {

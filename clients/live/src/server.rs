@@ -16,7 +16,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use robot_model::{Skeleton, TWO_HAND_ARM_URDF};
+use robot_model::TWO_HAND_ARM;
 use serde_json::{Value, json};
 use shm_bus::BusName;
 use shm_schemas::Layout;
@@ -96,15 +96,12 @@ async fn listen(port: u16) -> anyhow::Result<TcpListener> {
 
 fn live_scene(robot: Option<&FilePath>) -> anyhow::Result<Value> {
     let text = match robot {
-        None => TWO_HAND_ARM_URDF.to_owned(),
+        None => TWO_HAND_ARM.urdf.to_owned(),
         Some(path) => std::fs::read_to_string(path)
             .with_context(|| format!("could not read the robot {}", path.display()))?,
     };
-    let skeleton = Skeleton::from_urdf(&text)?;
-    Ok(scene::scene(
-        &skeleton,
-        &[Layout::dome_41(), Layout::dome_41()],
-    ))
+    let layouts = [Layout::dome_41(), Layout::dome_41()];
+    Ok(scene::scene(&text, &layouts)?)
 }
 
 fn announce(server: &Server, port: u16, output: &mut Output) -> anyhow::Result<()> {

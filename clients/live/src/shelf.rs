@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use atas_recording::{Row, Rows, origin};
-use robot_model::Skeleton;
 use serde_json::{Value, json};
 use shm_schemas::{HandFrame, JointState, Layout, TickReport};
 
@@ -44,7 +43,6 @@ impl Shelf {
         let seconds = length_s(files)?;
         let rows = Rows::open(files)?;
         let urdf = origin::urdf(rows.header())?;
-        let skeleton = Skeleton::from_urdf(&urdf).context("could not load the recorded robot")?;
         let layouts = origin::layouts(rows.header());
         let counts = layouts.each_ref().map(|layout: &Layout| layout.count);
         let mut shelf = Self {
@@ -53,7 +51,8 @@ impl Shelf {
             events: Vec::new(),
             period_s: (seconds / PICTURES as f64).max(1.0 / RATE_HZ),
             faults: Faults::default(),
-            scene: crate::scene::scene(&skeleton, &layouts),
+            scene: crate::scene::scene(&urdf, &layouts)
+                .context("could not load the recorded robot")?,
             name: files[0].display().to_string(),
         };
         let mut now = Now::default();

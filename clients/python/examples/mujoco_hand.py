@@ -3,7 +3,7 @@
     pip install mujoco
     python examples/mujoco_hand.py --atasd target/debug/atasd
 
-MuJoCo simulates the robot of `daemon/robot/two_hand_arm.urdf` and objects that are described here. Each fingertip is a bed of 41 sprung
+MuJoCo simulates the robot of `daemon/robot/robots/two-hand-arm/robot.urdf` and objects that are described here. Each fingertip is a bed of 41 sprung
 pins along the elements' normals: what MuJoCo's contacts press and rub on a pin is what that taxel feels. The daemon sees frames and
 joint states, as from any robot, and sends commands. Afterwards the same objects are grasped in ATAS's own simulator by the same
 controller, and both verdicts are printed side by side: contact there is another model, written by other people.
@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[3]
-URDF = ROOT / "daemon" / "robot" / "two_hand_arm.urdf"
+URDF = ROOT / "daemon" / "robot" / "robots" / "two-hand-arm" / "robot.urdf"
 AT = (0.32, -0.15)
 """Where objects stand: before the right hand, m."""
 TICK_NS = 1_000_000

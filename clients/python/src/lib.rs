@@ -58,8 +58,9 @@ mod _native {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("FINGERS", shm_schemas::capacity::FINGERS)?;
         module.add("ELEMENTS", shm_schemas::capacity::ELEMENTS)?;
-        module.add("JOINTS", robot_model::ROBOT_JOINTS)?;
-        module.add("JOINT_NAMES", super::robot::joint_names())
+        let joint_names = super::robot::joint_names()?;
+        module.add("JOINTS", joint_names.len())?;
+        module.add("JOINT_NAMES", joint_names)
     }
 
     /// Nanoseconds of CLOCK_MONOTONIC: the time of every stamp on the bus.

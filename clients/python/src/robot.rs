@@ -6,7 +6,7 @@ use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
 use pyo3::exceptions::PyTimeoutError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_model::{JOINT_NAMES, ROBOT_JOINTS, RobotModel};
+use robot_model::{RobotModel, RobotVector};
 use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
 use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
 use shm_schemas::{JointCommand, JointState, Mode, Stamp};
@@ -34,7 +34,7 @@ type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 pub(crate) struct Robot {
     states: Publisher<JointState>,
     commands: Subscriber<JointCommand>,
-    speeds_rad_s: [f64; ROBOT_JOINTS],
+    speeds_rad_s: RobotVector,
     stamp: Stamp,
     sent: Option<u64>,
     obedience: Option<Obedience>,
@@ -51,11 +51,15 @@ impl Robot {
         commands
             .newest(&mut JointCommand::default())
             .map_err(of_bus)?;
-        let mut speeds = robot.joints().map(|joint| joint.velocity_max_rad_s);
+        let speeds: Vec<f64> = robot
+            .joints()
+            .map(|joint| joint.velocity_max_rad_s)
+            .collect();
+        let rest_rad = RobotVector::zeros(speeds.len());
         Ok(Self {
             states: bus.publisher(JOINT_STATE).map_err(of_bus)?,
             commands,
-            speeds_rad_s: std::array::from_fn(|_| speeds.next().unwrap_or(0.0)),
+            speeds_rad_s: RobotVector::from_slice(&speeds),
             stamp: Stamp {
                 writer_epoch: writer_epoch(),
                 ..Stamp::default()
@@ -63,8 +67,8 @@ impl Robot {
             sent: None,
             obedience: None,
             held: Orders {
-                position_rad: [0.0; ROBOT_JOINTS],
-                velocity_rad_s: [0.0; ROBOT_JOINTS],
+                position_rad: rest_rad,
+                velocity_rad_s: rest_rad,
             },
             obeyed: None,
         })
@@ -72,19 +76,20 @@ impl Robot {
 
     fn state(&self, values: [&[f64]; 3], captured_ns: u64) -> JointState {
         let [position_rad, velocity_rad_s, effort_n_m] = values;
+        let joints = self.speeds_rad_s.len();
         let mut state = JointState {
             stamp: Stamp {
                 captured_ns,
                 ..self.stamp
             },
-            joint_count: ROBOT_JOINTS as u32,
-            commanded_count: ROBOT_JOINTS as u32,
+            joint_count: joints as u32,
+            commanded_count: joints as u32,
             ..JointState::default()
         };
-        state.position_rad[..ROBOT_JOINTS].copy_from_slice(position_rad);
-        state.velocity_rad_s[..ROBOT_JOINTS].copy_from_slice(velocity_rad_s);
-        state.effort_n_m[..ROBOT_JOINTS].copy_from_slice(effort_n_m);
-        state.commanded_rad[..ROBOT_JOINTS].copy_from_slice(&self.held.position_rad);
+        state.position_rad[..joints].copy_from_slice(position_rad);
+        state.velocity_rad_s[..joints].copy_from_slice(velocity_rad_s);
+        state.effort_n_m[..joints].copy_from_slice(effort_n_m);
+        state.commanded_rad[..joints].copy_from_slice(&self.held.position_rad);
         if let Some((last, ..)) = &self.obeyed {
             state.command_epoch = last.stamp.writer_epoch;
             state.command_sequence = last.stamp.sequence;
@@ -119,7 +124,7 @@ impl Robot {
             .obeyed
             .is_some_and(|(last, ..)| last.valid_until_ns >= now_ns);
         if !in_force {
-            self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
+            self.held.velocity_rad_s.fill(0.0);
         }
         told.set_item(
             "position_rad",
@@ -153,16 +158,17 @@ impl Robot {
         effort_n_m: Option<Numbers<'_>>,
         captured_ns: Option<u64>,
     ) -> PyResult<u64> {
+        let joints = self.speeds_rad_s.len();
         let or_zero =
-            |values: Option<Numbers<'_>>| values.map_or(vec![0.0; ROBOT_JOINTS], |it| numbers(&it));
+            |values: Option<Numbers<'_>>| values.map_or(vec![0.0; joints], |it| numbers(&it));
         let (positions, velocities, efforts) = (
             numbers(&position_rad),
             or_zero(velocity_rad_s),
             or_zero(effort_n_m),
         );
-        finite("position_rad", &positions, ROBOT_JOINTS)?;
-        finite("velocity_rad_s", &velocities, ROBOT_JOINTS)?;
-        finite("effort_n_m", &efforts, ROBOT_JOINTS)?;
+        finite("position_rad", &positions, joints)?;
+        finite("velocity_rad_s", &velocities, joints)?;
+        finite("effort_n_m", &efforts, joints)?;
         if self.obedience.is_none() {
             self.held.position_rad.copy_from_slice(&positions);
             self.obedience = Some(Obedience::at(self.held.position_rad, self.speeds_rad_s));
@@ -245,6 +251,7 @@ impl Robot {
 }
 
 /// Names of the joints, in the order of every array of joints.
-pub(crate) fn joint_names() -> Vec<&'static str> {
-    JOINT_NAMES.concat()
+pub(crate) fn joint_names() -> PyResult<Vec<String>> {
+    let robot = RobotModel::two_hand_arm().map_err(|why| AtasError::new_err(why.to_string()))?;
+    Ok(robot.joints().map(|joint| joint.name.to_string()).collect())
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use anyhow::Context;
-use robot_model::TWO_HAND_ARM_URDF;
+use robot_model::TWO_HAND_ARM;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{HandWiringRecord, Layout, RunHeader};
@@ -11,7 +11,7 @@ use shm_schemas::{HandWiringRecord, Layout, RunHeader};
 /// How the daemon names the robot that is built in.
 const BUILT_IN: &str = "built-in";
 /// Fingers of a hand of which nothing is recorded: the built-in robot's.
-const USUAL_FINGERS: usize = robot_model::FINGERS;
+const USUAL_FINGERS: usize = 2;
 
 /// The URDF of the recorded robot; the built-in one where nothing is recorded of it.
 ///
@@ -19,7 +19,7 @@ const USUAL_FINGERS: usize = robot_model::FINGERS;
 /// Its file cannot be read, or has changed since.
 pub fn urdf(header: Option<&RunHeader>) -> anyhow::Result<Cow<'static, str>> {
     let Some(header) = header.filter(|header| header.robot.as_str() != BUILT_IN) else {
-        return Ok(Cow::Borrowed(TWO_HAND_ARM_URDF));
+        return Ok(Cow::Borrowed(TWO_HAND_ARM.urdf));
     };
     let name = header.robot.as_str();
     let text = std::fs::read_to_string(name).with_context(|| {

@@ -10,7 +10,7 @@
 
 use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
 use crate::modules::{Finding, PoseCommand, Proposal, Verdict};
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 
 /// What one hand shall do in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +18,8 @@ use robot_model::FINGERS;
 pub struct Intent {
     /// Where the hand shall be; `None` keeps it.
     pub pose: Option<PoseCommand>,
-    /// Closing speed of each finger, m/s, negative opens; not used while the path includes the fingers.
-    pub closing_m_s: [f64; FINGERS],
+    /// Closing speed of each virtual finger, m/s, negative opens; not used while the path includes the fingers.
+    pub closing_m_s: [f64; VIRTUAL_FINGERS],
     /// What the modules conclude.
     pub verdict: Verdict,
     /// What any of them has found out.
@@ -30,14 +30,14 @@ pub struct Intent {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arbiter {
-    closing_m_s: [f64; FINGERS],
+    closing_m_s: [f64; VIRTUAL_FINGERS],
     carry_scale: f64,
 }
 
 impl Default for Arbiter {
     fn default() -> Self {
         Self {
-            closing_m_s: [0.0; FINGERS],
+            closing_m_s: [0.0; VIRTUAL_FINGERS],
             carry_scale: 1.0,
         }
     }
@@ -46,7 +46,7 @@ impl Default for Arbiter {
 impl Arbiter {
     /// Merges the proposals.
     pub fn merge(&mut self, proposals: &[Proposal], step_s: f64) -> Intent {
-        for finger in 0..FINGERS {
+        for finger in 0..VIRTUAL_FINGERS {
             let wishes = || proposals.iter().map(|p| p.closing_m_s[finger]);
             let closing = highest(wishes(), 0.0);
             let wanted = if closing > 0.0 {
@@ -80,15 +80,15 @@ impl Arbiter {
         self.carry_scale
     }
 
-    /// Closing speed of each finger, as merged last, m/s.
+    /// Closing speed of each virtual finger, as merged last, m/s.
     #[must_use]
-    pub fn closing_m_s(&self) -> [f64; FINGERS] {
+    pub fn closing_m_s(&self) -> [f64; VIRTUAL_FINGERS] {
         self.closing_m_s
     }
 
     /// The fingers stand still: what the next tick slews from.
     pub fn rest(&mut self) {
-        self.closing_m_s = [0.0; FINGERS];
+        self.closing_m_s = [0.0; VIRTUAL_FINGERS];
     }
 }
 

@@ -18,9 +18,7 @@ use crate::tick::{Stage, StallWatch, Tick};
 use crate::wiring::Wiring;
 
 use core::ops::Range;
-use robot_model::{
-    ARM_JOINTS, FINGER_JOINTS, FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side, finger_root,
-};
+use robot_model::{HandVector, RobotModel, RobotVector, Side};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
     Cause, EventKind, Hand, HandStatus, JointCommand, JointStatus, Mode, ModuleEvent, Reason,
@@ -231,38 +229,55 @@ impl Controller {
     }
 
     /// Begins to command from where the joints are told to be: what they are commanded beyond where they are is the grip.
-    fn anchor(&mut self, measured_rad: &[f64; ROBOT_JOINTS]) {
+    fn anchor(&mut self, measured_rad: &RobotVector) {
         let anchor_rad = self.anchor_rad(measured_rad);
         self.gate.anchor(&anchor_rad);
-        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+        let ranges = self.joint_ranges();
+        for (hand, range) in self.hands.iter_mut().zip(ranges) {
             hand.abandon();
-            let q_rad = HandVector::from_row_slice(&self.gate.position_rad()[side.joint_range()]);
-            hand.anchor(q_rad, &self.wiring);
+            hand.anchor(HandVector::from_slice(&self.gate.position_rad()[range]));
         }
         self.looks_for_grip = true;
     }
 
     /// The last command, as the robot tells it or else as the gate remembers it; for an arm or a finger that does not follow
     /// it, where that is.
-    fn anchor_rad(&self, measured_rad: &[f64; ROBOT_JOINTS]) -> [f64; ROBOT_JOINTS] {
+    fn anchor_rad(&self, measured_rad: &RobotVector) -> RobotVector {
         let remembered_rad = self.gate.is_anchored().then(|| self.gate.position_rad());
         let Some(last_rad) = self.joints.commanded_rad().or(remembered_rad) else {
             return *measured_rad;
         };
         let mut anchor_rad = *measured_rad;
-        for limb in limbs() {
-            let off_rad = |joint: usize| (last_rad[joint] - measured_rad[joint]).abs();
-            if limb.clone().all(|joint| off_rad(joint) <= PRELOAD_MAX_RAD) {
-                anchor_rad[limb.clone()].copy_from_slice(&last_rad[limb]);
+        for (hand, range) in self.hands.iter().zip(self.joint_ranges()) {
+            for limb in hand.model().limbs() {
+                let follows = |own: usize| {
+                    let (joint, unit) = (range.start + own, hand.model().joints()[own].radian());
+                    let off_rad = (last_rad[joint] - measured_rad[joint]).abs();
+                    off_rad <= PRELOAD_MAX_RAD * unit
+                };
+                if limb.clone().all(follows) {
+                    let limb = range.start + limb.start..range.start + limb.end;
+                    anchor_rad[limb.clone()].copy_from_slice(&last_rad[limb]);
+                }
             }
         }
         anchor_rad
     }
 
+    /// Positions of each hand's joints in a vector of the robot.
+    fn joint_ranges(&self) -> [Range<usize>; HANDS] {
+        let [left, right] = self
+            .hands
+            .each_ref()
+            .map(|hand| hand.model().joints().len());
+        [0..left, left..left + right]
+    }
+
     fn settle(&mut self, safe: &SafeCommand) {
         self.outputs.command = *safe.command();
-        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
-            hand.adopt(safe.hand_rad(side));
+        let ranges = self.joint_ranges();
+        for (hand, range) in self.hands.iter_mut().zip(ranges) {
+            hand.adopt(HandVector::from_slice(&safe.command().position_rad[range]));
         }
         let finding = self.gate.finding();
         self.refused = Reason::default();
@@ -302,17 +317,4 @@ impl Controller {
             ..TickReport::default()
         };
     }
-}
-
-/// The joints of each arm and of each finger.
-fn limbs() -> impl Iterator<Item = Range<usize>> {
-    let of_hand = |side: Side| {
-        let first = side.first_joint();
-        let finger = move |finger| {
-            let root = first + finger_root(finger);
-            root..root + FINGER_JOINTS
-        };
-        core::iter::once(first..first + ARM_JOINTS).chain((0..FINGERS).map(finger))
-    };
-    Side::BOTH.into_iter().flat_map(of_hand)
 }

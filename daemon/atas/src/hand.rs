@@ -13,9 +13,9 @@ use crate::safety::Grip;
 use crate::settings::Settings;
 use crate::tasks::Step;
 use crate::tick::Tick;
-use crate::wiring::Wiring;
+use crate::wiring::{HandWiring, Wiring};
 use nalgebra::Matrix3;
-use robot_model::{FINGERS, HandModel, HandPose, HandVector};
+use robot_model::{FINGERS_MAX, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 use shm_schemas::{
     Cause, EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus,
     ModuleEvent, Reason,
@@ -41,7 +41,7 @@ pub(crate) struct HandControl {
     intent: Option<Intent>,
     active: u32,
     measured_gap_m: f64,
-    base_from_tip: [Matrix3<f64>; FINGERS],
+    base_from_tip: [Matrix3<f64>; FINGERS_MAX],
     frames: u32,
     /// A module has seen in the tick before that the object slides.
     slides: bool,
@@ -51,14 +51,19 @@ impl HandControl {
     /// A hand that feels nothing yet and stands nowhere.
     #[must_use]
     pub(crate) fn new(hand: Hand, model: HandModel, wiring: &Wiring) -> Self {
+        // Nothing is awaited of a hand that the robot has not got.
         let own = &wiring.hands[model.side().index()];
+        let own = &HandWiring {
+            required: own.required && model.is_present(),
+            ..own.clone()
+        };
         Self {
             hand,
-            model,
             required: own.required,
             layout_hash: own.layout.hash(),
             intake: FrameIntake::new(hand, own),
-            perception: Perception::new(own),
+            perception: Perception::new(own, &model),
+            model,
             modules: Modules::default(),
             arbiter: Arbiter::default(),
             servo: None,
@@ -66,7 +71,7 @@ impl HandControl {
             intent: None,
             active: 0,
             measured_gap_m: 0.0,
-            base_from_tip: [Matrix3::identity(); FINGERS],
+            base_from_tip: [Matrix3::identity(); FINGERS_MAX],
             frames: 0,
             slides: false,
         }
@@ -116,7 +121,7 @@ impl HandControl {
     /// the object.
     fn implausible(&self, settings: &Settings) -> Reason {
         let limit_n = IMPLAUSIBLE_FACTOR * settings.safety.grip_ceiling_n;
-        let fingers = self.perception.percept().fingers[..FINGERS].iter();
+        let fingers = self.perception.percept().fingers.iter();
         let over = |normal_n: &f64| normal_n.is_nan() || normal_n.abs() > limit_n;
         let worst_n = fingers.map(|finger| finger.normal_n).find(over);
         worst_n.map_or(Reason::default(), |n| {
@@ -127,19 +132,21 @@ impl HandControl {
     /// Takes in where the joints are.
     pub(crate) fn locate(&mut self, measured: &HandPose) {
         self.measured_gap_m = gap_m(measured);
-        self.base_from_tip = core::array::from_fn(|f| measured.base_from_tip()[f].rotation);
+        for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
+            *of_tip = tip.rotation;
+        }
     }
 
     /// Stands at these joint positions, rad, at rest.
-    pub(crate) fn anchor(&mut self, q_rad: HandVector, wiring: &Wiring) {
-        self.servo = Some(HandServo::at(&self.model, q_rad, wiring.stiffness_n_m_rad));
+    pub(crate) fn anchor(&mut self, q_rad: HandVector) {
+        self.servo = Some(HandServo::at(&self.model, q_rad));
         self.arbiter.rest();
     }
 
     /// Goes on holding what the hand presses on, if it has no task and every finger presses; the reason to say so.
     pub(crate) fn keep(&mut self, settings: &Settings) -> Option<Reason> {
         let percept = *self.perception.percept();
-        let touches = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
+        let touches = percept.virtual_fingers.iter().all(|f| f.in_contact);
         let servo = self.servo.as_mut()?;
         if !touches || self.runner.is_some() {
             return None;
@@ -171,14 +178,14 @@ impl HandControl {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
             frame: servo.frame(),
-            base_from_tip: &self.base_from_tip,
+            base_from_tip: &self.base_from_tip[..self.model.finger_count()],
         };
         let context = runner.context(settings, step_s, motion);
         let proposals = self
             .modules
             .evaluate(runner.step().modules, percept, &context);
         let intent = self.arbiter.merge(&proposals, step_s);
-        let down_n = -force_up_n(percept, &self.base_from_tip);
+        let down_n = -force_up_n(percept, motion.base_from_tip);
         runner.learn(percept, down_n, intent.finding);
         self.slides = intent.finding.slides;
         let arrived = intent.pose.is_some_and(|c| c.arrived);
@@ -206,8 +213,8 @@ impl HandControl {
     pub(crate) fn follow(&mut self, moves: bool, step_s: f64) -> HandCommand {
         let Some(servo) = self.servo.as_mut() else {
             return HandCommand {
-                q_rad: HandVector::zeros(),
-                closing_m_s: [0.0; FINGERS],
+                q_rad: HandVector::zeros(self.model.joints().len()),
+                closing_m_s: [0.0; VIRTUAL_FINGERS],
             };
         };
         match self.intent {
@@ -298,7 +305,7 @@ impl HandControl {
     pub(crate) fn grip(&self) -> Grip {
         let percept = self.perception.percept();
         Grip {
-            normal_n: core::array::from_fn(|f| percept.fingers[f].normal_n),
+            normal_n: percept.virtual_fingers.map(|finger| finger.normal_n),
             f2_n: self
                 .runner
                 .as_ref()
@@ -327,7 +334,8 @@ impl HandControl {
             figures.normal_n[i] = finger.normal_n as f32;
             figures.tangential_n[i] = finger.tangential_n as f32;
         }
-        let friction = percept.fingers[..FINGERS]
+        let friction = percept
+            .virtual_fingers
             .iter()
             .map(|f| f.friction)
             .fold(f64::INFINITY, f64::min);
@@ -374,7 +382,11 @@ impl HandControl {
                 utilisation: finger.utilisation as f32,
                 utilisation_now: finger.utilisation_now as f32,
                 friction: finger.friction as f32,
-                closing_m_s: closing.get(i).map_or(0.0, |c| *c as f32),
+                closing_m_s: if i < self.model.finger_count() {
+                    closing[self.model.virtual_finger(i)] as f32
+                } else {
+                    0.0
+                },
                 in_contact: u32::from(finger.in_contact),
             };
         }
@@ -407,8 +419,9 @@ impl HandControl {
         }
     }
 
-    fn intent_closing(&self) -> [f64; FINGERS] {
-        self.intent.map_or([0.0; FINGERS], |i| i.closing_m_s)
+    fn intent_closing(&self) -> [f64; VIRTUAL_FINGERS] {
+        self.intent
+            .map_or([0.0; VIRTUAL_FINGERS], |i| i.closing_m_s)
     }
 
     fn event(&self, kind: EventKind) -> ModuleEvent {

@@ -4,14 +4,15 @@ use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD, WRITER_SILENT_NS}
 use crate::settings::Intake as Limits;
 use crate::tick::Tick;
 use crate::tick::seconds_between;
-use robot_model::{Joint, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::{Cause, JointState, JointStatus, Reason};
 
 /// The gatekeeper of joint states, and the newest that it believed.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointIntake {
-    joints: [Joint; ROBOT_JOINTS],
+    joints: [Joint; ROBOT_JOINTS_MAX],
+    joint_count: usize,
     required: bool,
     newest: Option<Newest>,
     /// Sequence of the newest state, believed or not: what lock-step waits for.
@@ -29,21 +30,17 @@ struct Newest {
     epoch: u64,
     captured_ns: u64,
     received_ns: u64,
-    position_rad: [f64; ROBOT_JOINTS],
-    commanded_rad: Option<[f64; ROBOT_JOINTS]>,
+    position_rad: RobotVector,
+    commanded_rad: Option<RobotVector>,
 }
 
 impl JointIntake {
     /// An intake for this robot.
     #[must_use]
     pub fn new(robot: &RobotModel, required: bool) -> Self {
-        let hand = |i: usize| {
-            robot
-                .hand(Side::BOTH[i / robot_model::HAND_JOINTS])
-                .joints()[i % robot_model::HAND_JOINTS]
-        };
         Self {
-            joints: core::array::from_fn(hand),
+            joints: core::array::from_fn(|joint| robot.joint(joint).copied().unwrap_or_default()),
+            joint_count: robot.joint_count(),
             required,
             newest: None,
             seen_sequence: 0,
@@ -63,8 +60,7 @@ impl JointIntake {
             Ok(lost) => {
                 self.status.states += 1;
                 self.status.lost = self.status.lost.saturating_add(lost);
-                let mut position_rad = [0.0; ROBOT_JOINTS];
-                position_rad.copy_from_slice(&state.position_rad[..ROBOT_JOINTS]);
+                let position_rad = RobotVector::from_slice(&state.position_rad[..self.joint_count]);
                 let epoch = state.stamp.writer_epoch;
                 self.restarted = self.newest.is_some_and(|newest| newest.epoch != epoch);
                 self.newest = Some(Newest {
@@ -85,13 +81,13 @@ impl JointIntake {
 
     /// Measured positions, rad, if any were ever believed.
     #[must_use]
-    pub fn position_rad(&self) -> Option<&[f64; ROBOT_JOINTS]> {
+    pub fn position_rad(&self) -> Option<&RobotVector> {
         self.newest.as_ref().map(|n| &n.position_rad)
     }
 
     /// What the robot says that its servos are commanded to, rad, if it tells and it can be.
     #[must_use]
-    pub fn commanded_rad(&self) -> Option<&[f64; ROBOT_JOINTS]> {
+    pub fn commanded_rad(&self) -> Option<&RobotVector> {
         self.newest.as_ref()?.commanded_rad.as_ref()
     }
 
@@ -101,15 +97,19 @@ impl JointIntake {
         self.restarted
     }
 
-    fn commanded_of(&self, state: &JointState) -> Option<[f64; ROBOT_JOINTS]> {
-        let told_rad = &state.commanded_rad[..ROBOT_JOINTS];
+    fn joints(&self) -> &[Joint] {
+        &self.joints[..self.joint_count]
+    }
+
+    fn commanded_of(&self, state: &JointState) -> Option<RobotVector> {
+        let told_rad = &state.commanded_rad[..self.joint_count];
         // The comparisons are false for NaN.
         let within =
             |(joint, q_rad): (&Joint, &f64)| *q_rad >= joint.lower_rad && *q_rad <= joint.upper_rad;
-        let believable = state.commanded_count as usize == ROBOT_JOINTS
+        let believable = state.commanded_count as usize == self.joint_count
             && state.command_epoch != 0
-            && self.joints.iter().zip(told_rad).all(within);
-        believable.then(|| core::array::from_fn(|joint| told_rad[joint]))
+            && self.joints().iter().zip(told_rad).all(within);
+        believable.then(|| RobotVector::from_slice(told_rad))
     }
 
     /// Sequence of the newest state, believed or not.
@@ -158,21 +158,21 @@ impl JointIntake {
         if !state.is_intact() {
             return Err(Reason::default());
         }
-        if state.joint_count as usize != ROBOT_JOINTS {
+        if state.joint_count as usize != self.joint_count {
             return Err(Reason::limit(
                 Cause::JOINTS_INVALID,
                 f64::from(state.joint_count),
-                ROBOT_JOINTS as f64,
+                self.joint_count as f64,
             ));
         }
-        let positions_rad = &state.position_rad[..ROBOT_JOINTS];
+        let positions_rad = &state.position_rad[..self.joint_count];
         // The comparisons are false for NaN, so a NaN is out of range.
         let believable = |(joint, &q_rad): (&Joint, &f64)| {
-            q_rad >= joint.lower_rad - FEEDBACK_MARGIN_RAD
-                && q_rad <= joint.upper_rad + FEEDBACK_MARGIN_RAD
+            let margin_rad = FEEDBACK_MARGIN_RAD * joint.radian();
+            q_rad >= joint.lower_rad - margin_rad && q_rad <= joint.upper_rad + margin_rad
         };
         if let Some(joint) = self
-            .joints
+            .joints()
             .iter()
             .zip(positions_rad)
             .position(|j| !believable(j))
@@ -209,7 +209,7 @@ impl JointIntake {
 
     fn check_jump(&self, state: &JointState, newest: &Newest) -> Result<(), Reason> {
         let elapsed_s = seconds_between(newest.captured_ns, state.stamp.captured_ns);
-        for joint in 0..ROBOT_JOINTS {
+        for joint in 0..self.joint_count {
             let (now_rad, last_rad) = (state.position_rad[joint], newest.position_rad[joint]);
             let allowed_rad =
                 FEEDBACK_JUMP_FACTOR * self.joints[joint].velocity_max_rad_s * elapsed_s;

@@ -10,10 +10,10 @@ use crate::limits::{
     SECONDARY_STEPS_MAX,
 };
 use crate::perception::Percept;
-use nalgebra::{SVector, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use robot_model::{
-    ARM_JOINTS, FINGERS, GraspFrame, HandJacobian, HandModel, HandPose, HandVector, IkStatus,
-    IkWeights,
+    FINGERS_MAX, GraspFrame, HandJacobian, HandModel, HandPose, HandVector, IkStatus, IkWeights,
+    VIRTUAL_FINGERS,
 };
 
 /// How far the wanted opening of a finger may be ahead of what its joints were allowed, m (ours: ten times what a finger that
@@ -25,14 +25,14 @@ const AHEAD_MAX_M: f64 = 0.0005;
 pub struct HandCommand {
     /// Wanted positions, rad. May be anything; the gate checks.
     pub(crate) q_rad: HandVector,
-    /// Closing speed that each finger is asked for, m/s.
-    pub(crate) closing_m_s: [f64; FINGERS],
+    /// Closing speed that each virtual finger is asked for, m/s.
+    pub(crate) closing_m_s: [f64; VIRTUAL_FINGERS],
 }
 
 impl HandCommand {
     /// Wanted positions of one hand, rad, and the closing speed they stand for, m/s.
     #[must_use]
-    pub fn new(q_rad: HandVector, closing_m_s: [f64; FINGERS]) -> Self {
+    pub fn new(q_rad: HandVector, closing_m_s: [f64; VIRTUAL_FINGERS]) -> Self {
         Self { q_rad, closing_m_s }
     }
 }
@@ -43,23 +43,21 @@ impl HandCommand {
 pub struct HandServo {
     frame: GraspFrame,
     q_rad: HandVector,
-    /// Low-passed force of the squeeze: the mean over the fingers, N.
+    /// Low-passed force of the squeeze: the mean over the virtual fingers, N.
     squeeze_n: f64,
     /// Share of the secondary gain that has built up since the hand was anchored, 0 to 1.
     secondary: f64,
-    stiffness_n_m_rad: HandVector,
 }
 
 impl HandServo {
     /// A hand that stands at these joint positions, rad.
     #[must_use]
-    pub fn at(hand: &HandModel, q_rad: HandVector, stiffness_n_m_rad: HandVector) -> Self {
+    pub fn at(hand: &HandModel, q_rad: HandVector) -> Self {
         Self {
             frame: frame_of(hand, &hand.forward(&q_rad)),
             q_rad,
             squeeze_n: 0.0,
             secondary: 0.0,
-            stiffness_n_m_rad,
         }
     }
 
@@ -96,7 +94,7 @@ impl HandServo {
     pub fn rest(&self) -> HandCommand {
         HandCommand {
             q_rad: self.q_rad,
-            closing_m_s: [0.0; FINGERS],
+            closing_m_s: [0.0; VIRTUAL_FINGERS],
         }
     }
 
@@ -140,28 +138,29 @@ impl HandServo {
         jacobian: &HandJacobian,
         percept: &Percept,
         step_s: f64,
-    ) -> [f64; FINGERS] {
+    ) -> [f64; VIRTUAL_FINGERS] {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
         self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
-        // Finger 1 is pressed along +n, finger 2 along −n.
+        // The first side is pressed along +n, the second along −n, each fingertip with its share.
         let n = self.frame.closing_axis();
-        let mut force_n = SVector::<f64, 6>::zeros();
-        force_n
-            .fixed_rows_mut::<3>(0)
-            .copy_from(&(n * self.squeeze_n));
-        force_n
-            .fixed_rows_mut::<3>(3)
-            .copy_from(&(n * -self.squeeze_n));
+        let mut force_n = [Vector3::zeros(); FINGERS_MAX];
+        for side in 0..VIRTUAL_FINGERS {
+            let share_n = self.squeeze_n / hand.fingers_of(side).count() as f64;
+            for finger in hand.fingers_of(side) {
+                force_n[finger] = n * if side == 0 { share_n } else { -share_n };
+            }
+        }
+        let stiffness_n_m_rad = hand.stiffness_n_m_rad();
         let bent_rad = jacobian
-            .tip
-            .tr_mul(&force_n)
-            .component_div(&self.stiffness_n_m_rad);
-        let moved_m = jacobian.tip * bent_rad;
-        core::array::from_fn(|finger| {
+            .torques_n_m(&force_n)
+            .zip_map(&stiffness_n_m_rad, |torque_n_m, k| torque_n_m / k);
+        let bend_m = |finger: usize| {
+            let moved_m = HandJacobian::moved(&jacobian.tip[finger], &bent_rad);
             let arm_m = pose.dome_axis(finger) * hand.dome_radius_m()[finger];
-            let turned_rad = jacobian.tip_angular[finger] * bent_rad;
-            moved_m[3 * finger + 2] + turned_rad.cross(&arm_m).z
-        })
+            let turned_rad = HandJacobian::moved(&jacobian.tip_angular[finger], &bent_rad);
+            moved_m.z + turned_rad.cross(&arm_m).z
+        };
+        core::array::from_fn(|side| hand.mean_of_side(side, bend_m))
     }
 
     /// The posture in which a hand is found need not be the one that inverse kinematics prefers. The pull towards that
@@ -182,8 +181,9 @@ impl HandServo {
         let n = self.frame.closing_axis();
         let radius_m = hand.dome_radius_m();
         for (finger, sign) in [1.0, -1.0].into_iter().enumerate() {
-            let from_centre_m = pose.tip_m(finger) - self.frame.centre_m;
-            let least_m = sign * from_centre_m.dot(&n) - radius_m[finger] - AHEAD_MAX_M;
+            let from_centre_m = pose.side_m(finger) - self.frame.centre_m;
+            let radius_m = hand.mean_of_side(finger, |tip| radius_m[tip]);
+            let least_m = sign * from_centre_m.dot(&n) - radius_m - AHEAD_MAX_M;
             let half_opening_m = &mut self.frame.half_opening_m[finger];
             if *half_opening_m < least_m {
                 *half_opening_m = least_m;
@@ -192,7 +192,7 @@ impl HandServo {
     }
 
     /// Moves the commanded pose; returns the closing speed it stands for.
-    fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; FINGERS] {
+    fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; VIRTUAL_FINGERS] {
         let before_m = self.frame.half_opening_m;
         let carried_fingers = match intent.pose {
             Some(carried) => {
@@ -209,22 +209,22 @@ impl HandServo {
     }
 }
 
-/// Normal force of the squeeze, N: the mean over the fingers.
+/// Normal force of the squeeze, N: the mean over the virtual fingers.
 fn mean_normal_n(percept: &Percept) -> f64 {
-    let fingers = &percept.fingers[..FINGERS];
-    fingers.iter().map(|f| f.normal_n).sum::<f64>() / FINGERS as f64
+    let fingers = percept.virtual_fingers.iter();
+    fingers.map(|f| f.normal_n).sum::<f64>() / VIRTUAL_FINGERS as f64
 }
 
-/// Distance between the tips' centres, m: what the measured closing is made of.
+/// Distance between the middles of both sides' tips, m: what the measured closing is made of.
 #[must_use]
 pub fn gap_m(pose: &HandPose) -> f64 {
-    (pose.tip_m(0) - pose.tip_m(1)).norm()
+    (pose.side_m(0) - pose.side_m(1)).norm()
 }
 
 /// The grasp pose in which a hand stands.
 #[must_use]
 pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
-    let (tip1_m, tip2_m) = (pose.tip_m(0), pose.tip_m(1));
+    let (tip1_m, tip2_m) = (pose.side_m(0), pose.side_m(1));
     let centre_m = (tip1_m + tip2_m) / 2.0;
     let across = Vector2::new(tip1_m.x - tip2_m.x, tip1_m.y - tip2_m.y);
     let axis = pose.hand_axis();
@@ -236,21 +236,23 @@ pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
         closing_yaw_rad: unwound_yaw_rad(hand, q_rad, &centre_m, libm::atan2(across.y, across.x)),
         hand_azimuth_rad: hand.bearing_rad(&centre_m),
         hand_pitch_rad: libm::atan2(-axis.z, Vector3::new(axis.x, axis.y, 0.0).norm()),
-        root_rad: (q_rad[ARM_JOINTS] + q_rad[ARM_JOINTS + 3]) / 2.0,
-        half_opening_m: radius_m.map(|radius_m| half_m - radius_m),
-        tangential_m: [0.0; FINGERS],
+        root_rad: hand.root_rad(q_rad),
+        half_opening_m: core::array::from_fn(|side| {
+            half_m - hand.mean_of_side(side, |finger| radius_m[finger])
+        }),
+        tangential_m: [0.0; VIRTUAL_FINGERS],
         up_m: [tip1_m.z - centre_m.z, tip2_m.z - centre_m.z],
     }
 }
 
-/// The measured yaw, unwound so that it agrees with the wrist's actual turn: roll = bearing + 90° − yaw.
+/// The measured yaw, unwound so that it agrees with the wrist's actual turn.
 fn unwound_yaw_rad(
     hand: &HandModel,
     q_rad: &HandVector,
     centre_m: &Vector3<f64>,
     yaw_rad: f64,
 ) -> f64 {
-    use core::f64::consts::{FRAC_PI_2, TAU};
-    let by_wrist = hand.bearing_rad(centre_m) + FRAC_PI_2 - q_rad[ARM_JOINTS - 1];
+    use core::f64::consts::TAU;
+    let by_wrist = hand.yaw_of_joints_rad(q_rad, centre_m);
     yaw_rad + TAU * libm::round((by_wrist - yaw_rad) / TAU)
 }

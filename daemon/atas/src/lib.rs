@@ -50,4 +50,4 @@ pub use io::{Events, Inputs, Order, Outputs};
 pub use mode::ModeMachine;
 pub use settings::Settings;
 pub use tick::{Stage, Tick};
-pub use wiring::{HandWiring, STIFFNESS_N_M_RAD, Wiring};
+pub use wiring::{HandWiring, Wiring};

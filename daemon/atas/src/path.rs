@@ -5,7 +5,7 @@
 
 use core::f64::consts::PI;
 use nalgebra::Vector3;
-use robot_model::{FINGERS, GraspFrame, HandModel};
+use robot_model::{GraspFrame, HandModel, VIRTUAL_FINGERS};
 
 /// Shortest path, s (ours): even a zero-length path gives the loop time to settle.
 const DURATION_MIN_S: f64 = 0.05;
@@ -106,7 +106,9 @@ impl Path {
 
 fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
     let mix = |a: f64, b: f64| a + (b - a) * s;
-    let mix2 = |a: [f64; FINGERS], b: [f64; FINGERS]| core::array::from_fn(|i| mix(a[i], b[i]));
+    let mix2 = |a: [f64; VIRTUAL_FINGERS], b: [f64; VIRTUAL_FINGERS]| {
+        core::array::from_fn(|i| mix(a[i], b[i]))
+    };
     GraspFrame {
         centre_m: a.centre_m + (b.centre_m - a.centre_m) * s,
         closing_yaw_rad: mix(a.closing_yaw_rad, b.closing_yaw_rad),
@@ -126,8 +128,8 @@ fn duration_s(from: &GraspFrame, to: &GraspFrame, speeds: &Speeds) -> f64 {
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
     ];
-    let opening = (0..FINGERS).map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
-    let slides = (0..FINGERS).map(|f| to.tangential_m[f] - from.tangential_m[f]);
+    let opening = (0..VIRTUAL_FINGERS).map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
+    let slides = (0..VIRTUAL_FINGERS).map(|f| to.tangential_m[f] - from.tangential_m[f]);
     let largest = |values: &mut dyn Iterator<Item = f64>| {
         values.fold(0.0, |m: f64, v| if v.abs() > m { v.abs() } else { m })
     };
@@ -151,7 +153,7 @@ pub fn reachable_yaw_rad(
     yaw_rad: f64,
 ) -> f64 {
     let yaw_rad = hand.closing_yaw_rad(centre_m, yaw_rad);
-    // The wrist roll is bearing + 90° − yaw: with both rolls within a quarter turn the yaw change is unambiguous.
+    // The wrist roll is bearing + what is constant − yaw: with both rolls within a quarter turn the yaw change is unambiguous.
     let bearing_change = hand.bearing_rad(centre_m) - hand.bearing_rad(&from.centre_m);
     let ahead = yaw_rad - from.closing_yaw_rad - bearing_change;
     from.closing_yaw_rad + bearing_change + ahead - 2.0 * PI * libm::round(ahead / (2.0 * PI))

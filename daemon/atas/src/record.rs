@@ -16,7 +16,7 @@ use crate::goal::Goal;
 use crate::io::Order;
 use crate::settings::{PARAMETERS, Settings};
 use crate::wiring::{HandWiring, Wiring};
-use robot_model::{HAND_JOINTS, HandVector, RobotModel, Side};
+use robot_model::{HandModel, RobotModel, Side};
 use shm_schemas::capacity::{ELEMENTS, JOINTS, SETTINGS};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{HandWiringRecord, Layout, OrderKind, OrderRecord, RunHeader, SettingsRecord};
@@ -199,12 +199,18 @@ fn read_goal(record: &OrderRecord) -> Result<Goal, Unreadable> {
 }
 
 /// Writes what the controller is made from into the header of a run; the header's other fields are the daemon's.
-pub fn write_origin(header: &mut RunHeader, wiring: &Wiring, settings: &Settings) {
+pub fn write_origin(
+    header: &mut RunHeader,
+    robot: &RobotModel,
+    wiring: &Wiring,
+    settings: &Settings,
+) {
     header.stamp.writer_epoch = wiring.writer_epoch;
     header.tick_s = wiring.tick_s;
     header.joints_required = u32::from(wiring.joints_required);
+    let stiffness_n_m_rad = hand_of(robot).stiffness_n_m_rad();
     header.stiffness_n_m_rad = [0.0; JOINTS];
-    header.stiffness_n_m_rad[..HAND_JOINTS].copy_from_slice(wiring.stiffness_n_m_rad.as_slice());
+    header.stiffness_n_m_rad[..stiffness_n_m_rad.len()].copy_from_slice(&stiffness_n_m_rad);
     header.hands = wiring.hands.each_ref().map(write_hand);
     header.settings = write_settings(settings);
 }
@@ -218,12 +224,16 @@ pub fn read_origin(header: &RunHeader, robot: &RobotModel) -> Result<Controller,
     let wiring = Wiring {
         hands: [read_hand(left)?, read_hand(right)?],
         joints_required: header.joints_required != 0,
-        stiffness_n_m_rad: HandVector::from_row_slice(&header.stiffness_n_m_rad[..HAND_JOINTS]),
         tick_s: header.tick_s,
         writer_epoch: header.stamp.writer_epoch,
     };
     let settings = read_settings(&header.settings)?;
     Ok(Controller::new(robot, wiring, settings))
+}
+
+/// The robot's first hand.
+fn hand_of(robot: &RobotModel) -> &HandModel {
+    robot.hand(robot.sides().next().unwrap_or(Side::Left))
 }
 
 fn write_hand(hand: &HandWiring) -> HandWiringRecord {

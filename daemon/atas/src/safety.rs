@@ -9,10 +9,7 @@ use crate::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3, STEP_FACTOR};
 use crate::settings::Safety as Settings;
 use crate::tick::Tick;
 use crate::tick::nanoseconds;
-use robot_model::{
-    ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, Joint, ROBOT_JOINTS, RobotModel,
-    Side,
-};
+use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector, Side, VIRTUAL_FINGERS};
 use shm_schemas::capacity::{HANDS, JOINTS};
 use shm_schemas::{Cause, JointCommand, Mode, Reason, Stamp};
 
@@ -22,8 +19,8 @@ pub type RawCommand = [HandCommand; HANDS];
 /// What the gate knows of the hands' grip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
-    /// Measured normal force per finger, N.
-    pub normal_n: [f64; FINGERS],
+    /// Measured normal force per virtual finger, N.
+    pub normal_n: [f64; VIRTUAL_FINGERS],
     /// F_2 of the object in the hand, if known, N.
     pub f2_n: Option<f64>,
 }
@@ -40,24 +37,19 @@ impl SafeCommand {
     pub fn command(&self) -> &JointCommand {
         &self.command
     }
-
-    /// Commanded positions of one hand, rad.
-    #[must_use]
-    pub fn hand_rad(&self, side: Side) -> HandVector {
-        HandVector::from_row_slice(&self.command.position_rad[side.joint_range()])
-    }
 }
 
 /// The gate and what it last let through.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gate {
-    joints: [Joint; ROBOT_JOINTS],
-    position_rad: [f64; ROBOT_JOINTS],
-    velocity_rad_s: [f64; ROBOT_JOINTS],
-    acceleration_rad_s2: [f64; ROBOT_JOINTS],
+    joints: [Joint; ROBOT_JOINTS_MAX],
+    limbs: [Limb; ROBOT_JOINTS_MAX],
+    position_rad: RobotVector,
+    velocity_rad_s: RobotVector,
+    acceleration_rad_s2: RobotVector,
     /// What was wanted a tick ago, rad.
-    wanted_rad: [f64; ROBOT_JOINTS],
+    wanted_rad: RobotVector,
     anchored: bool,
     sequence: u64,
     writer_epoch: u64,
@@ -69,13 +61,14 @@ impl Gate {
     /// A gate for this robot; it lets nothing through before [`Gate::anchor`].
     #[must_use]
     pub fn new(robot: &RobotModel, writer_epoch: u64) -> Self {
-        let joint = |i: usize| robot.hand(Side::BOTH[i / HAND_JOINTS]).joints()[i % HAND_JOINTS];
+        let rest = RobotVector::zeros(robot.joint_count());
         Self {
-            joints: core::array::from_fn(joint),
-            position_rad: [0.0; ROBOT_JOINTS],
-            velocity_rad_s: [0.0; ROBOT_JOINTS],
-            acceleration_rad_s2: [0.0; ROBOT_JOINTS],
-            wanted_rad: [0.0; ROBOT_JOINTS],
+            joints: core::array::from_fn(|joint| robot.joint(joint).copied().unwrap_or_default()),
+            limbs: core::array::from_fn(|joint| Limb::of(robot, joint)),
+            position_rad: rest,
+            velocity_rad_s: rest,
+            acceleration_rad_s2: rest,
+            wanted_rad: rest,
             anchored: false,
             sequence: 0,
             writer_epoch,
@@ -86,12 +79,13 @@ impl Gate {
 
     /// Takes measured positions as the commanded ones, at rest: at the start, and when the robot was moved while it was
     /// not under command. What is measured beyond a limit is commanded at the limit.
-    pub fn anchor(&mut self, measured_rad: &[f64; ROBOT_JOINTS]) {
-        self.position_rad = core::array::from_fn(|i| {
+    pub fn anchor(&mut self, measured_rad: &RobotVector) {
+        let rest = RobotVector::zeros(self.position_rad.len());
+        self.position_rad = RobotVector::from_fn(rest.len(), |i| {
             measured_rad[i].clamp(self.joints[i].lower_rad, self.joints[i].upper_rad)
         });
-        self.velocity_rad_s = [0.0; ROBOT_JOINTS];
-        self.acceleration_rad_s2 = [0.0; ROBOT_JOINTS];
+        self.velocity_rad_s = rest;
+        self.acceleration_rad_s2 = rest;
         self.wanted_rad = self.position_rad;
         self.anchored = true;
         self.off_course_ticks = 0;
@@ -110,7 +104,7 @@ impl Gate {
 
     /// Commanded positions, rad.
     #[must_use]
-    pub fn position_rad(&self) -> &[f64; ROBOT_JOINTS] {
+    pub fn position_rad(&self) -> &RobotVector {
         &self.position_rad
     }
 
@@ -128,7 +122,7 @@ impl Gate {
         ctx: &GateContext<'_>,
     ) -> SafeCommand {
         self.finding = Reason::default();
-        let mut wanted_rad = flatten(raw);
+        let mut wanted_rad = self.flatten(raw);
         if let Some(joint) = wanted_rad.iter().position(|q| !q.is_finite()) {
             self.refuse(
                 Reason::of(Cause::COMMAND_NOT_FINITE).about(joint),
@@ -150,7 +144,7 @@ impl Gate {
     }
 
     /// Takes back the whole vector: no joint moves on a command that is partly wrong.
-    fn refuse(&mut self, reason: Reason, wanted_rad: &mut [f64; ROBOT_JOINTS]) {
+    fn refuse(&mut self, reason: Reason, wanted_rad: &mut RobotVector) {
         if !self.finding.is_some() {
             self.finding = reason;
         }
@@ -165,28 +159,25 @@ impl Gate {
         raw: &RawCommand,
         grips: &[Grip; HANDS],
         settings: &Settings,
-        wanted_rad: &mut [f64; ROBOT_JOINTS],
+        wanted_rad: &mut RobotVector,
     ) {
         for (hand, grip) in grips.iter().enumerate() {
             let ceiling_n = grip.f2_n.map_or(settings.grip_ceiling_n, |f2_n| {
                 settings.grip_ceiling_n.min(f2_n * settings.grip_ceiling_f2)
             });
-            for finger in 0..FINGERS {
+            for finger in 0..VIRTUAL_FINGERS {
                 let normal_n = grip.normal_n[finger];
                 // A force that is not a number counts as above the ceiling.
                 let below = normal_n <= ceiling_n;
                 if below {
                     continue;
                 }
-                let arm = hand * HAND_JOINTS..hand * HAND_JOINTS + ARM_JOINTS;
-                let first = arm.end + finger * FINGER_JOINTS;
                 let opens = raw[hand].closing_m_s[finger] < 0.0;
-                let held = [arm, first..first + if opens { 0 } else { FINGER_JOINTS }];
-                for range in held {
-                    let (wanted_rad, held_rad) =
-                        (&mut wanted_rad[range.clone()], &self.position_rad[range]);
-                    if wanted_rad != held_rad {
-                        wanted_rad.copy_from_slice(held_rad);
+                let joints = wanted_rad.iter_mut().zip(self.position_rad.iter());
+                for ((wanted_rad, held_rad), limb) in joints.zip(&self.limbs) {
+                    let held = limb.arm || (limb.drives[finger] && !opens);
+                    if limb.hand == hand && held && wanted_rad != held_rad {
+                        *wanted_rad = *held_rad;
                         self.finding =
                             Reason::limit(Cause::GRIP_CEILING, normal_n, ceiling_n).about(finger);
                     }
@@ -196,7 +187,7 @@ impl Gate {
     }
 
     /// A step far beyond what the joint can do is a fault of the sender, not something to be smoothed over.
-    fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut [f64; ROBOT_JOINTS]) {
+    fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut RobotVector) {
         for (joint, &wanted) in wanted_rad.iter().enumerate() {
             let step_rad = (wanted - self.position_rad[joint]).abs();
             let allowed_rad = STEP_FACTOR * self.joints[joint].velocity_max_rad_s * step_s;
@@ -207,18 +198,31 @@ impl Gate {
         }
     }
 
-    fn limit(&mut self, wanted_rad: &[f64; ROBOT_JOINTS], step_s: f64) {
-        for (joint, &wanted_rad) in wanted_rad.iter().enumerate() {
+    /// The wanted positions of both hands, in the robot's order.
+    fn flatten(&self, raw: &RawCommand) -> RobotVector {
+        let mut wanted_rad = self.position_rad;
+        let hands = raw.iter().flat_map(|hand| hand.q_rad.iter());
+        for (wanted_rad, q_rad) in wanted_rad.iter_mut().zip(hands) {
+            *wanted_rad = *q_rad;
+        }
+        wanted_rad
+    }
+
+    fn limit(&mut self, wanted_rad: &RobotVector, step_s: f64) {
+        for (index, &wanted_rad) in wanted_rad.iter().enumerate() {
+            // What bounds acceleration and jerk is written for radians.
+            let unit = self.joints[index].radian();
+            let joint = in_radians(&self.joints[index]);
             let state = Motion {
-                position_rad: self.position_rad[joint],
-                velocity_rad_s: self.velocity_rad_s[joint],
-                acceleration_rad_s2: self.acceleration_rad_s2[joint],
+                position_rad: self.position_rad[index] / unit,
+                velocity_rad_s: self.velocity_rad_s[index] / unit,
+                acceleration_rad_s2: self.acceleration_rad_s2[index] / unit,
             };
-            let before_rad = self.wanted_rad[joint];
-            let next = state.towards(wanted_rad, before_rad, &self.joints[joint], step_s);
-            self.position_rad[joint] = next.position_rad;
-            self.velocity_rad_s[joint] = next.velocity_rad_s;
-            self.acceleration_rad_s2[joint] = next.acceleration_rad_s2;
+            let before_rad = self.wanted_rad[index] / unit;
+            let next = state.towards(wanted_rad / unit, before_rad, &joint, step_s);
+            self.position_rad[index] = within(&self.joints[index], next.position_rad * unit);
+            self.velocity_rad_s[index] = next.velocity_rad_s * unit;
+            self.acceleration_rad_s2[index] = next.acceleration_rad_s2 * unit;
         }
     }
 
@@ -228,9 +232,9 @@ impl Gate {
             return;
         };
         let settings = ctx.settings;
-        let off_course = (0..ROBOT_JOINTS).find_map(|joint| {
+        let off_course = (0..self.position_rad.len()).find_map(|joint| {
             let error_rad = (self.position_rad[joint] - measured_rad[joint]).abs();
-            let allowed_rad = settings.following_floor_rad
+            let allowed_rad = settings.following_floor_rad * self.joints[joint].radian()
                 + settings.following_per_speed_s * self.velocity_rad_s[joint].abs();
             (error_rad > allowed_rad)
                 .then(|| Reason::limit(Cause::FOLLOWING_ERROR, error_rad, allowed_rad).about(joint))
@@ -259,16 +263,17 @@ impl Gate {
             answers_sequence: ctx.joint_sequence,
             mode: ctx.mode,
             joint_count: if self.anchored {
-                ROBOT_JOINTS as u32
+                self.position_rad.len() as u32
             } else {
                 0
             },
             ..JointCommand::default()
         };
-        const { assert!(ROBOT_JOINTS <= JOINTS) };
+        const { assert!(ROBOT_JOINTS_MAX <= JOINTS) };
         if self.anchored {
-            command.position_rad[..ROBOT_JOINTS].copy_from_slice(&self.position_rad);
-            command.velocity_rad_s[..ROBOT_JOINTS].copy_from_slice(&self.velocity_rad_s);
+            let joints = self.position_rad.len();
+            command.position_rad[..joints].copy_from_slice(&self.position_rad);
+            command.velocity_rad_s[..joints].copy_from_slice(&self.velocity_rad_s);
         }
         command.seal();
         command
@@ -285,15 +290,52 @@ pub struct GateContext<'a> {
     /// Mode of this tick: only RUN moves.
     pub mode: Mode,
     /// Measured positions, if believed, rad.
-    pub measured_rad: Option<&'a [f64; ROBOT_JOINTS]>,
+    pub measured_rad: Option<&'a RobotVector>,
     /// Sequence of the joint state that the tick used.
     pub joint_sequence: u64,
     /// Limits.
     pub settings: &'a Settings,
 }
 
-fn flatten(raw: &RawCommand) -> [f64; ROBOT_JOINTS] {
-    core::array::from_fn(|joint| raw[joint / HAND_JOINTS].q_rad[joint % HAND_JOINTS])
+/// What a joint is of.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Limb {
+    hand: usize,
+    /// It is one of the arm.
+    arm: bool,
+    /// It moves fingertips of these sides against the palm.
+    drives: [bool; VIRTUAL_FINGERS],
+}
+
+impl Limb {
+    fn of(robot: &RobotModel, joint: usize) -> Self {
+        let of_side = |side: &Side| robot.joint_range(*side).contains(&joint);
+        let Some(side) = Side::BOTH.into_iter().find(of_side) else {
+            return Self::default();
+        };
+        let (hand, own) = (robot.hand(side), joint - robot.joint_range(side).start);
+        Self {
+            hand: side.index(),
+            arm: hand.arm_joints().contains(&own),
+            drives: core::array::from_fn(|finger| hand.drives(own, finger)),
+        }
+    }
+}
+
+/// The same joint with its limits in what counts as radians for it.
+fn in_radians(joint: &Joint) -> Joint {
+    let unit = joint.radian();
+    Joint {
+        lower_rad: joint.lower_rad / unit,
+        upper_rad: joint.upper_rad / unit,
+        velocity_max_rad_s: joint.velocity_max_rad_s / unit,
+        ..*joint
+    }
+}
+
+fn within(joint: &Joint, q_rad: f64) -> f64 {
+    q_rad.clamp(joint.lower_rad, joint.upper_rad)
 }
 
 /// One joint's commanded motion.
@@ -312,8 +354,8 @@ impl Motion {
     /// A wanted motion within the limits is followed without lag. Where the limits made the joint fall behind, it catches
     /// up at a speed from which it can still brake, so that it does not swing about the wanted motion.
     fn towards(self, wanted_rad: f64, wanted_before_rad: f64, joint: &Joint, step_s: f64) -> Self {
-        let within = |q_rad: f64| q_rad.clamp(joint.lower_rad, joint.upper_rad);
-        let (wanted_rad, wanted_before_rad) = (within(wanted_rad), within(wanted_before_rad));
+        let (wanted_rad, wanted_before_rad) =
+            (within(joint, wanted_rad), within(joint, wanted_before_rad));
         let speed_rad_s = joint.velocity_max_rad_s;
         let moving_rad_s =
             ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
@@ -326,7 +368,7 @@ impl Motion {
         let acceleration_rad_s2 = self.accelerate_rad_s2(wanted_rad_s, speed_rad_s, step_s);
         let velocity_rad_s = self.velocity_rad_s + acceleration_rad_s2 * step_s;
         Self {
-            position_rad: within(self.position_rad + velocity_rad_s * step_s),
+            position_rad: within(joint, self.position_rad + velocity_rad_s * step_s),
             velocity_rad_s,
             acceleration_rad_s2,
         }

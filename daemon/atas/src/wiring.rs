@@ -1,6 +1,5 @@
-//! What the controller is wired to: which sensors exist, how they are laid out, how stiff the joints are.
+//! What the controller is wired to: which sensors exist, and how they are laid out.
 
-use robot_model::{HAND_JOINTS, HandVector};
 use shm_schemas::Layout;
 use shm_schemas::capacity::HANDS;
 
@@ -26,18 +25,11 @@ pub struct Wiring {
     pub hands: [HandWiring; HANDS],
     /// Whether joint feedback exists. Without it the controller only senses and never leaves INIT.
     pub joints_required: bool,
-    /// Servo stiffness of each joint of one hand, N·m/rad, for the compliance correction.
-    pub stiffness_n_m_rad: HandVector,
     /// Nominal tick period, s.
     pub tick_s: f64,
     /// Epoch that the commands carry; drawn anew at each start, fixed in lock-step.
     pub writer_epoch: u64,
 }
-
-/// Servo stiffness of the built-in robot, N·m/rad (robot design: inertia × ω_n², checked by simulation).
-pub const STIFFNESS_N_M_RAD: [f64; HAND_JOINTS] = [
-    6480.0, 6480.0, 2880.0, 1280.0, 512.0, 80.0, 40.0, 40.0, 80.0, 40.0, 40.0,
-];
 
 impl Default for HandWiring {
     fn default() -> Self {
@@ -55,7 +47,6 @@ impl Default for Wiring {
         Self {
             hands: [HandWiring::default(), HandWiring::default()],
             joints_required: true,
-            stiffness_n_m_rad: HandVector::from_row_slice(&STIFFNESS_N_M_RAD),
             tick_s: 0.001,
             writer_epoch: 1,
         }

@@ -1,165 +1,241 @@
 //! Equality-constrained least squares of one hand, solved in the block-arrow form that the hand's tree gives it.
 //!
 //! Minimise ½·xᵀHx − gᵀx subject to J·x = e, softened by ε: x = H⁻¹(g + Jᵀν) with (J·H⁻¹·Jᵀ + ε)ν = e − J·H⁻¹g.
-//! The two fingers meet only in the arm, so H has the shape
+//! Fingers meet only in the trunk (the arm, and drives that they share), so H has the shape
 //!
 //! ```text
-//!   ⎡ finger 1          cross 1ᵀ ⎤        3
-//!   ⎢          finger 2 cross 2ᵀ ⎥        3
-//!   ⎣ cross 1  cross 2  arm      ⎦        5
+//!   ⎡ finger 1                    cross 1ᵀ ⎤        0 to 4 each
+//!   ⎢             ⋱                   ⋮    ⎥
+//!   ⎢                 finger n    cross nᵀ ⎥
+//!   ⎣ cross 1     …   cross n     trunk    ⎦        0 to 9
 //! ```
 //!
-//! and its Cholesky factor has the same zeros when the fingers are eliminated first. Everything is a product of
-//! matrices of at most 6 rows: no allocation, and no summation order that depends on the machine.
+//! and its Cholesky factor has the same zeros when the fingers are eliminated first. Everything is a product of small
+//! matrices of which the first rows and columns are in use: no allocation, and sums in one order on every machine.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector3};
 
-use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HandVector};
+use crate::sizes::{FINGER_JOINTS_MAX, FINGERS_MAX, TRUNK_JOINTS_MAX};
+use crate::vector::HandVector;
 
-type Arm = SVector<f64, ARM_JOINTS>;
-type Finger = SVector<f64, FINGER_JOINTS>;
-type ArmSquare = SMatrix<f64, ARM_JOINTS, ARM_JOINTS>;
-type FingerSquare = SMatrix<f64, FINGER_JOINTS, FINGER_JOINTS>;
-type FingerByArm = SMatrix<f64, FINGER_JOINTS, ARM_JOINTS>;
-type ArmByTip = SMatrix<f64, ARM_JOINTS, 3>;
-type FingerByTip = SMatrix<f64, FINGER_JOINTS, 3>;
-type Tip = SVector<f64, 3>;
+type Trunk = SVector<f64, TRUNK_JOINTS_MAX>;
+type Own = SVector<f64, FINGER_JOINTS_MAX>;
+type TrunkSquare = SMatrix<f64, TRUNK_JOINTS_MAX, TRUNK_JOINTS_MAX>;
+type OwnSquare = SMatrix<f64, FINGER_JOINTS_MAX, FINGER_JOINTS_MAX>;
+type OwnByTrunk = SMatrix<f64, FINGER_JOINTS_MAX, TRUNK_JOINTS_MAX>;
+type TrunkByTip = SMatrix<f64, TRUNK_JOINTS_MAX, 3>;
+type OwnByTip = SMatrix<f64, FINGER_JOINTS_MAX, 3>;
+/// Rows of all tips.
+const TIPS: usize = 3 * FINGERS_MAX;
 
 /// The part of the problem that belongs to one finger and its tip.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct FingerBlock {
+    /// Joints of the finger: the first in hand order, and how many.
+    pub(crate) first_joint: usize,
+    pub(crate) joint_count: usize,
     /// Diagonal block of H.
-    pub(crate) h: FingerSquare,
-    /// Block of H between finger (rows) and arm (columns).
-    pub(crate) cross: FingerByArm,
+    pub(crate) h: OwnSquare,
+    /// Block of H between finger (rows) and trunk (columns).
+    pub(crate) cross: OwnByTrunk,
     /// g of the finger's joints.
-    pub(crate) g: Finger,
+    pub(crate) g: Own,
     /// Transposed tip Jacobian of the finger's joints.
-    pub(crate) tip_by_finger: FingerByTip,
-    /// Transposed tip Jacobian of the arm's joints.
-    pub(crate) tip_by_arm: ArmByTip,
+    pub(crate) tip_by_own: OwnByTip,
+    /// Transposed tip Jacobian of the trunk's joints.
+    pub(crate) tip_by_trunk: TrunkByTip,
     /// Wanted change of the tip.
-    pub(crate) e: Tip,
+    pub(crate) e: Vector3<f64>,
 }
 
 /// The whole problem of one hand.
 #[derive(Clone, Copy)]
 pub(crate) struct ArrowSystem {
-    pub(crate) fingers: [FingerBlock; FINGERS],
-    pub(crate) arm_h: ArmSquare,
-    pub(crate) arm_g: Arm,
+    pub(crate) fingers: [FingerBlock; FINGERS_MAX],
+    pub(crate) finger_count: usize,
+    pub(crate) trunk_h: TrunkSquare,
+    pub(crate) trunk_g: Trunk,
+    pub(crate) trunk_joints: usize,
     /// ε, added to the diagonal of J·H⁻¹·Jᵀ.
     pub(crate) softening: f64,
 }
 
 /// A finger's rows of the Cholesky factor L, and L⁻¹ applied to the right-hand sides.
-struct FactoredFinger {
-    l: FingerSquare,
-    cross: FingerByArm,
-    g: Finger,
-    tip: FingerByTip,
+#[derive(Clone, Copy, Default)]
+struct Factored {
+    l: OwnSquare,
+    cross: OwnByTrunk,
+    g: Own,
+    tip: OwnByTip,
+    /// What is left of the trunk's tip Jacobian, with the trunk's L⁻¹ applied.
+    trunk_tip: TrunkByTip,
 }
 
 impl ArrowSystem {
     /// Holds the joint at `value`: its column moves to the right-hand sides and its own equation becomes x = value.
     pub(crate) fn hold(&mut self, joint: usize, value: f64) {
-        match joint.checked_sub(ARM_JOINTS) {
-            None => self.hold_arm(joint, value),
-            Some(rest) => self.hold_finger(rest / FINGER_JOINTS, rest % FINGER_JOINTS, value),
+        if joint < self.trunk_joints {
+            return self.hold_trunk(joint, value);
+        }
+        for finger in 0..self.finger_count {
+            let block = &self.fingers[finger];
+            let own = joint.wrapping_sub(block.first_joint);
+            if own < block.joint_count {
+                self.hold_finger(finger, own, value);
+            }
         }
     }
 
-    fn hold_arm(&mut self, joint: usize, value: f64) {
-        for finger in &mut self.fingers {
+    fn hold_trunk(&mut self, joint: usize, value: f64) {
+        for finger in &mut self.fingers[..self.finger_count] {
             finger.g -= finger.cross.column(joint) * value;
-            finger.e -= finger.tip_by_arm.row(joint).transpose() * value;
+            finger.e -= finger.tip_by_trunk.row(joint).transpose() * value;
             finger.cross.column_mut(joint).fill(0.0);
-            finger.tip_by_arm.row_mut(joint).fill(0.0);
+            finger.tip_by_trunk.row_mut(joint).fill(0.0);
         }
-        self.arm_g -= self.arm_h.column(joint) * value;
-        hold_in_square(&mut self.arm_h, &mut self.arm_g, joint, value);
+        self.trunk_g -= self.trunk_h.column(joint) * value;
+        hold_in_square(&mut self.trunk_h, &mut self.trunk_g, joint, value);
     }
 
     fn hold_finger(&mut self, finger: usize, joint: usize, value: f64) {
         let finger = &mut self.fingers[finger];
-        self.arm_g -= finger.cross.row(joint).transpose() * value;
+        self.trunk_g -= finger.cross.row(joint).transpose() * value;
         finger.g -= finger.h.column(joint) * value;
-        finger.e -= finger.tip_by_finger.row(joint).transpose() * value;
+        finger.e -= finger.tip_by_own.row(joint).transpose() * value;
         finger.cross.row_mut(joint).fill(0.0);
-        finger.tip_by_finger.row_mut(joint).fill(0.0);
+        finger.tip_by_own.row_mut(joint).fill(0.0);
         hold_in_square(&mut finger.h, &mut finger.g, joint, value);
     }
 
-    /// The minimiser in hand order, or `None` if a factorisation met a pivot that is not positive.
-    pub(crate) fn solve(&self) -> Option<HandVector> {
-        let factored = [
-            factor_finger(&self.fingers[0])?,
-            factor_finger(&self.fingers[1])?,
-        ];
-        let arm_l = self.factor_arm(&factored)?;
-        let arm_g = self.eliminate_fingers_from_g(&factored, &arm_l);
-        let arm_tip = [
-            eliminate_finger_from_tip(&self.fingers[0], &factored[0], &arm_l),
-            eliminate_finger_from_tip(&self.fingers[1], &factored[1], &arm_l),
-        ];
-        let force = self.constraint_forces(&factored, &arm_g, &arm_tip)?;
+    /// The minimiser in hand order, of `joint_count` joints, or `None` if a factorisation met a pivot that is not positive.
+    pub(crate) fn solve(&self, joint_count: usize) -> Option<HandVector> {
+        let mut factored = [Factored::default(); FINGERS_MAX];
+        for (factored, finger) in factored.iter_mut().zip(self.blocks()) {
+            *factored = factor(finger, self.trunk_joints)?;
+        }
+        let trunk_l = self.factor_trunk(&factored)?;
+        let trunk_g = self.eliminate_fingers_from_g(&factored, &trunk_l);
+        for (factored, finger) in factored.iter_mut().zip(self.blocks()) {
+            self.eliminate_finger_from_tip(finger, factored, &trunk_l);
+        }
+        let force = self.constraint_forces(&factored, &trunk_g)?;
 
-        let mut arm = arm_g + arm_tip[0] * force[0] + arm_tip[1] * force[1];
-        back_substitute(&arm_l, &mut arm);
-        let mut x = HandVector::zeros();
-        x.fixed_rows_mut::<ARM_JOINTS>(0).copy_from(&arm);
-        for (index, finger) in factored.iter().enumerate() {
-            let mut own = finger.g + finger.tip * force[index] - finger.cross * arm;
-            back_substitute(&finger.l, &mut own);
-            x.fixed_rows_mut::<FINGER_JOINTS>(ARM_JOINTS + FINGER_JOINTS * index)
-                .copy_from(&own);
+        let n = self.trunk_joints;
+        let mut trunk = trunk_g;
+        for (factored, force) in factored[..self.finger_count].iter().zip(&force) {
+            for row in 0..n {
+                trunk[row] += dot(3, |k| factored.trunk_tip[(row, k)] * force[k]);
+            }
+        }
+        back_substitute(&trunk_l, &mut trunk, n);
+        let mut x = HandVector::zeros(joint_count);
+        x[..n].copy_from_slice(&trunk.as_slice()[..n]);
+        for ((finger, factored), force) in self.blocks().iter().zip(&factored).zip(&force) {
+            let own = self.own(finger, factored, force, &trunk);
+            x[finger.first_joint..][..finger.joint_count]
+                .copy_from_slice(&own.as_slice()[..finger.joint_count]);
         }
         Some(x)
     }
 
-    fn factor_arm(&self, fingers: &[FactoredFinger; FINGERS]) -> Option<ArmSquare> {
-        let coupled = |finger: &FactoredFinger| finger.cross.tr_mul(&finger.cross);
-        cholesky(self.arm_h - coupled(&fingers[0]) - coupled(&fingers[1]))
+    fn blocks(&self) -> &[FingerBlock] {
+        &self.fingers[..self.finger_count]
+    }
+
+    fn own(&self, finger: &FingerBlock, of: &Factored, force: &Vector3<f64>, trunk: &Trunk) -> Own {
+        let mut own = Own::zeros();
+        for row in 0..finger.joint_count {
+            let pulled = dot(3, |k| of.tip[(row, k)] * force[k]);
+            let carried = dot(self.trunk_joints, |k| of.cross[(row, k)] * trunk[k]);
+            own[row] = of.g[row] + pulled - carried;
+        }
+        back_substitute(&of.l, &mut own, finger.joint_count);
+        own
+    }
+
+    fn factor_trunk(&self, factored: &[Factored; FINGERS_MAX]) -> Option<TrunkSquare> {
+        let (n, mut h) = (self.trunk_joints, self.trunk_h);
+        for (finger, factored) in self.blocks().iter().zip(factored) {
+            let cross = &factored.cross;
+            for (i, j) in (0..n).flat_map(|j| (j..n).map(move |i| (i, j))) {
+                h[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * cross[(k, j)]);
+            }
+        }
+        cholesky(h, n)
     }
 
     fn eliminate_fingers_from_g(
         &self,
-        fingers: &[FactoredFinger; FINGERS],
-        arm_l: &ArmSquare,
-    ) -> Arm {
-        let coupled = |finger: &FactoredFinger| finger.cross.tr_mul(&finger.g);
-        let mut arm_g = self.arm_g - coupled(&fingers[0]) - coupled(&fingers[1]);
-        forward_substitute(arm_l, &mut arm_g);
-        arm_g
+        factored: &[Factored; FINGERS_MAX],
+        trunk_l: &TrunkSquare,
+    ) -> Trunk {
+        let (n, mut g) = (self.trunk_joints, self.trunk_g);
+        for (finger, of) in self.blocks().iter().zip(factored) {
+            for i in 0..n {
+                g[i] -= dot(finger.joint_count, |k| of.cross[(k, i)] * of.g[k]);
+            }
+        }
+        forward_substitute(trunk_l, &mut g, n, 1);
+        g
+    }
+
+    fn eliminate_finger_from_tip(
+        &self,
+        finger: &FingerBlock,
+        factored: &mut Factored,
+        trunk_l: &TrunkSquare,
+    ) {
+        let n = self.trunk_joints;
+        let (cross, tip) = (&factored.cross, &factored.tip);
+        let mut trunk_tip = finger.tip_by_trunk;
+        for (i, j) in (0..n).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            trunk_tip[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * tip[(k, j)]);
+        }
+        forward_substitute(trunk_l, &mut trunk_tip, n, 3);
+        factored.trunk_tip = trunk_tip;
     }
 
     /// ν: the multipliers that bring each tip where it should be.
     fn constraint_forces(
         &self,
-        fingers: &[FactoredFinger; FINGERS],
-        arm_g: &Arm,
-        arm_tip: &[ArmByTip; FINGERS],
-    ) -> Option<[Tip; FINGERS]> {
-        let mut a = SMatrix::<f64, 6, 6>::from_diagonal_element(self.softening);
-        let mut residual = SVector::<f64, 6>::zeros();
-        for (index, finger) in fingers.iter().enumerate() {
-            let mut block = a.fixed_view_mut::<3, 3>(3 * index, 3 * index);
-            block += finger.tip.tr_mul(&finger.tip) + arm_tip[index].tr_mul(&arm_tip[index]);
-            let reached = finger.tip.tr_mul(&finger.g) + arm_tip[index].tr_mul(arm_g);
-            residual
-                .fixed_rows_mut::<3>(3 * index)
-                .copy_from(&(self.fingers[index].e - reached));
+        factored: &[Factored; FINGERS_MAX],
+        trunk_g: &Trunk,
+    ) -> Option<[Vector3<f64>; FINGERS_MAX]> {
+        let (n, tips) = (self.trunk_joints, 3 * self.finger_count);
+        let mut a = SMatrix::<f64, TIPS, TIPS>::from_diagonal_element(self.softening);
+        let mut residual = SVector::<f64, TIPS>::zeros();
+        for (first, (finger, of)) in self.blocks().iter().zip(factored).enumerate() {
+            for axis in 0..3 {
+                let row = 3 * first + axis;
+                let own = dot(finger.joint_count, |k| of.tip[(k, axis)] * of.g[k]);
+                let reached = own + dot(n, |k| of.trunk_tip[(k, axis)] * trunk_g[k]);
+                residual[row] = finger.e[axis] - reached;
+                for other in 0..3 {
+                    let own = dot(finger.joint_count, |k| {
+                        of.tip[(k, axis)] * of.tip[(k, other)]
+                    });
+                    let carried = dot(n, |k| of.trunk_tip[(k, axis)] * of.trunk_tip[(k, other)]);
+                    a[(row, 3 * first + other)] += own + carried;
+                }
+                for before in 0..3 * first {
+                    let theirs = &factored[before / 3].trunk_tip;
+                    a[(row, before)] =
+                        dot(n, |k| of.trunk_tip[(k, axis)] * theirs[(k, before % 3)]);
+                }
+            }
         }
-        a.fixed_view_mut::<3, 3>(3, 0)
-            .copy_from(&arm_tip[1].tr_mul(&arm_tip[0]));
-        let l = cholesky(a)?;
-        forward_substitute(&l, &mut residual);
-        back_substitute(&l, &mut residual);
-        Some([
-            residual.fixed_rows::<3>(0).into(),
-            residual.fixed_rows::<3>(3).into(),
-        ])
+        let l = cholesky(a, tips)?;
+        forward_substitute(&l, &mut residual, tips, 1);
+        back_substitute(&l, &mut residual, tips);
+        Some(core::array::from_fn(|finger| {
+            residual.fixed_rows::<3>(3 * finger).into()
+        }))
     }
+}
+
+/// The sum of some terms, from the first to the last.
+fn dot(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+    (0..count).fold(0.0, |sum, k| sum + term(k))
 }
 
 fn hold_in_square<const N: usize>(
@@ -174,36 +250,28 @@ fn hold_in_square<const N: usize>(
     g[joint] = value;
 }
 
-fn factor_finger(finger: &FingerBlock) -> Option<FactoredFinger> {
-    let l = cholesky(finger.h)?;
-    let mut factored = FactoredFinger {
+fn factor(finger: &FingerBlock, trunk_joints: usize) -> Option<Factored> {
+    let n = finger.joint_count;
+    let l = cholesky(finger.h, n)?;
+    let mut factored = Factored {
         l,
         cross: finger.cross,
         g: finger.g,
-        tip: finger.tip_by_finger,
+        tip: finger.tip_by_own,
+        trunk_tip: TrunkByTip::zeros(),
     };
-    forward_substitute(&l, &mut factored.cross);
-    forward_substitute(&l, &mut factored.g);
-    forward_substitute(&l, &mut factored.tip);
+    forward_substitute(&l, &mut factored.cross, n, trunk_joints);
+    forward_substitute(&l, &mut factored.g, n, 1);
+    forward_substitute(&l, &mut factored.tip, n, 3);
     Some(factored)
 }
 
-fn eliminate_finger_from_tip(
-    finger: &FingerBlock,
-    factored: &FactoredFinger,
-    arm_l: &ArmSquare,
-) -> ArmByTip {
-    let mut arm_tip = finger.tip_by_arm - factored.cross.tr_mul(&factored.tip);
-    forward_substitute(arm_l, &mut arm_tip);
-    arm_tip
-}
-
-/// Lower Cholesky factor; reads only the lower triangle, leaves the upper one as it was.
-fn cholesky<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
-    for j in 0..N {
+/// Lower Cholesky factor of the first `n` rows; reads only the lower triangle, leaves the upper one as it was.
+fn cholesky<const N: usize>(mut m: SMatrix<f64, N, N>, n: usize) -> Option<SMatrix<f64, N, N>> {
+    for j in 0..n {
         for k in 0..j {
             let factor = m[(j, k)];
-            for i in j..N {
+            for i in j..n {
                 m[(i, j)] -= m[(i, k)] * factor;
             }
         }
@@ -213,20 +281,22 @@ fn cholesky<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N,
             return None;
         }
         let root = libm::sqrt(pivot);
-        for i in j..N {
+        for i in j..n {
             m[(i, j)] /= root;
         }
     }
     Some(m)
 }
 
-/// b := L⁻¹b, column by column.
+/// b := L⁻¹b over the first `n` rows, column by column for `columns` of them.
 fn forward_substitute<const N: usize, const M: usize>(
     l: &SMatrix<f64, N, N>,
     b: &mut SMatrix<f64, N, M>,
+    n: usize,
+    columns: usize,
 ) {
-    for column in 0..M {
-        for i in 0..N {
+    for column in 0..columns {
+        for i in 0..n {
             let mut sum = b[(i, column)];
             for k in 0..i {
                 sum -= l[(i, k)] * b[(k, column)];
@@ -236,11 +306,11 @@ fn forward_substitute<const N: usize, const M: usize>(
     }
 }
 
-/// b := L⁻ᵀb.
-fn back_substitute<const N: usize>(l: &SMatrix<f64, N, N>, b: &mut SVector<f64, N>) {
-    for i in (0..N).rev() {
+/// b := L⁻ᵀb over the first `n` rows.
+fn back_substitute<const N: usize>(l: &SMatrix<f64, N, N>, b: &mut SVector<f64, N>, n: usize) {
+    for i in (0..n).rev() {
         let mut sum = b[i];
-        for k in i + 1..N {
+        for k in i + 1..n {
             sum -= l[(k, i)] * b[k];
         }
         b[i] = sum / l[(i, i)];

@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 
 use crate::transform::Transform;
 
-/// Most capsules of one hand: the built-in robot has 15 (shoulder, upper arm, forearm, wrist, palm; per finger root,
-/// proximal, distal, dome and the stem behind it).
-pub const CAPSULES_MAX: usize = 16;
+/// Most capsules of one hand: the two-hand arm has 15 (shoulder, upper arm, forearm, wrist, palm; per finger root, proximal,
+/// distal, dome and the stem behind it).
+pub const CAPSULES_MAX: usize = 24;
 
 /// All points within `radius_m` of the segment from `a_m` to `b_m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Capsule {
     pub b_m: Vector3<f64>,
     /// Radius, metres.
     pub radius_m: f64,
-    /// The hand's joint that moves this body, 0–10.
+    /// The hand's joint that moves this body.
     pub joint: usize,
 }
 
@@ -38,6 +38,8 @@ impl Capsule {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Capsules {
     shapes: [Capsule; CAPSULES_MAX],
+    /// The frame that moves each: a joint that is mimicked moves several.
+    frames: [usize; CAPSULES_MAX],
     count: usize,
 }
 
@@ -47,28 +49,30 @@ impl Capsules {
     pub const fn new() -> Capsules {
         Capsules {
             shapes: [Capsule::EMPTY; CAPSULES_MAX],
+            frames: [0; CAPSULES_MAX],
             count: 0,
         }
     }
 
-    /// Adds one capsule; `false` if there is no room.
+    /// Adds one capsule that this frame moves; `false` if there is no room.
     #[must_use]
-    pub fn push(&mut self, capsule: Capsule) -> bool {
+    pub fn push(&mut self, capsule: Capsule, frame: usize) -> bool {
         let Some(slot) = self.shapes.get_mut(self.count) else {
             return false;
         };
         *slot = capsule;
+        self.frames[self.count] = frame;
         self.count += 1;
         true
     }
 }
 
 impl Capsules {
-    /// The same bodies, each moved from the frame of its joint to the base frame.
-    pub(crate) fn placed(&self, base_from_joint: &[Transform]) -> Self {
+    /// The same bodies, each moved from its frame to the base frame.
+    pub(crate) fn placed(&self, base_from_frame: &[Transform]) -> Self {
         let mut placed = self.clone();
-        for capsule in &mut placed.shapes[..placed.count] {
-            let frame = &base_from_joint[capsule.joint];
+        for (capsule, frame) in placed.shapes[..placed.count].iter_mut().zip(self.frames) {
+            let frame = &base_from_frame[frame];
             capsule.a_m = frame.point(&capsule.a_m);
             capsule.b_m = frame.point(&capsule.b_m);
         }
@@ -95,7 +99,7 @@ impl Deref for Capsules {
 pub struct Nearest {
     /// Gap between them, metres: negative when they overlap, minus infinity (never safe) if a coordinate is not finite.
     pub gap_m: f64,
-    /// Joints that move them, each of its own hand, 0–10.
+    /// Joints that move them, each of its own hand.
     pub joints: [usize; 2],
 }
 

@@ -1,11 +1,12 @@
-//! Forward kinematics of one hand: joint angles in, the frames of all joints, of the hand and of both tips out.
+//! Forward kinematics of one hand: joint angles in, the frames of all joints, of the hand and of its tips out.
 
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
-use crate::model::{HandModel, PARENT, finger_root};
-use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
+use crate::model::{HandModel, Mounted};
+use crate::sizes::{FINGERS_MAX, FRAMES_MAX, VIRTUAL_FINGERS};
 use crate::transform::Transform;
+use crate::vector::HandVector;
 
 /// Where everything of one hand is for one joint vector; all coordinates in the base frame.
 ///
@@ -13,9 +14,12 @@ use crate::transform::Transform;
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandPose {
     q_rad: HandVector,
-    pub(crate) base_from_joint: [Transform; HAND_JOINTS],
+    pub(crate) base_from_frame: [Transform; FRAMES_MAX],
     base_from_hand: Transform,
-    base_from_tip: [Transform; FINGERS],
+    hand_axis: Vector3<f64>,
+    base_from_tip: [Transform; FINGERS_MAX],
+    finger_count: usize,
+    side_m: [Vector3<f64>; VIRTUAL_FINGERS],
 }
 
 impl HandPose {
@@ -25,83 +29,109 @@ impl HandPose {
         &self.q_rad
     }
 
-    /// Origin of a joint, metres. `joint` counts within the hand, below [`HAND_JOINTS`].
+    /// Origin of a moving frame, metres: see [`crate::Mover`].
     #[must_use]
-    pub fn joint_origin_m(&self, joint: usize) -> Vector3<f64> {
-        self.base_from_joint[joint].translation_m
+    pub fn frame_origin_m(&self, frame: usize) -> Vector3<f64> {
+        self.base_from_frame[frame].translation_m
     }
 
-    /// Axis of a joint, unit length. `joint` counts within the hand, below [`HAND_JOINTS`].
+    /// Axis about or along which a frame moves, unit length: see [`crate::Mover`].
     #[must_use]
-    pub fn joint_axis(&self, joint: usize) -> Vector3<f64> {
-        self.base_from_joint[joint].z_axis()
+    pub fn frame_axis(&self, frame: usize) -> Vector3<f64> {
+        self.base_from_frame[frame].z_axis()
     }
 
-    /// The hand link's frame: x is the hand's pointing direction, y the direction from finger 2 to finger 1.
+    /// The frame of the link that carries the fingers.
     #[must_use]
     pub fn base_from_hand(&self) -> &Transform {
         &self.base_from_hand
     }
 
     /// The frame of each tip: origin in the centre of the dome's sphere, z = dome axis a, x = −u, y = u × a, where
-    /// "up" u is −x of the hand at the straight pose, made normal to a.
+    /// "up" u is against the hand's pointing direction at the straight pose, made normal to a.
     ///
     /// A point of the dome at polar angle θ and azimuth φ (`dome-41`: d = a·cosθ + sinθ·(y·cosφ + u·sinφ)) therefore
     /// lies along (−sinθ·sinφ, sinθ·cosφ, cosθ) in this frame.
     #[must_use]
-    pub fn base_from_tip(&self) -> &[Transform; FINGERS] {
-        &self.base_from_tip
+    pub fn base_from_tip(&self) -> &[Transform] {
+        &self.base_from_tip[..self.finger_count]
     }
 
-    /// Centre of a dome's sphere, metres. `finger` is 0 or 1.
+    /// Centre of a dome's sphere, metres.
     #[must_use]
     pub fn tip_m(&self, finger: usize) -> Vector3<f64> {
         self.base_from_tip[finger].translation_m
     }
 
-    /// Direction from a dome's centre through its pole, unit length. `finger` is 0 or 1.
+    /// Direction from a dome's centre through its pole, unit length.
     #[must_use]
     pub fn dome_axis(&self, finger: usize) -> Vector3<f64> {
         self.base_from_tip[finger].z_axis()
     }
 
+    /// Mean of the dome centres that press from one side, metres.
+    #[must_use]
+    pub fn side_m(&self, virtual_finger: usize) -> Vector3<f64> {
+        self.side_m[virtual_finger]
+    }
+
     /// The hand's pointing direction, unit length.
     #[must_use]
     pub fn hand_axis(&self) -> Vector3<f64> {
-        self.base_from_hand.x_axis()
+        self.hand_axis
     }
 }
 
 impl HandModel {
-    /// Forward kinematics. A joint angle that is not finite makes the frames behind it not finite, nothing else.
+    /// Forward kinematics. A joint angle that is not finite makes the frames behind it not finite, nothing else; one that is
+    /// missing counts as 0.
     #[must_use]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
-        let mut base_from_joint = [Transform::IDENTITY; HAND_JOINTS];
-        for joint in 0..HAND_JOINTS {
-            let mount = &self.parent_from_joint[joint];
-            let at_zero = match PARENT[joint] {
+        let mut base_from_frame = [Transform::IDENTITY; FRAMES_MAX];
+        for (index, frame) in self.frames[..self.frame_count].iter().enumerate() {
+            let mount = &frame.parent_from_frame;
+            let at_zero = match frame.parent {
                 None => *mount,
-                Some(parent) => base_from_joint[parent].then(mount),
+                Some(parent) => base_from_frame[parent].then(mount),
             };
-            base_from_joint[joint] = at_zero.turned_about_z(q_rad[joint]);
+            let coordinate = q_rad.get(frame.mover.joint).copied().unwrap_or(0.0);
+            let motion = frame.mover.ratio * coordinate + frame.offset;
+            base_from_frame[index] = if frame.mover.slides {
+                at_zero.moved_along_z(motion)
+            } else {
+                at_zero.turned_about_z(motion)
+            };
         }
-        let tip = |finger: usize| {
-            base_from_joint[finger_root(finger) + FINGER_JOINTS - 1]
-                .then(&self.distal_from_tip[finger])
+        let place = |mounted: &Mounted| match mounted.frame {
+            None => mounted.frame_from_link,
+            Some(frame) => base_from_frame[frame].then(&mounted.frame_from_link),
         };
+        let base_from_hand = place(&self.palm);
+        let base_from_tip = self.fingers.each_ref().map(|finger| place(&finger.tip));
         HandPose {
             q_rad: *q_rad,
-            base_from_hand: base_from_joint[ARM_JOINTS - 1].then(&self.wrist_from_hand),
-            base_from_tip: [tip(0), tip(1)],
-            base_from_joint,
+            base_from_hand,
+            hand_axis: base_from_hand.rotation * self.pointing,
+            base_from_tip,
+            finger_count: self.finger_count,
+            side_m: core::array::from_fn(|side| self.middle_m(side, &base_from_tip)),
+            base_from_frame,
         }
     }
-}
 
-impl HandModel {
+    /// Mean of the tips that press from one side, metres.
+    fn middle_m(&self, side: usize, base_from_tip: &[Transform; FINGERS_MAX]) -> Vector3<f64> {
+        let tips_m = self.fingers_of(side);
+        let tips_m = tips_m.map(|finger| base_from_tip[finger].translation_m);
+        let (sum_m, count) = tips_m.fold((Vector3::zeros(), 0.0), |(sum_m, count), tip_m| {
+            (sum_m + tip_m, count + 1.0)
+        });
+        if count > 0.0 { sum_m / count } else { sum_m }
+    }
+
     /// The collision bodies of the hand at a pose, base frame.
     #[must_use]
     pub fn capsules(&self, pose: &HandPose) -> Capsules {
-        self.capsules.placed(&pose.base_from_joint)
+        self.capsules.placed(&pose.base_from_frame)
     }
 }

@@ -14,11 +14,12 @@
 
 use crate::arrow::{ArrowSystem, FingerBlock};
 use crate::forward::HandPose;
-use crate::jacobian::HandJacobian;
-use crate::model::{HandModel, finger_root};
-use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
+use crate::jacobian::{HandJacobian, Rows3};
+use crate::model::HandModel;
+use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
 use crate::target::HandTarget;
-use nalgebra::{SMatrix, SVector, Vector3};
+use crate::vector::HandVector;
+use nalgebra::Vector3;
 
 /// Solves per step: joints found outside the box are held at its edge and the rest solved again. Ours: three bound the
 /// time of a step; joints that are still outside after the last one are clamped.
@@ -37,7 +38,7 @@ pub struct IkWeights {
     /// w, weight of the reference posture of every joint but the finger roots. At rest anywhere in the workspace 0.02
     /// costs the dome axes at most 0.09°, 0.04 costs 0.28° (measured).
     pub posture: f64,
-    /// w of the finger roots.
+    /// w of the finger roots, the joints that tilt a finger about the closing axis.
     pub root_posture: f64,
     /// λ, damping of dq.
     pub damping: f64,
@@ -106,8 +107,8 @@ pub struct IkStep {
 
 /// What is wrong at the pose, and how hard to correct it.
 struct TaskError {
-    tip: [Vector3<f64>; FINGERS],
-    dome_axis: [Vector3<f64>; FINGERS],
+    tip: [Vector3<f64>; FINGERS_MAX],
+    dome_axis: [Vector3<f64>; FINGERS_MAX],
     hand_axis: Vector3<f64>,
     tip_error_m: f64,
 }
@@ -132,7 +133,7 @@ impl HandModel {
         self.try_ik_step(pose, jacobian, target, dt_s, weights)
             .unwrap_or(IkStep {
                 q_rad: *pose.q_rad(),
-                dq_rad: HandVector::zeros(),
+                dq_rad: HandVector::zeros(pose.q_rad().len()),
                 status: IkStatus::Failed,
                 tip_error_m: f64::INFINITY,
             })
@@ -153,7 +154,7 @@ impl HandModel {
         let q_rad = self.advance(pose.q_rad(), &dq_rad);
         Some(IkStep {
             q_rad,
-            dq_rad: q_rad - pose.q_rad(),
+            dq_rad: q_rad - *pose.q_rad(),
             status,
             tip_error_m: error.tip_error_m,
         })
@@ -161,15 +162,15 @@ impl HandModel {
 
     /// `None` unless every angle and the time step are usable numbers.
     fn step_box(&self, q_rad: &HandVector, dt_s: f64) -> Option<StepBox> {
-        let usable = dt_s.is_finite() && dt_s > 0.0 && q_rad.iter().all(|q| q.is_finite());
-        if !usable {
+        let complete = q_rad.len() == self.joint_count && q_rad.iter().all(|q| q.is_finite());
+        if !(complete && dt_s.is_finite() && dt_s > 0.0) {
             return None;
         }
         let mut step_box = StepBox {
-            lower: HandVector::zeros(),
-            upper: HandVector::zeros(),
+            lower: HandVector::zeros(self.joint_count),
+            upper: HandVector::zeros(self.joint_count),
         };
-        for (index, joint) in self.joints.iter().enumerate() {
+        for (index, joint) in self.joints().iter().enumerate() {
             // Clamping both ends to the speed limit lets a joint that starts outside come back no faster than it may.
             let reach = joint.velocity_max_rad_s * dt_s;
             step_box.lower[index] = (joint.lower_rad - q_rad[index]).clamp(-reach, reach);
@@ -186,60 +187,102 @@ impl HandModel {
         error: &TaskError,
         weights: &IkWeights,
     ) -> ArrowSystem {
-        let posture = self.posture_rows(q_rad, root_rad, weights);
-        let w_hand = weights.hand_axis * weights.hand_axis;
-        let hand = jacobian.hand_axis.fixed_columns::<ARM_JOINTS>(0);
-        let mut arm_h = hand.tr_mul(&hand) * w_hand + diagonal::<ARM_JOINTS>(&posture.h, 0);
-        let mut arm_g =
-            hand.tr_mul(&error.hand_axis) * w_hand + segment::<ARM_JOINTS>(&posture.g, 0);
-        let w_dome = weights.dome_axis * weights.dome_axis;
-        let mut finger_block = |finger: usize| {
-            let (row, root) = (3 * finger, finger_root(finger));
-            let arm = jacobian.dome_axis.fixed_view::<3, ARM_JOINTS>(row, 0);
-            let own = jacobian.dome_axis.fixed_view::<3, FINGER_JOINTS>(row, root);
-            arm_h += arm.tr_mul(&arm) * w_dome;
-            arm_g += arm.tr_mul(&error.dome_axis[finger]) * w_dome;
-            FingerBlock {
-                h: own.tr_mul(&own) * w_dome + diagonal::<FINGER_JOINTS>(&posture.h, root),
-                cross: own.tr_mul(&arm) * w_dome,
-                g: own.tr_mul(&error.dome_axis[finger]) * w_dome
-                    + segment::<FINGER_JOINTS>(&posture.g, root),
-                tip_by_finger: jacobian
-                    .tip
-                    .fixed_view::<3, FINGER_JOINTS>(row, root)
-                    .transpose(),
-                tip_by_arm: jacobian.tip.fixed_view::<3, ARM_JOINTS>(row, 0).transpose(),
-                e: error.tip[finger],
-            }
-        };
-        let fingers = [finger_block(0), finger_block(1)];
+        let (trunk, posture) = (
+            self.trunk_joints,
+            self.posture_rows(q_rad, root_rad, weights),
+        );
         let excess_m = (error.tip_error_m - weights.softening_from_m).max(0.0);
-        let softening = weights.softening_m2 + weights.softening_slope_m * excess_m;
-        ArrowSystem {
-            fingers,
-            arm_h,
-            arm_g,
-            softening,
+        let mut system = ArrowSystem {
+            fingers: [FingerBlock::default(); FINGERS_MAX],
+            finger_count: self.finger_count,
+            trunk_h: Default::default(),
+            trunk_g: Default::default(),
+            trunk_joints: trunk,
+            softening: weights.softening_m2 + weights.softening_slope_m * excess_m,
+        };
+        let w_hand = weights.hand_axis * weights.hand_axis;
+        let w_dome = weights.dome_axis * weights.dome_axis;
+        let hand = &jacobian.hand_axis;
+        for j in 0..trunk {
+            for i in 0..trunk {
+                system.trunk_h[(i, j)] = columns(hand, i, j) * w_hand;
+            }
+            system.trunk_h[(j, j)] += posture.h[j];
+            system.trunk_g[j] = along(hand, j, &error.hand_axis) * w_hand + posture.g[j];
         }
+        for finger in 0..self.finger_count {
+            let (dome, e) = (&jacobian.dome_axis[finger], &error.dome_axis[finger]);
+            for j in 0..trunk {
+                for i in 0..trunk {
+                    system.trunk_h[(i, j)] += columns(dome, i, j) * w_dome;
+                }
+                system.trunk_g[j] += along(dome, j, e) * w_dome;
+            }
+            system.fingers[finger] = self.finger_block(finger, jacobian, error, &posture, w_dome);
+        }
+        system
+    }
+
+    fn finger_block(
+        &self,
+        finger: usize,
+        jacobian: &HandJacobian,
+        error: &TaskError,
+        posture: &PostureRows,
+        w_dome: f64,
+    ) -> FingerBlock {
+        let own = self.finger_joints(finger);
+        let (dome, tip) = (&jacobian.dome_axis[finger], &jacobian.tip[finger]);
+        let mut block = FingerBlock {
+            first_joint: own.start,
+            joint_count: own.len(),
+            e: error.tip[finger],
+            ..FingerBlock::default()
+        };
+        for (row, joint) in own.clone().enumerate() {
+            for (column, other) in own.clone().enumerate() {
+                block.h[(row, column)] = columns(dome, joint, other) * w_dome;
+            }
+            block.h[(row, row)] += posture.h[joint];
+            for trunk in self.trunk_joints() {
+                block.cross[(row, trunk)] = columns(dome, joint, trunk) * w_dome;
+            }
+            block.g[row] = along(dome, joint, &error.dome_axis[finger]) * w_dome + posture.g[joint];
+            block
+                .tip_by_own
+                .set_row(row, &tip.column(joint).transpose());
+        }
+        for trunk in self.trunk_joints() {
+            let of_tip = tip.column(trunk).transpose();
+            block.tip_by_trunk.set_row(trunk, &of_tip);
+        }
+        block
     }
 
     /// The diagonal of H and the part of g that pull towards the reference posture.
     fn posture_rows(&self, q_rad: &HandVector, root_rad: f64, weights: &IkWeights) -> PostureRows {
-        let mut weight = HandVector::repeat(weights.posture * weights.posture);
+        let mut weight = HandVector::repeat(self.joint_count, weights.posture * weights.posture);
         let mut wanted = self.reference_rad;
-        for finger in 0..FINGERS {
-            weight[finger_root(finger)] = weights.root_posture * weights.root_posture;
-            wanted[finger_root(finger)] = root_rad;
+        for root in self.tilting_joints() {
+            weight[root] = weights.root_posture * weights.root_posture;
+            wanted[root] = root_rad;
         }
-        PostureRows {
-            h: weight.add_scalar(weights.damping * weights.damping),
-            g: weight.component_mul(&(wanted - q_rad)) * weights.secondary_gain,
+        let mut rows = PostureRows {
+            h: weight.map(|weight| weight + weights.damping * weights.damping),
+            g: (wanted - *q_rad).zip_map(&weight, |off, weight| weight * off)
+                * weights.secondary_gain,
+        };
+        for (index, joint) in self.joints().iter().enumerate() {
+            let radian = joint.radian();
+            rows.h[index] /= radian * radian;
+            rows.g[index] /= radian * radian;
         }
+        rows
     }
 
     /// q + dq without the last bit of rounding beyond a limit.
     fn advance(&self, q_rad: &HandVector, dq_rad: &HandVector) -> HandVector {
-        HandVector::from_fn(|index, _| {
+        HandVector::from_fn(self.joint_count, |index| {
             let (joint, q) = (&self.joints[index], q_rad[index]);
             (q + dq_rad[index]).clamp(joint.lower_rad.min(q), joint.upper_rad.max(q))
         })
@@ -251,12 +294,16 @@ struct PostureRows {
     g: HandVector,
 }
 
-fn segment<const N: usize>(vector: &HandVector, start: usize) -> SVector<f64, N> {
-    vector.fixed_rows::<N>(start).into_owned()
+/// Product of two columns.
+fn columns(rows: &Rows3, i: usize, j: usize) -> f64 {
+    let (a, b) = (rows.column(i), rows.column(j));
+    a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-fn diagonal<const N: usize>(vector: &HandVector, start: usize) -> SMatrix<f64, N, N> {
-    SMatrix::from_diagonal(&segment::<N>(vector, start))
+/// Product of a column with a vector.
+fn along(rows: &Rows3, joint: usize, vector: &Vector3<f64>) -> f64 {
+    let column = rows.column(joint);
+    column.x * vector.x + column.y * vector.y + column.z * vector.z
 }
 
 impl TaskError {
@@ -265,15 +312,19 @@ impl TaskError {
         if !target.is_finite() {
             return None;
         }
-        let tip = [
-            target.tip_m[0] - pose.tip_m(0),
-            target.tip_m[1] - pose.tip_m(1),
-        ];
-        let tip_errors_m = [tip[0].norm(), tip[1].norm()];
-        if !tip_errors_m.iter().all(|error| error.is_finite()) {
-            return None;
+        let fingers = pose.base_from_tip().len();
+        let mut tip = [Vector3::zeros(); FINGERS_MAX];
+        let mut dome_axis = tip;
+        let mut tip_error_m = 0.0_f64;
+        for finger in 0..fingers {
+            tip[finger] = target.tip_m[finger] - pose.tip_m(finger);
+            dome_axis[finger] = target.dome_axis[finger] - pose.dome_axis(finger);
+            let error_m = tip[finger].norm();
+            if !error_m.is_finite() {
+                return None;
+            }
+            tip_error_m = tip_error_m.max(error_m);
         }
-        let tip_error_m = tip_errors_m[0].max(tip_errors_m[1]);
         let shorten = if tip_error_m > weights.tip_step_max_m {
             weights.tip_step_max_m / tip_error_m
         } else {
@@ -282,8 +333,7 @@ impl TaskError {
         let gain = weights.secondary_gain;
         Some(TaskError {
             tip: tip.map(|error| error * shorten),
-            dome_axis: [0, 1]
-                .map(|finger| (target.dome_axis[finger] - pose.dome_axis(finger)) * gain),
+            dome_axis: dome_axis.map(|error| error * gain),
             hand_axis: (target.hand_axis - pose.hand_axis()) * gain,
             tip_error_m,
         })
@@ -292,15 +342,16 @@ impl TaskError {
 
 /// Solves, holds the joints that left the box at its edge, solves the rest again; clamps what is left.
 fn solve_in_box(mut system: ArrowSystem, step_box: &StepBox) -> Option<(HandVector, IkStatus)> {
-    let mut held = [false; HAND_JOINTS];
+    let joints = step_box.lower.len();
+    let mut held = [false; HAND_JOINTS_MAX];
     let mut status = IkStatus::Free;
-    let mut dq = system.solve()?;
+    let mut dq = system.solve(joints)?;
     for pass in 1..=ACTIVE_SET_PASSES {
         if !dq.iter().all(|value| value.is_finite()) {
             return None;
         }
         let mut changed = false;
-        for joint in 0..HAND_JOINTS {
+        for joint in 0..joints {
             let (lower, upper) = (step_box.lower[joint], step_box.upper[joint]);
             let outside =
                 dq[joint] < lower - BOX_TOLERANCE_RAD || dq[joint] > upper + BOX_TOLERANCE_RAD;
@@ -315,10 +366,10 @@ fn solve_in_box(mut system: ArrowSystem, step_box: &StepBox) -> Option<(HandVect
         }
         status = IkStatus::AtLimit;
         if pass < ACTIVE_SET_PASSES {
-            dq = system.solve()?;
+            dq = system.solve(joints)?;
         }
     }
-    let clamped = HandVector::from_fn(|joint, _| {
+    let clamped = HandVector::from_fn(joints, |joint| {
         dq[joint].clamp(step_box.lower[joint], step_box.upper[joint])
     });
     Some((clamped, status))

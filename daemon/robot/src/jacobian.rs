@@ -3,25 +3,25 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::forward::HandPose;
-use crate::model::{HandModel, finger_root};
-use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector};
+use crate::model::HandModel;
+use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
+use crate::vector::HandVector;
 
-/// 3 × 11: one direction or position of the hand per radian of each joint.
-pub type Rows3 = SMatrix<f64, 3, HAND_JOINTS>;
-/// 6 × 11: finger 1 in rows 0–2, finger 2 in rows 3–5.
-pub type Rows6 = SMatrix<f64, 6, HAND_JOINTS>;
+/// One direction or position of the hand per motion of each joint; columns beyond the last joint are zero.
+pub type Rows3 = SMatrix<f64, 3, HAND_JOINTS_MAX>;
 
 /// Geometric Jacobians of one hand in the base frame. Columns of joints that do not move a row's object are zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandJacobian {
-    /// Tip positions, metres per radian.
-    pub tip: Rows6,
+    /// Position of each tip, metres per radian.
+    pub tip: [Rows3; FINGERS_MAX],
     /// Dome axes (change of a unit vector), per radian.
-    pub dome_axis: Rows6,
+    pub dome_axis: [Rows3; FINGERS_MAX],
+    /// Angular velocity of each tip, radians per radian.
+    pub tip_angular: [Rows3; FINGERS_MAX],
     /// Hand axis (change of a unit vector), per radian.
     pub hand_axis: Rows3,
-    /// Angular velocity of each tip, radians per radian.
-    pub tip_angular: [Rows3; FINGERS],
+    joint_count: usize,
 }
 
 impl HandModel {
@@ -29,41 +29,67 @@ impl HandModel {
     #[must_use]
     pub fn jacobian(&self, pose: &HandPose) -> HandJacobian {
         let mut jacobian = HandJacobian {
-            tip: Rows6::zeros(),
-            dome_axis: Rows6::zeros(),
+            tip: [Rows3::zeros(); FINGERS_MAX],
+            dome_axis: [Rows3::zeros(); FINGERS_MAX],
+            tip_angular: [Rows3::zeros(); FINGERS_MAX],
             hand_axis: Rows3::zeros(),
-            tip_angular: [Rows3::zeros(); FINGERS],
+            joint_count: self.joint_count,
         };
-        for joint in 0..ARM_JOINTS {
-            let hand_axis = pose.joint_axis(joint).cross(&pose.hand_axis());
-            jacobian.hand_axis.set_column(joint, &hand_axis);
+        for frame in &self.frames[..self.arm_joints] {
+            let mover = &frame.mover;
+            if !mover.slides {
+                let hand_axis = pose.frame_axis(mover.frame).cross(&pose.hand_axis());
+                add(
+                    &mut jacobian.hand_axis,
+                    mover.joint,
+                    hand_axis * mover.ratio,
+                );
+            }
         }
-        for finger in 0..FINGERS {
-            for joint in chain(finger) {
-                jacobian.set_finger_column(pose, finger, joint);
+        for finger in 0..self.finger_count {
+            for mover in self.movers(finger) {
+                let axis = pose.frame_axis(mover.frame) * mover.ratio;
+                if mover.slides {
+                    add(&mut jacobian.tip[finger], mover.joint, axis);
+                    continue;
+                }
+                let lever_m = pose.tip_m(finger) - pose.frame_origin_m(mover.frame);
+                let turned = axis.cross(&pose.dome_axis(finger));
+                add(&mut jacobian.tip[finger], mover.joint, axis.cross(&lever_m));
+                add(&mut jacobian.dome_axis[finger], mover.joint, turned);
+                add(&mut jacobian.tip_angular[finger], mover.joint, axis);
             }
         }
         jacobian
     }
 }
 
-/// The joints that move a finger's tip: the arm's and its own.
-fn chain(finger: usize) -> impl Iterator<Item = usize> {
-    let root = finger_root(finger);
-    (0..ARM_JOINTS).chain(root..root + FINGER_JOINTS)
+/// Joints that mimic others add to the columns of those.
+fn add(rows: &mut Rows3, joint: usize, by: Vector3<f64>) {
+    let mut column = rows.column_mut(joint);
+    column += by;
 }
 
 impl HandJacobian {
-    fn set_finger_column(&mut self, pose: &HandPose, finger: usize, joint: usize) {
-        let axis = pose.joint_axis(joint);
-        let lever_m = pose.tip_m(finger) - pose.joint_origin_m(joint);
-        let set = |rows: &mut Rows6, value: Vector3<f64>| {
-            rows.fixed_view_mut::<3, 1>(3 * finger, joint)
-                .copy_from(&value);
-        };
-        set(&mut self.tip, axis.cross(&lever_m));
-        set(&mut self.dome_axis, axis.cross(&pose.dome_axis(finger)));
-        self.tip_angular[finger].set_column(joint, &axis);
+    /// Torques on the joints that a force on each tip makes, base frame: Jᵀ·F, N·m.
+    #[must_use]
+    pub fn torques_n_m(&self, forces_n: &[Vector3<f64>; FINGERS_MAX]) -> HandVector {
+        HandVector::from_fn(self.joint_count, |joint| {
+            let tips = self.tip.iter().zip(forces_n);
+            tips.fold(0.0, |sum, (tip, force_n)| {
+                let column = tip.column(joint);
+                sum + column.x * force_n.x + column.y * force_n.y + column.z * force_n.z
+            })
+        })
+    }
+
+    /// What some rows make of a change of the joints.
+    #[must_use]
+    pub fn moved(rows: &Rows3, dq_rad: &HandVector) -> Vector3<f64> {
+        let joints = dq_rad.iter().enumerate();
+        joints.fold(Vector3::zeros(), |sum: Vector3<f64>, (joint, dq_rad)| {
+            sum + rows.column(joint) * *dq_rad
+        })
     }
 
     /// Compliance of each tip, C = J·K⁻¹·Jᵀ, metres per newton, for joint stiffnesses K in newton metres per radian:
@@ -75,16 +101,16 @@ impl HandJacobian {
     pub fn tip_compliance(
         &self,
         stiffness_n_m_rad: &HandVector,
-    ) -> Option<[Matrix3<f64>; FINGERS]> {
+    ) -> Option<[Matrix3<f64>; FINGERS_MAX]> {
         if !stiffness_n_m_rad.iter().all(|k| k.is_finite() && *k > 0.0) {
             return None;
         }
-        let compliance = |finger: usize| {
-            chain(finger).fold(Matrix3::zeros(), |sum: Matrix3<f64>, joint| {
-                let column = self.tip.fixed_view::<3, 1>(3 * finger, joint);
-                sum + column * column.transpose() / stiffness_n_m_rad[joint]
+        Some(self.tip.each_ref().map(|tip| {
+            let joints = stiffness_n_m_rad.iter().enumerate();
+            joints.fold(Matrix3::zeros(), |sum: Matrix3<f64>, (joint, stiffness)| {
+                let column = tip.column(joint);
+                sum + column * column.transpose() / *stiffness
             })
-        };
-        Some([compliance(0), compliance(1)])
+        }))
     }
 }

@@ -1,14 +1,15 @@
-//! Kinematics of the two-hand-arm robot: who moves what, where the fingertips are, and which joint angles bring them
+//! Kinematics of a robot of one or two hands: who moves what, where the fingertips are, and which joint angles bring them
 //! where a task wants them.
 //!
-//! A URDF goes in once, at start-up, and becomes a [`RobotModel`] of fixed size. Per tick and hand, joint angles go
+//! A URDF and its robot file go in once, at start-up, and become a [`RobotModel`] of fixed size. Per tick and hand, joint angles go
 //! through [`HandModel::forward`] and [`HandModel::jacobian`], and [`HandModel::ik_step`] returns the next command for a
 //! [`HandTarget`], usually built from a [`GraspFrame`].
 //!
 //! ```text
-//!  two_hand_arm.urdf ─▶ RobotModel ─▶ hand(side) ─▶ forward(q) ─▶ HandPose ─▶ jacobian ─▶ HandJacobian
-//!                                                                    │                        │
-//!                               GraspFrame ─▶ HandTarget ────────────┴──────── ik_step ◀──────┘ ─▶ next q
+//!  robot.urdf ┐
+//!  robot.toml ┴▶ RobotModel ─▶ hand(side) ─▶ forward(q) ─▶ HandPose ─▶ jacobian ─▶ HandJacobian
+//!                                                              │                        │
+//!                         GraspFrame ─▶ HandTarget ────────────┴──────── ik_step ◀──────┘ ─▶ next q
 //! ```
 //!
 //! ```
@@ -34,21 +35,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Conventions: metres, radians, newtons. Base frame: origin on the table top under the torso, x forward, y left, z up.
-//! Joint order everywhere: left 11, then right 11, as in the URDF ([`JOINT_NAMES`]); within a hand arm 5, finger 1,
-//! finger 2. Finger 0 of an array is finger 1. Tip frame: see [`HandPose::base_from_tip`].
+//! Conventions: metres, radians, newtons; coordinates of joints as [`JointVector`] has them. Base frame: the URDF's root, origin
+//! on the table top, x forward, y left, z up. Joint order everywhere: left hand, then right; within a hand as [`HandModel`]
+//! has it. Finger 0 of an array is finger 1. Tip frame: see [`HandPose::base_from_tip`].
 //!
 //! Invariants:
 //! - Nothing but loading allocates; nothing reads a clock; the same numbers give the same bits on every machine
 //!   (trigonometry from `libm`, fixed order of summation).
 //! - A step of the inverse kinematics is finite, keeps speed limits, and never leaves the position limits, whatever the
 //!   target; a step that cannot be computed moves nothing and says so.
-//! - The structure (2 × (5 + 3 + 3) revolute joints) is fixed; dimensions, axes, offsets and limits come from the URDF.
+//! - Everything about a robot comes from its two files; the bounds are those of `sizes.rs`.
 //!
 //! Deliberately absent: dynamics and servos (the simulator's), trajectories and tasks (the controller's), the torso as
 //! an obstacle.
 //!
-//! Feature `std` (default) adds the URDF loader; without it the crate is `no_std`.
+//! Feature `std` (default) adds the loader; without it the crate is `no_std`.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -57,32 +58,48 @@
 extern crate std;
 
 mod arrow;
+mod bearing;
+mod built_in;
 mod capsule;
 mod forward;
 mod ik;
 mod jacobian;
+mod joint;
 mod model;
+mod name;
 mod reach;
+#[cfg(feature = "std")]
+mod robot_file;
+mod side;
 mod sizes;
 #[cfg(feature = "std")]
 mod skeleton;
 mod solve;
 mod target;
 mod transform;
+mod turning;
 #[cfg(feature = "std")]
 mod urdf;
+mod vector;
 
+pub use built_in::{BuiltIn, TWO_HAND_ARM};
 pub use capsule::{
     CAPSULES_MAX, Capsule, Capsules, Nearest, clearance_m, farthest_move_m, nearest,
 };
 pub use forward::HandPose;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
-pub use jacobian::{HandJacobian, Rows3, Rows6};
-pub use model::{
-    HandModel, JOINT_NAMES, Joint, RobotModel, Side, TIP_LINKS, TWO_HAND_ARM_URDF, finger_root,
-};
+pub use jacobian::{HandJacobian, Rows3};
+pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};
+pub use model::{HandModel, Mover, RobotModel};
+pub use name::{NAME_MAX, Name};
 pub use reach::{ReachError, Workspace};
-pub use sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS};
+#[cfg(feature = "std")]
+pub use robot_file::{FingerEntry, HandEntry, Hands, JointEntry, RobotFile};
+pub use side::Side;
+pub use sizes::{
+    ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX,
+    VIRTUAL_FINGERS,
+};
 #[cfg(feature = "std")]
 pub use skeleton::{Form, Limb, Placement, Shape, Skeleton};
 pub use solve::{
@@ -91,4 +108,5 @@ pub use solve::{
 pub use target::{GraspFrame, HandTarget};
 pub use transform::Transform;
 #[cfg(feature = "std")]
-pub use urdf::ModelError;
+pub use urdf::{Misfit, ModelError};
+pub use vector::{HandVector, JointVector, RobotVector};

@@ -1,205 +1,324 @@
-//! The robot as fixed-size data: two hands, each a tree of eleven joints, with limits and mounting transforms.
+//! The robot as data of fixed size: up to two hands, each a tree of joints, with limits and mounting transforms.
 
 use core::ops::Range;
 
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
-use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS};
+use crate::joint::Joint;
+use crate::name::Name;
+use crate::side::Side;
+use crate::sizes::{FINGERS_MAX, FRAMES_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX, VIRTUAL_FINGERS};
 use crate::transform::Transform;
+use crate::turning::Turning;
+use crate::vector::HandVector;
 
-/// The built-in robot's URDF.
-pub const TWO_HAND_ARM_URDF: &str = include_str!("../two_hand_arm.urdf");
-
-/// Which of the two arms with its hand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Side {
-    /// The arm at positive y.
-    Left,
-    /// The arm at negative y.
-    Right,
-}
-
-impl Side {
-    /// Both sides in the order of the robot's joints.
-    pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
-
-    /// 0 for left, 1 for right: the position in every per-hand array.
-    #[must_use]
-    pub const fn index(self) -> usize {
-        match self {
-            Side::Left => 0,
-            Side::Right => 1,
-        }
-    }
-
-    /// Sign of this side's y: +1 left, −1 right. A mirrored quantity is the right one times minus this.
-    #[must_use]
-    pub const fn y_sign(self) -> f64 {
-        match self {
-            Side::Left => 1.0,
-            Side::Right => -1.0,
-        }
-    }
-
-    /// Index of this side's first joint in the robot's order.
-    #[must_use]
-    pub const fn first_joint(self) -> usize {
-        self.index() * HAND_JOINTS
-    }
-
-    /// Positions of this side's joints in a vector of the whole robot.
-    #[must_use]
-    pub const fn joint_range(self) -> Range<usize> {
-        self.first_joint()..self.first_joint() + HAND_JOINTS
-    }
-}
-
-macro_rules! joint_names {
-    ($side:literal) => {
-        [
-            concat!($side, "_shoulder_yaw"),
-            concat!($side, "_shoulder_pitch"),
-            concat!($side, "_elbow_pitch"),
-            concat!($side, "_wrist_pitch"),
-            concat!($side, "_wrist_roll"),
-            concat!($side, "_finger1_root"),
-            concat!($side, "_finger1_knuckle"),
-            concat!($side, "_finger1_distal"),
-            concat!($side, "_finger2_root"),
-            concat!($side, "_finger2_knuckle"),
-            concat!($side, "_finger2_distal"),
-        ]
-    };
-}
-
-/// Names of the joints, `[side][joint]`, in the robot's order. A URDF must use exactly these, in this order.
-pub const JOINT_NAMES: [[&str; HAND_JOINTS]; 2] = [joint_names!("left"), joint_names!("right")];
-
-/// Names of the links that carry the tip frames, `[side][finger]`.
-pub const TIP_LINKS: [[&str; FINGERS]; 2] = [
-    ["left_finger1_tip", "left_finger2_tip"],
-    ["right_finger1_tip", "right_finger2_tip"],
-];
-
-/// One revolute joint: its name and what it can do.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Joint {
-    /// Name, one of [`JOINT_NAMES`].
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "joint_name"))]
-    pub name: JointName,
-    /// Lower position limit, radians.
-    pub lower_rad: f64,
-    /// Upper position limit, radians, above the lower one.
-    pub upper_rad: f64,
-    /// Speed limit, radians per second, positive.
-    pub velocity_max_rad_s: f64,
-    /// Torque limit, newton metres, not negative.
-    pub effort_max_n_m: f64,
-}
-
-/// A joint's name. The alias keeps serde from borrowing it from what is read.
-type JointName = &'static str;
-
-/// The name of ours that is the one read.
-#[cfg(feature = "serde")]
-fn joint_name<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<JointName, D::Error> {
-    let read = <&str as serde::Deserialize>::deserialize(deserializer)?;
-    let ours = JOINT_NAMES.iter().flatten().find(|name| **name == read);
-    ours.copied()
-        .ok_or_else(|| serde::de::Error::custom("a joint with a name that no joint has"))
-}
-
-/// One arm with its hand: five arm joints, then three joints of finger 1, then three of finger 2.
+/// One arm with its hand.
 ///
-/// Each joint's frame is the URDF's joint frame turned so that its z is the joint's axis: forward kinematics then
-/// needs one rotation about z per joint whatever axes the URDF chose.
+/// Its joints in order: those of the arm from the base on, then drives that several fingers share, then those that move
+/// finger 1 alone, then finger 2 and so on. The first two groups are the *trunk*: what moves more than one fingertip.
+///
+/// Every moving joint of the URDF has a *frame*, also one that mimics another and so has no coordinate of its own. It is the
+/// URDF's joint frame turned so that its z is the joint's axis: forward kinematics then needs one motion along or about z
+/// per frame whatever axes the URDF chose.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandModel {
     pub(crate) side: Side,
-    pub(crate) joints: [Joint; HAND_JOINTS],
-    /// Transform from the frame of the joint before ([`PARENT`]) to this joint's frame at zero.
-    pub(crate) parent_from_joint: [Transform; HAND_JOINTS],
-    /// Transform from the last arm joint's frame to the hand link's frame.
-    pub(crate) wrist_from_hand: Transform,
-    /// Transform from each distal joint's frame to the tip frame.
-    pub(crate) distal_from_tip: [Transform; FINGERS],
-    pub(crate) dome_radius_m: [f64; FINGERS],
+    pub(crate) joints: [Joint; HAND_JOINTS_MAX],
+    pub(crate) joint_count: usize,
+    pub(crate) arm_joints: usize,
+    pub(crate) trunk_joints: usize,
+    pub(crate) frames: [Frame; FRAMES_MAX],
+    pub(crate) frame_count: usize,
+    /// The link that carries the fingers.
+    pub(crate) palm: Mounted,
+    /// Direction of that link that points down in a grasp from above, in its own frame.
+    pub(crate) pointing: Vector3<f64>,
+    pub(crate) fingers: [Finger; FINGERS_MAX],
+    pub(crate) finger_count: usize,
+    pub(crate) dome_radius_m: [f64; FINGERS_MAX],
     pub(crate) reference_rad: HandVector,
-    /// Collision capsules, each in the frame of the joint that moves it.
+    /// Per joint: whether it tilts its finger about the closing axis, as a wrist would.
+    pub(crate) tilts: [bool; HAND_JOINTS_MAX],
+    pub(crate) turning: Turning,
+    /// Where the hand rests, from above, and how far open, m.
+    pub(crate) home_m: Vector3<f64>,
+    pub(crate) home_opening_m: f64,
+    /// Collision capsules, each in the frame that moves it.
     pub(crate) capsules: Capsules,
 }
 
-/// The joint before each joint within a hand; the first is mounted on the base, both fingers on the last arm joint.
-pub(crate) const PARENT: [Option<usize>; HAND_JOINTS] = [
-    None,
-    Some(0),
-    Some(1),
-    Some(2),
-    Some(3),
-    Some(4),
-    Some(5),
-    Some(6),
-    Some(4),
-    Some(8),
-    Some(9),
-];
+/// The frame of one moving joint of the URDF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Frame {
+    /// The frame that carries it, of a smaller index; `None` for the base.
+    pub(crate) parent: Option<usize>,
+    /// Transform from that frame to this one at zero.
+    pub(crate) parent_from_frame: Transform,
+    pub(crate) mover: Mover,
+    /// Motion at coordinate zero.
+    pub(crate) offset: f64,
+}
 
-/// Hand joint index of the first joint (the root) of a finger.
-#[must_use]
-pub const fn finger_root(finger: usize) -> usize {
-    ARM_JOINTS + FINGER_JOINTS * finger
+/// What moves a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Mover {
+    /// Its frame, for [`crate::HandPose::frame_axis`] and [`crate::HandPose::frame_origin_m`].
+    pub frame: usize,
+    /// The joint whose coordinate moves it, counted within the hand.
+    pub joint: usize,
+    /// Motion per motion of that joint: 1, or the multiplier of a joint that mimics it.
+    pub ratio: f64,
+    /// Whether it slides along its axis instead of turning about it.
+    pub slides: bool,
+}
+
+/// Something fixed to a frame, or to the base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Mounted {
+    pub(crate) frame: Option<usize>,
+    pub(crate) frame_from_link: Transform,
+}
+
+/// One fingertip and what moves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Finger {
+    /// Name of the link that carries the tip frame.
+    pub(crate) link: Name,
+    /// The side from which it presses, 0 or 1.
+    pub(crate) virtual_finger: usize,
+    pub(crate) tip: Mounted,
+    /// Its own joints: the first, and how many.
+    pub(crate) first_joint: usize,
+    pub(crate) joint_count: usize,
+    /// Per frame, whether it moves this tip.
+    pub(crate) moved_by: [bool; FRAMES_MAX],
+    /// How far it stands beside the middle of its side, along z × n for a hand that points down, m.
+    pub(crate) beside_m: f64,
+}
+
+impl Frame {
+    pub(crate) const NONE: Frame = Frame {
+        parent: None,
+        parent_from_frame: Transform::IDENTITY,
+        mover: Mover {
+            frame: 0,
+            joint: 0,
+            ratio: 0.0,
+            slides: false,
+        },
+        offset: 0.0,
+    };
+}
+
+impl Mounted {
+    pub(crate) const ON_BASE: Mounted = Mounted {
+        frame: None,
+        frame_from_link: Transform::IDENTITY,
+    };
+}
+
+impl Finger {
+    pub(crate) fn none() -> Finger {
+        Finger {
+            link: Name::default(),
+            virtual_finger: 0,
+            tip: Mounted::ON_BASE,
+            first_joint: 0,
+            joint_count: 0,
+            moved_by: [false; FRAMES_MAX],
+            beside_m: 0.0,
+        }
+    }
 }
 
 impl HandModel {
+    /// The hand that a one-handed robot has not got: no joints, no fingers.
+    #[must_use]
+    pub fn absent(side: Side) -> HandModel {
+        HandModel {
+            side,
+            joints: [Joint::default(); HAND_JOINTS_MAX],
+            joint_count: 0,
+            arm_joints: 0,
+            trunk_joints: 0,
+            frames: [Frame::NONE; FRAMES_MAX],
+            frame_count: 0,
+            palm: Mounted::ON_BASE,
+            pointing: -Vector3::z(),
+            fingers: [Finger::none(); FINGERS_MAX],
+            finger_count: 0,
+            dome_radius_m: [0.0; FINGERS_MAX],
+            reference_rad: HandVector::zeros(0),
+            tilts: [false; HAND_JOINTS_MAX],
+            turning: Turning::default(),
+            home_m: Vector3::zeros(),
+            home_opening_m: 0.0,
+            capsules: Capsules::new(),
+        }
+    }
+
+    /// Whether the robot has this hand.
+    #[must_use]
+    pub fn is_present(&self) -> bool {
+        self.finger_count > 0
+    }
+
     /// Which side this is.
     #[must_use]
     pub fn side(&self) -> Side {
         self.side
     }
 
-    /// The joints of the hand in order: arm 5, finger 1, finger 2.
+    /// The joints of the hand in order.
     #[must_use]
-    pub fn joints(&self) -> &[Joint; HAND_JOINTS] {
-        &self.joints
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints[..self.joint_count]
     }
 
-    /// Index of the first joint of this hand in the robot's order.
+    /// Positions of the arm's joints in the hand's order.
     #[must_use]
-    pub fn first_joint(&self) -> usize {
-        self.side.first_joint()
+    pub fn arm_joints(&self) -> Range<usize> {
+        0..self.arm_joints
     }
 
-    /// Radius of the sensor dome of each finger, metres.
+    /// Positions of the joints that move more than one fingertip: the arm's, then drives that fingers share.
     #[must_use]
-    pub fn dome_radius_m(&self) -> [f64; FINGERS] {
-        self.dome_radius_m
+    pub fn trunk_joints(&self) -> Range<usize> {
+        0..self.trunk_joints
     }
 
-    /// The posture that the inverse kinematics prefers where the task leaves freedom, radians, inside the limits:
-    /// elbow up, hand straight down over the table, fingers half open.
+    /// Positions of the joints that move one fingertip alone.
+    #[must_use]
+    pub fn finger_joints(&self, finger: usize) -> Range<usize> {
+        let finger = &self.fingers[finger];
+        finger.first_joint..finger.first_joint + finger.joint_count
+    }
+
+    /// The joints of the arm, those that fingers share, and each finger's own.
+    pub fn limbs(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let fingers = (0..self.finger_count).map(|finger| self.finger_joints(finger));
+        let shared = self.arm_joints..self.trunk_joints;
+        [self.arm_joints(), shared].into_iter().chain(fingers)
+    }
+
+    /// Whether a joint behind the arm moves a fingertip of one side.
+    #[must_use]
+    pub fn drives(&self, joint: usize, virtual_finger: usize) -> bool {
+        let moves = |finger: usize| self.movers(finger).any(|mover| mover.joint == joint);
+        joint >= self.arm_joints && self.fingers_of(virtual_finger).any(moves)
+    }
+
+    /// How many fingertips the hand has.
+    #[must_use]
+    pub fn finger_count(&self) -> usize {
+        self.finger_count
+    }
+
+    /// The side from which a fingertip presses, 0 or 1: see [`VIRTUAL_FINGERS`].
+    #[must_use]
+    pub fn virtual_finger(&self, finger: usize) -> usize {
+        self.fingers[finger].virtual_finger
+    }
+
+    /// The fingertips that press from one side.
+    pub fn fingers_of(&self, virtual_finger: usize) -> impl Iterator<Item = usize> + '_ {
+        let presses = move |finger: &usize| self.virtual_finger(*finger) == virtual_finger;
+        (0..self.finger_count).filter(presses)
+    }
+
+    /// Names of the links that carry the tip frames.
+    pub fn tip_links(&self) -> impl Iterator<Item = &str> {
+        self.fingers[..self.finger_count]
+            .iter()
+            .map(|finger| finger.link.as_str())
+    }
+
+    /// What moves a fingertip, from the base on.
+    pub fn movers(&self, finger: usize) -> impl Iterator<Item = &Mover> {
+        let frames = self.frames[..self.frame_count].iter();
+        frames
+            .zip(&self.fingers[finger].moved_by)
+            .filter_map(|(frame, moves)| moves.then_some(&frame.mover))
+    }
+
+    /// Frames that move.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.frame_count
+    }
+
+    /// Radius of the sensor dome of each fingertip, metres.
+    #[must_use]
+    pub fn dome_radius_m(&self) -> &[f64] {
+        &self.dome_radius_m[..self.finger_count]
+    }
+
+    /// Mean of a value over the fingertips that press from one side.
+    pub fn mean_of_side(&self, virtual_finger: usize, value: impl FnMut(usize) -> f64) -> f64 {
+        mean(self.fingers_of(virtual_finger).map(value))
+    }
+
+    /// The posture that the inverse kinematics prefers where the task leaves freedom, radians, inside the limits.
     #[must_use]
     pub fn reference_rad(&self) -> &HandVector {
         &self.reference_rad
     }
 
+    /// Stiffness of every joint's servo, N·m/rad.
+    #[must_use]
+    pub fn stiffness_n_m_rad(&self) -> HandVector {
+        HandVector::from_fn(self.joint_count, |joint| {
+            self.joints[joint].stiffness_n_m_rad
+        })
+    }
+
+    /// Joints that tilt their finger about the closing axis.
+    pub(crate) fn tilting_joints(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.joint_count).filter(|joint| self.tilts[*joint])
+    }
+
+    /// Mean angle of the joints that tilt the fingers, radians; 0 if the hand has none.
+    #[must_use]
+    pub fn root_rad(&self, q_rad: &HandVector) -> f64 {
+        let roots = self.tilting_joints();
+        mean(roots.filter_map(|joint| q_rad.get(joint).copied()))
+    }
+
+    /// Where the hand rests: the point between its fingertips, base frame, metres.
+    #[must_use]
+    pub fn home_m(&self) -> Vector3<f64> {
+        self.home_m
+    }
+
+    /// Distance between the poles of its domes where it rests, metres.
+    #[must_use]
+    pub fn home_opening_m(&self) -> f64 {
+        self.home_opening_m
+    }
+
     /// Position of the first joint at zero, in the base frame, metres: bearings of this arm are seen from here.
     #[must_use]
     pub fn shoulder_m(&self) -> Vector3<f64> {
-        self.parent_from_joint[0].translation_m
+        self.frames[0].parent_from_frame.translation_m
     }
 
-    /// The same hand with longer links: the mounting of each joint, and of each tip on its distal joint, longer by so much
-    /// along itself, m. What is mounted in place stays there. For simulating a robot that is not quite as its model says.
+    /// The same hand with longer links: the mounting of each frame, and of each tip, longer by so much along itself, m.
+    /// What is mounted in place stays there. For simulating a robot that is not quite as its model says.
     #[must_use]
-    pub fn with_longer_links(&self, links_m: &HandVector, tips_m: &[f64; FINGERS]) -> Self {
+    pub fn with_longer_links(&self, links_m: &[f64], tips_m: &[f64]) -> Self {
         let mut hand = self.clone();
-        let links = hand.parent_from_joint.iter_mut().zip(links_m.iter());
-        let tips = hand.distal_from_tip.iter_mut().zip(tips_m);
-        for (mounting, by_m) in links.chain(tips) {
+        let links = hand.frames.iter_mut().map(|it| &mut it.parent_from_frame);
+        let tips = hand
+            .fingers
+            .iter_mut()
+            .map(|it| &mut it.tip.frame_from_link);
+        for (mounting, by_m) in links.zip(links_m).chain(tips.zip(tips_m)) {
             let along = mounting.translation_m.try_normalize(0.0);
             mounting.translation_m += along.unwrap_or_default() * *by_m;
         }
@@ -209,11 +328,15 @@ impl HandModel {
     /// Whether every joint is finite and inside its position limits (limits included).
     #[must_use]
     pub fn within_limits(&self, q_rad: &HandVector) -> bool {
-        self.joints
-            .iter()
-            .zip(q_rad.iter())
-            .all(|(joint, &q)| q >= joint.lower_rad && q <= joint.upper_rad)
+        let within = |(joint, &q): (&Joint, &f64)| q >= joint.lower_rad && q <= joint.upper_rad;
+        self.joints().iter().zip(q_rad.iter()).all(within)
     }
+}
+
+/// The mean of some values, 0 of none.
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// The whole robot: left hand, then right hand. Fixed size, no heap.
@@ -223,13 +346,35 @@ pub struct RobotModel {
 }
 
 impl RobotModel {
-    /// The arm with hand of one side.
+    /// The arm with hand of one side; one without fingers if the robot has none there.
     #[must_use]
     pub fn hand(&self, side: Side) -> &HandModel {
         &self.hands[side.index()]
     }
 
-    /// The joint at a robot index (left 0–10, right 11–21), `None` beyond.
+    /// The sides on which the robot has a hand.
+    pub fn sides(&self) -> impl Iterator<Item = Side> + '_ {
+        let present = |side: &Side| self.hand(*side).is_present();
+        Side::BOTH.into_iter().filter(present)
+    }
+
+    /// How many joints the robot has.
+    #[must_use]
+    pub fn joint_count(&self) -> usize {
+        self.joint_range(Side::Right).end
+    }
+
+    /// Positions of one hand's joints in a vector of the whole robot.
+    #[must_use]
+    pub fn joint_range(&self, side: Side) -> Range<usize> {
+        let [left, right] = self.hands.each_ref().map(|hand| hand.joint_count);
+        match side {
+            Side::Left => 0..left,
+            Side::Right => left..left + right,
+        }
+    }
+
+    /// The joint at a robot index, `None` beyond the last.
     #[must_use]
     pub fn joint(&self, index: usize) -> Option<&Joint> {
         self.joints().nth(index)
@@ -237,9 +382,8 @@ impl RobotModel {
 
     /// All joints in the robot's order.
     pub fn joints(&self) -> impl Iterator<Item = &Joint> {
-        self.hands.iter().flat_map(|hand| hand.joints.iter())
+        self.hands.iter().flat_map(|hand| hand.joints())
     }
 }
 
-const _: () =
-    assert!(ROBOT_JOINTS == 2 * HAND_JOINTS && HAND_JOINTS == ARM_JOINTS + FINGERS * FINGER_JOINTS);
+const _: () = assert!(ROBOT_JOINTS_MAX == 2 * HAND_JOINTS_MAX && VIRTUAL_FINGERS == 2);

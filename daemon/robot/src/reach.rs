@@ -4,7 +4,7 @@ use core::fmt;
 
 use nalgebra::Vector3;
 
-use crate::model::Side;
+use crate::side::Side;
 
 /// A box of grasps from above, for the right hand; the left hand's is its mirror image in y.
 #[derive(Clone, Copy, Debug, PartialEq)]

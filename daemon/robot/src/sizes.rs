@@ -1,15 +1,20 @@
-//! How many joints there are: everything else has these sizes.
+//! How large a robot may be: everything of fixed size has these bounds, and a count of what is in use.
 
-/// Joints of an arm: shoulder yaw and pitch, elbow pitch, wrist pitch and roll (paper: arm 5 DOF).
-pub const ARM_JOINTS: usize = 5;
-/// Joints of a finger: root, knuckle, distal (paper: finger 3 DOF).
-pub const FINGER_JOINTS: usize = 3;
-/// Fingers of a hand. Ours.
-pub const FINGERS: usize = 2;
-/// Joints of one arm with its hand.
-pub const HAND_JOINTS: usize = ARM_JOINTS + FINGERS * FINGER_JOINTS;
-/// Joints of the robot.
-pub const ROBOT_JOINTS: usize = 2 * HAND_JOINTS;
+/// Joints of an arm; it may have none (a gripper on a stand).
+pub const ARM_JOINTS_MAX: usize = 7;
+/// Fingertips of a hand.
+pub const FINGERS_MAX: usize = 4;
+/// Joints that move one fingertip against the palm, mimic joints included.
+pub const FINGER_JOINTS_MAX: usize = 4;
+/// Joints of a hand with its arm.
+pub const HAND_JOINTS_MAX: usize = 16;
+/// Joints of a robot.
+pub const ROBOT_JOINTS_MAX: usize = 2 * HAND_JOINTS_MAX;
+/// Joints that move more than one fingertip: those of the arm, and two drives that fingers share.
+pub(crate) const TRUNK_JOINTS_MAX: usize = ARM_JOINTS_MAX + 2;
+/// Frames that move: those of the arm and of every finger, mimic joints included.
+pub(crate) const FRAMES_MAX: usize = ARM_JOINTS_MAX + FINGERS_MAX * FINGER_JOINTS_MAX;
 
-/// One value per joint of a hand, in hand order.
-pub type HandVector = nalgebra::SVector<f64, HAND_JOINTS>;
+/// Sides from which a grasp presses. Source: opposing virtual fingers (Arbib, Iberall and Lyons 1985): each stands for
+/// one or more fingertips that press together.
+pub const VIRTUAL_FINGERS: usize = 2;

@@ -13,8 +13,8 @@ use std::{format, vec};
 use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::{Geometry, Joint, JointType, Link, Pose, Robot, Visual};
 
-use crate::model::TWO_HAND_ARM_URDF;
-use crate::urdf::{ModelError, misfit};
+use crate::built_in::TWO_HAND_ARM;
+use crate::urdf::{Misfit, ModelError, misfit};
 
 /// Colour of what the URDF gives none, red, green, blue, opaqueness, 0 to 1.
 const PLAIN_RGBA: [f64; 4] = [0.6, 0.6, 0.6, 1.0];
@@ -117,7 +117,7 @@ impl Skeleton {
                 robot.links.len(),
                 limbs.len()
             );
-            return Err(misfit("the robot", was, "a tree of links"));
+            return Err(misfit("the robot", was, "a tree of links").into());
         }
         Ok(Self { limbs, joint_names })
     }
@@ -127,7 +127,7 @@ impl Skeleton {
     /// # Errors
     /// None in a released crate: a test loads it.
     pub fn two_hand_arm() -> Result<Self, ModelError> {
-        Self::from_urdf(TWO_HAND_ARM_URDF)
+        Self::from_urdf(TWO_HAND_ARM.urdf)
     }
 
     /// The links, parents first.
@@ -178,7 +178,7 @@ fn roots(robot: &Robot) -> Vec<Open<'_>> {
     roots.map(|link| (link, None, None)).collect()
 }
 
-fn child<'a>(robot: &'a Robot, joint: &Joint) -> Result<&'a Link, ModelError> {
+fn child<'a>(robot: &'a Robot, joint: &Joint) -> Result<&'a Link, Misfit> {
     let name = &joint.child.link;
     let found = robot.links.iter().find(|link| link.name == *name);
     found.ok_or_else(|| misfit(format!("link `{name}`"), "missing", "a link of this name"))
@@ -190,7 +190,7 @@ fn limb(
     parent: Option<usize>,
     joint: Option<&Joint>,
     names: &[String],
-) -> Result<Limb, ModelError> {
+) -> Result<Limb, Misfit> {
     let mut limb = Limb {
         name: link.name.clone(),
         parent,
@@ -216,7 +216,7 @@ fn limb(
     Ok(limb)
 }
 
-fn axis(joint: &Joint) -> Result<[f64; 3], ModelError> {
+fn axis(joint: &Joint) -> Result<[f64; 3], Misfit> {
     let axis = Vector3::from(joint.axis.xyz.0).try_normalize(1e-9);
     axis.filter(|axis| axis.iter().all(|x| x.is_finite()))
         .map(Into::into)
@@ -231,7 +231,7 @@ fn axis(joint: &Joint) -> Result<[f64; 3], ModelError> {
 }
 
 /// `None` for what cannot be drawn from the URDF alone.
-fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, ModelError> {
+fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, Misfit> {
     let what = || format!("a visual of link `{}`", link.name);
     let form = match &visual.geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
@@ -260,7 +260,7 @@ fn colour(robot: &Robot, visual: &Visual) -> [f64; 4] {
     colours.next().map_or(PLAIN_RGBA, |colour| colour.rgba.0)
 }
 
-fn pose(pose: &Pose, what: impl Fn() -> String) -> Result<Placement, ModelError> {
+fn pose(pose: &Pose, what: impl Fn() -> String) -> Result<Placement, Misfit> {
     let ([x, y, z], [roll, pitch, yaw]) = (pose.xyz.0, pose.rpy.0);
     if [x, y, z, roll, pitch, yaw].iter().any(|v| !v.is_finite()) {
         let was = format!("xyz {:?} rpy {:?}", pose.xyz.0, pose.rpy.0);

@@ -5,8 +5,8 @@ use core::fmt;
 use crate::forward::HandPose;
 use crate::ik::{IkStatus, IkWeights};
 use crate::model::HandModel;
-use crate::sizes::{ARM_JOINTS, FINGERS, HandVector};
 use crate::target::{GraspFrame, HandTarget};
+use crate::vector::HandVector;
 
 /// Time that one iteration of [`HandModel::solve`] may use of each joint's speed, seconds: 0.4–1 rad per iteration. Ours:
 /// so wide that joints are rarely held back; at 0.05 s and a secondary gain of 1, 0.4 % of the workspace did not converge.
@@ -91,8 +91,7 @@ impl HandModel {
     /// [`POSTURE_DOME_ERROR_MAX_RAD`].
     pub fn posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
         let mut start = self.reference_rad;
-        start[0] = self.bearing_rad(&grasp.centre_m);
-        start[ARM_JOINTS - 1] = self.wrist_roll_rad(&grasp.centre_m, grasp.closing_yaw_rad);
+        self.turn_towards(&mut start, &grasp.centre_m, grasp.closing_yaw_rad);
         let best = self.solve(
             &self.clamp_to_limits(&start),
             &grasp.target(self),
@@ -110,7 +109,7 @@ impl HandModel {
     /// The nearest posture inside the limits; angles that are not finite become the reference posture's.
     #[must_use]
     pub fn clamp_to_limits(&self, q_rad: &HandVector) -> HandVector {
-        HandVector::from_fn(|index, _| {
+        HandVector::from_fn(self.joint_count, |index| {
             let (joint, q) = (&self.joints[index], q_rad[index]);
             if q.is_finite() {
                 q.clamp(joint.lower_rad, joint.upper_rad)
@@ -124,12 +123,16 @@ impl HandModel {
 impl Solution {
     fn new(pose: &HandPose, target: &HandTarget) -> Solution {
         let worst = |error: fn(&HandPose, &HandTarget, usize) -> f64| {
-            let errors: [f64; FINGERS] = [error(pose, target, 0), error(pose, target, 1)];
-            if errors.iter().all(|error| error.is_finite()) {
-                errors[0].max(errors[1])
-            } else {
-                f64::INFINITY
-            }
+            let fingers = 0..pose.base_from_tip().len();
+            fingers.fold(0.0_f64, |worst, finger| {
+                let error = error(pose, target, finger);
+                let known = error.is_finite() && worst.is_finite();
+                if known {
+                    worst.max(error)
+                } else {
+                    f64::INFINITY
+                }
+            })
         };
         Solution {
             q_rad: *pose.q_rad(),

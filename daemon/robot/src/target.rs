@@ -1,22 +1,22 @@
 //! What a hand is asked to do: tip positions and directions, usually built from a grasp around an object's centre.
 
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 
 use crate::model::HandModel;
-use crate::sizes::FINGERS;
+use crate::sizes::{FINGERS_MAX, VIRTUAL_FINGERS};
 
 /// Target of the inverse kinematics of one hand, base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandTarget {
-    /// Centre of each dome's sphere, metres: met exactly where reachable.
-    pub tip_m: [Vector3<f64>; FINGERS],
-    /// Wanted dome axes, unit length: second in rank.
-    pub dome_axis: [Vector3<f64>; FINGERS],
+    /// Centre of each dome's sphere, metres: met exactly where reachable. Zero where the hand has no finger.
+    pub tip_m: [Vector3<f64>; FINGERS_MAX],
+    /// Wanted dome axes, unit length: second in rank. Zero where the hand has no finger.
+    pub dome_axis: [Vector3<f64>; FINGERS_MAX],
     /// Wanted pointing direction of the hand, unit length: third in rank.
     pub hand_axis: Vector3<f64>,
-    /// Wanted angle of both finger roots, radians (0: fingers in line with the hand; in phase they tilt like a wrist).
+    /// Wanted angle of all finger roots, radians (0: fingers in line with the hand; in phase they tilt like a wrist).
     pub root_rad: f64,
 }
 
@@ -33,10 +33,11 @@ impl HandTarget {
     }
 }
 
-/// A two-finger grasp around a point: the vocabulary in which tasks speak about a hand.
+/// A grasp around a point by two opposing virtual fingers: the vocabulary in which tasks speak about a hand.
 ///
-/// The closing axis n is horizontal and points from finger 2's side to finger 1's side; t is n turned 90° anticlockwise
-/// seen from above; z is up. Finger 1 presses along −n, finger 2 along +n.
+/// A virtual finger stands for the fingertips that press together from one side. The closing axis n is horizontal and points
+/// from the second side to the first; t is n turned 90° anticlockwise seen from above; z is up. The first virtual finger
+/// presses along −n, the second along +n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GraspFrame {
@@ -48,14 +49,14 @@ pub struct GraspFrame {
     pub hand_azimuth_rad: f64,
     /// Angle of the hand's pointing axis below the horizontal, radians; π/2 points straight down.
     pub hand_pitch_rad: f64,
-    /// Wanted angle of both finger roots, radians.
+    /// Wanted angle of all finger roots, radians.
     pub root_rad: f64,
-    /// Distance of each dome's surface (its pole) from the centre along the closing axis, metres; negative presses in.
-    pub half_opening_m: [f64; FINGERS],
-    /// Offset of each tip along t, metres. `[d, -d]` turns a held cap anticlockwise seen from above for d > 0.
-    pub tangential_m: [f64; FINGERS],
-    /// Offset of each tip along z, metres: feed-forward against sag.
-    pub up_m: [f64; FINGERS],
+    /// Distance of each side's dome surfaces (their poles) from the centre along the closing axis, metres; negative presses in.
+    pub half_opening_m: [f64; VIRTUAL_FINGERS],
+    /// Offset of each side's tips along t, metres. `[d, -d]` turns a held cap anticlockwise seen from above for d > 0.
+    pub tangential_m: [f64; VIRTUAL_FINGERS],
+    /// Offset of each side's tips along z, metres: feed-forward against sag.
+    pub up_m: [f64; VIRTUAL_FINGERS],
 }
 
 impl GraspFrame {
@@ -68,9 +69,9 @@ impl GraspFrame {
             hand_azimuth_rad: 0.0,
             hand_pitch_rad: FRAC_PI_2,
             root_rad: 0.0,
-            half_opening_m: [opening_m / 2.0; FINGERS],
-            tangential_m: [0.0; FINGERS],
-            up_m: [0.0; FINGERS],
+            half_opening_m: [opening_m / 2.0; VIRTUAL_FINGERS],
+            tangential_m: [0.0; VIRTUAL_FINGERS],
+            up_m: [0.0; VIRTUAL_FINGERS],
         }
     }
 
@@ -86,53 +87,30 @@ impl GraspFrame {
     pub fn target(&self, hand: &HandModel) -> HandTarget {
         let n = self.closing_axis();
         let t = Vector3::new(-n.y, n.x, 0.0);
-        let tip = |finger: usize, outward: Vector3<f64>| {
-            self.centre_m
-                + outward * (self.half_opening_m[finger] + hand.dome_radius_m[finger])
-                + t * self.tangential_m[finger]
-                + Vector3::z() * self.up_m[finger]
-        };
-        HandTarget {
-            tip_m: [tip(0, n), tip(1, -n)],
-            dome_axis: [-n, n],
-            hand_axis: self.hand_axis(),
+        let hand_axis = self.hand_axis();
+        let beside = n.cross(&hand_axis);
+        let mut target = HandTarget {
+            tip_m: [Vector3::zeros(); FINGERS_MAX],
+            dome_axis: [Vector3::zeros(); FINGERS_MAX],
+            hand_axis,
             root_rad: self.root_rad,
+        };
+        for (finger, model) in hand.fingers[..hand.finger_count].iter().enumerate() {
+            let side = model.virtual_finger;
+            let outward = if side == 0 { n } else { -n };
+            target.tip_m[finger] = self.centre_m
+                + outward * (self.half_opening_m[side] + hand.dome_radius_m[finger])
+                + t * self.tangential_m[side]
+                + Vector3::z() * self.up_m[side]
+                + beside * model.beside_m;
+            target.dome_axis[finger] = -outward;
         }
+        target
     }
 
     fn hand_axis(&self) -> Vector3<f64> {
         let (azimuth_sin, azimuth_cos) = libm::sincos(self.hand_azimuth_rad);
         let (pitch_sin, pitch_cos) = libm::sincos(self.hand_pitch_rad);
         Vector3::new(pitch_cos * azimuth_cos, pitch_cos * azimuth_sin, -pitch_sin)
-    }
-}
-
-impl HandModel {
-    /// Direction from the shoulder to a point in the horizontal plane, radians: with the arm's joints in one vertical
-    /// plane this is the shoulder yaw that brings the hand over the point.
-    #[must_use]
-    pub fn bearing_rad(&self, point_m: &Vector3<f64>) -> f64 {
-        let from_shoulder = point_m - self.shoulder_m();
-        libm::atan2(from_shoulder.y, from_shoulder.x)
-    }
-
-    /// Wrist roll that gives a hand over `centre_m` the closing yaw: bearing + 90° − yaw for a hand pointing down,
-    /// brought into (−180°, 180°].
-    pub(crate) fn wrist_roll_rad(&self, centre_m: &Vector3<f64>, closing_yaw_rad: f64) -> f64 {
-        let turns = self.bearing_rad(centre_m) + FRAC_PI_2 - closing_yaw_rad;
-        turns - 2.0 * PI * libm::round(turns / (2.0 * PI))
-    }
-
-    /// Of the two closing yaws that hold an object the same way (fingers exchanged: yaw and yaw + 180°), the one that
-    /// keeps the wrist roll within ±90°, radians. For a move, pass the centre at mid-path: the choice then holds from
-    /// start to end.
-    #[must_use]
-    pub fn closing_yaw_rad(&self, centre_m: &Vector3<f64>, closing_yaw_rad: f64) -> f64 {
-        let roll = self.wrist_roll_rad(centre_m, closing_yaw_rad);
-        if libm::fabs(roll) <= FRAC_PI_2 {
-            closing_yaw_rad
-        } else {
-            closing_yaw_rad + PI
-        }
     }
 }

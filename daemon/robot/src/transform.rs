@@ -47,6 +47,15 @@ impl Transform {
         }
     }
 
+    /// Frame b moved along its own z axis.
+    #[must_use]
+    pub(crate) fn moved_along_z(&self, by_m: f64) -> Transform {
+        Transform {
+            rotation: self.rotation,
+            translation_m: self.translation_m + self.z_axis() * by_m,
+        }
+    }
+
     /// x axis of frame b seen from frame a.
     #[must_use]
     pub fn x_axis(&self) -> Vector3<f64> {

@@ -1,154 +1,86 @@
-//! The URDF loader: text in, [`RobotModel`] out, or an error that names what does not fit.
+//! The loader: a URDF and its robot file in, [`RobotModel`] out, or everything in them that does not fit.
 //!
-//! A URDF fits if its moving joints are the 22 revolute joints of [`JOINT_NAMES`] in that order, each mounted (through
-//! any number of fixed joints) on the link that the joint before it moves, and its tip links exist with one collision
-//! sphere, the dome. Dimensions, axes, offsets, fixed joints and limits are free. Collision shapes are cylinders,
-//! capsules or spheres; a cylinder is read as the capsule that contains it.
+//! A robot fits if it has one or two hands, each of an arm of up to 7 joints that carries a palm, and of 2 to 4 fingertips that
+//! the palm carries over up to 4 joints each; up to 16 joints a hand. Joints are revolute, continuous or prismatic; those
+//! of a finger may mimic others of the hand. Collision shapes are cylinders, capsules or spheres; a cylinder is read as the
+//! capsule that contains it. Joints that move no fingertip stand at zero.
 
 mod collision;
 mod error;
+mod framed;
+mod hand;
 mod joint;
 mod tree;
 
 use std::format;
-use std::path::Path;
-use std::string::ToString;
-use std::vec::Vec;
 
-use urdf_rs::{JointType, Robot};
-
-use collision::{dome_radius, load_capsules};
-pub use error::ModelError;
+use error::Findings;
 pub(crate) use error::misfit;
-use joint::{joint_axis, load_joint, reference_rad, turn_z_to};
-use tree::{Tree, transform};
+pub use error::{Misfit, ModelError};
+use hand::load_hand;
+use tree::Tree;
 
-use crate::model::{
-    HandModel, JOINT_NAMES, Joint, PARENT, RobotModel, Side, TIP_LINKS, TWO_HAND_ARM_URDF,
-    finger_root,
-};
-use crate::sizes::{ARM_JOINTS, FINGER_JOINTS, FINGERS, HAND_JOINTS, ROBOT_JOINTS};
-use crate::transform::Transform;
+use crate::model::{HandModel, RobotModel};
+use crate::robot_file::RobotFile;
+use crate::side::Side;
 
 impl RobotModel {
-    /// Loads a robot from the text of a URDF.
+    /// Loads a robot from the texts of a URDF and of its robot file.
     ///
     /// # Errors
-    /// [`ModelError`] if the text is not a URDF or the robot is not of this structure.
-    pub fn from_urdf(text: &str) -> Result<RobotModel, ModelError> {
-        let robot = urdf_rs::read_from_string(text)?;
-        check_moving_joints(&robot)?;
-        let tree = Tree::new(&robot)?;
-        let left = load_hand(&tree, Side::Left)?;
-        let right = load_hand(&tree, Side::Right)?;
-        Ok(RobotModel {
-            hands: [left, right],
-        })
-    }
-
-    /// Loads a robot from a URDF file.
-    ///
-    /// # Errors
-    /// [`ModelError`] if the file cannot be read, and as [`from_urdf`](Self::from_urdf).
-    pub fn from_urdf_file(path: impl AsRef<Path>) -> Result<RobotModel, ModelError> {
-        let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| ModelError::Read {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        RobotModel::from_urdf(&text)
-    }
-
-    /// The built-in robot, from [`TWO_HAND_ARM_URDF`].
-    ///
-    /// # Errors
-    /// None in a released crate: a test loads it.
-    pub fn two_hand_arm() -> Result<RobotModel, ModelError> {
-        RobotModel::from_urdf(TWO_HAND_ARM_URDF)
-    }
-}
-
-fn check_moving_joints(robot: &Robot) -> Result<(), ModelError> {
-    let moving: Vec<_> = robot
-        .joints
-        .iter()
-        .filter(|joint| joint.joint_type != JointType::Fixed)
-        .collect();
-    for (index, (joint, needed)) in moving.iter().zip(JOINT_NAMES.as_flattened()).enumerate() {
-        if joint.name != *needed {
-            return Err(misfit(
-                format!("moving joint {index} of the file"),
-                format!("`{}`", joint.name),
-                format!("`{needed}`"),
+    /// [`ModelError`] if either is not what it says, or with everything in which they do not fit.
+    pub fn load(urdf: &str, robot_file: &str) -> Result<RobotModel, ModelError> {
+        let file = RobotFile::parse(robot_file)?;
+        let robot = urdf_rs::read_from_string(urdf)?;
+        let mut findings = Findings::default();
+        let tree = Tree::new(&robot, &mut findings);
+        check_entries(&tree, &file, &mut findings);
+        let entries = [&file.hands.left, &file.hands.right];
+        if entries.iter().all(|entry| entry.is_none()) {
+            findings.add(misfit(
+                "the robot file",
+                "without a hand",
+                "[hands.left] or [hands.right]",
             ));
         }
-        if joint.joint_type != JointType::Revolute || joint.mimic.is_some() {
-            let kind = if joint.mimic.is_some() {
-                "a mimic joint".to_string()
-            } else {
-                format!("{:?}", joint.joint_type)
-            };
-            return Err(misfit(
-                format!("the type of joint `{needed}`"),
-                kind,
-                "an independent revolute joint",
-            ));
-        }
-    }
-    if moving.len() == ROBOT_JOINTS {
-        Ok(())
-    } else {
-        Err(misfit(
-            "the number of moving joints",
-            moving.len(),
-            format!("{ROBOT_JOINTS}: left 11, then right 11"),
-        ))
-    }
-}
-
-fn load_hand(tree: &Tree, side: Side) -> Result<HandModel, ModelError> {
-    let names = &JOINT_NAMES[side.index()];
-    let mut joints = [Joint::default(); HAND_JOINTS];
-    let mut joint_from_link = [Transform::IDENTITY; HAND_JOINTS];
-    let mut parent_from_joint = [Transform::IDENTITY; HAND_JOINTS];
-    for (index, &name) in names.iter().enumerate() {
-        let urdf = tree.joint(name)?;
-        joints[index] = load_joint(name, urdf)?;
-        let link_from_joint = turn_z_to(joint_axis(urdf)?);
-        joint_from_link[index] = Transform {
-            rotation: link_from_joint.rotation.transpose(),
-            ..link_from_joint
+        let mut hand = |side: Side| match entries[side.index()] {
+            None => Some(HandModel::absent(side)),
+            Some(entry) => load_hand(&tree, side, entry, &file.joints, &mut findings),
         };
-        let parent = PARENT[index];
-        let parent_link = parent
-            .map(|parent| tree.joint(names[parent]))
-            .transpose()?
-            .map(|joint| &*joint.child.link);
-        let parent_from_link = parent.map_or(Transform::IDENTITY, |parent| joint_from_link[parent]);
-        parent_from_joint[index] = parent_from_link
-            .then(&tree.fixed_path(parent_link, &urdf.parent.link)?)
-            .then(&transform(&urdf.origin, || {
-                format!("the origin of joint `{name}`")
-            })?)
-            .then(&link_from_joint);
+        let hands = [hand(Side::Left), hand(Side::Right)];
+        let [Some(left), Some(right)] = hands else {
+            return findings.unless_any(None);
+        };
+        check_apart(&left, &right, &mut findings);
+        let hands = [left, right];
+        findings.unless_any(Some(RobotModel { hands }))
     }
-    let mut distal_from_tip = [Transform::IDENTITY; FINGERS];
-    let mut dome_radius_m = [0.0; FINGERS];
-    for finger in 0..FINGERS {
-        let distal = finger_root(finger) + FINGER_JOINTS - 1;
-        let tip_link = TIP_LINKS[side.index()][finger];
-        let path = tree.fixed_path(Some(&tree.joint(names[distal])?.child.link), tip_link)?;
-        distal_from_tip[finger] = joint_from_link[distal].then(&path);
-        dome_radius_m[finger] = dome_radius(tree, tip_link)?;
+}
+
+/// Every joint that the robot file speaks of must be one.
+fn check_entries(tree: &Tree, file: &RobotFile, findings: &mut Findings) {
+    for name in file.joints.keys() {
+        match tree.joint(name) {
+            Err(misfit) => findings.add(misfit),
+            Ok(joint) if joint.joint_type == urdf_rs::JointType::Fixed => {
+                let item = format!("the type of joint `{name}`");
+                findings.add(misfit(
+                    item,
+                    "fixed",
+                    "a moving joint, or no entry in the robot file",
+                ));
+            }
+            Ok(_) => {}
+        }
     }
-    Ok(HandModel {
-        side,
-        joints,
-        parent_from_joint,
-        wrist_from_hand: joint_from_link[ARM_JOINTS - 1],
-        distal_from_tip,
-        dome_radius_m,
-        reference_rad: reference_rad(side, &joints),
-        capsules: load_capsules(tree, names, &joint_from_link)?,
-    })
+}
+
+/// No joint moves both hands.
+fn check_apart(left: &HandModel, right: &HandModel, findings: &mut Findings) {
+    for joint in left.joints() {
+        if right.joints().iter().any(|other| other.name == joint.name) {
+            let item = format!("joint `{}`", joint.name);
+            findings.add(misfit(item, "part of both hands", "a joint of one"));
+        }
+    }
 }

@@ -96,16 +96,6 @@ const FIXED: &[FixedKey] = &[
         holds: |_| true,
     },
     FixedKey {
-        name: "robot.stiffness_n_m_rad",
-        needs: "11 numbers from 0.1 to 1000000",
-        holds: |c| {
-            c.robot
-                .stiffness_n_m_rad
-                .iter()
-                .all(|k| (0.1..=1e6).contains(k))
-        },
-    },
-    FixedKey {
         name: "hands.left.layout",
         needs: LAYOUT,
         holds: |c| has_layout(&c.hands.left),

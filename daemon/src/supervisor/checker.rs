@@ -13,7 +13,7 @@ use atas_core::check::{self, Circumstances};
 use atas_core::tasks::Task;
 use atas_core::{Goal, Settings, Wiring};
 use crossbeam::channel::{Receiver, Sender, bounded};
-use robot_model::{ROBOT_JOINTS, RobotModel};
+use robot_model::{RobotModel, RobotVector};
 use shm_schemas::{Cause, GoalRequest, Reason};
 
 use super::SupervisorState;
@@ -36,7 +36,7 @@ struct Job {
     request: GoalRequest,
     settings: Settings,
     tasks: Vec<Task>,
-    commanded_rad: Option<[f64; ROBOT_JOINTS]>,
+    commanded_rad: Option<RobotVector>,
 }
 
 /// What came of it.
@@ -45,7 +45,7 @@ pub(super) struct Checked {
     pub(super) request: GoalRequest,
     pub(super) goal: Result<Goal, Reason>,
     /// Where the joints were commanded when the check began, rad.
-    pub(super) commanded_rad: Option<[f64; ROBOT_JOINTS]>,
+    pub(super) commanded_rad: Option<RobotVector>,
 }
 
 impl Checker {

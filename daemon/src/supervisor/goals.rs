@@ -1,7 +1,7 @@
 //! Goals: taken, checked, handed to the tick, and told about until they end.
 
 use atas_core::Order;
-use robot_model::ROBOT_JOINTS;
+use robot_model::RobotVector;
 use shm_bus::{ActiveGoal, Bus, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
@@ -127,13 +127,10 @@ impl GoalService {
 }
 
 /// Whether the arms have moved, so that a check of ways that begin where they were no longer holds.
-fn have_moved(
-    before_rad: &Option<[f64; ROBOT_JOINTS]>,
-    now_rad: &Option<[f64; ROBOT_JOINTS]>,
-) -> bool {
+fn have_moved(before_rad: &Option<RobotVector>, now_rad: &Option<RobotVector>) -> bool {
     match (before_rad, now_rad) {
         (Some(before_rad), Some(now_rad)) => {
-            let mut joints = before_rad.iter().zip(now_rad);
+            let mut joints = before_rad.iter().zip(now_rad.iter());
             joints.any(|(before_rad, now_rad)| (before_rad - now_rad).abs() > MOVED_RAD)
         }
         (None, None) => false,

@@ -50,7 +50,7 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     header.rate_hz = config.realtime.rate_hz;
     header.flags = state.flags;
     header.config = Text::new(&config.text());
-    atas_core::record::write_origin(&mut header, &state.wiring, &config.settings());
+    atas_core::record::write_origin(&mut header, &state.robot, &state.wiring, &config.settings());
     header
 }
 

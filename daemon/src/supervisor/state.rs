@@ -1,7 +1,7 @@
 //! What the supervisor knows, and how the configuration changes while the daemon runs.
 
 use atas_core::{Order, Settings, Wiring};
-use robot_model::{ROBOT_JOINTS, RobotModel};
+use robot_model::{RobotModel, RobotVector};
 use shm_schemas::{Mode, StatusFlags};
 
 use crate::config::{Config, Source};
@@ -29,7 +29,7 @@ pub struct SupervisorState {
     /// Index of the last tick.
     pub tick: u64,
     /// Positions that the last tick commanded, rad, if it commanded any.
-    pub commanded_rad: Option<[f64; ROBOT_JOINTS]>,
+    pub commanded_rad: Option<RobotVector>,
     /// The settings of `config`.
     pub settings: Settings,
     /// Ticks whose records have been seen.

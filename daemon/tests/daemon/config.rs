@@ -132,10 +132,6 @@ fn what_is_wrong_is_said() {
         "0.toml:1: robot.joints_required is 1, needs true or false",
     );
     check(
-        "robot.stiffness_n_m_rad = [1.0]",
-        "0.toml:1: robot.stiffness_n_m_rad is [1.0], needs 11 numbers from 0.1 to 1000000",
-    );
-    check(
         "hands.left.fingers = 5",
         "0.toml:1: hands.left.fingers is 5, needs a whole number from 1 to 4",
     );

@@ -2,6 +2,7 @@
 //!
 //! Success over the families of objects is the evaluation's affair (`atas eval`); here are the branches that it rarely takes.
 
+mod any_robot;
 mod assembly;
 mod hold;
 mod placing;

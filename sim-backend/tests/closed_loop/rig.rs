@@ -6,26 +6,28 @@ use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, Mode,
     ObjectTruth,
 };
-use sim_backend::{GraspHint, Object, Scene, Sensed, World, servo_stiffness_n_m_rad};
+use sim_backend::{GraspHint, Object, Scene, Sensed, World};
 
 /// Both, and the warnings so far.
 pub(crate) struct Rig {
     pub(crate) world: World,
     controller: Controller,
+    robot: RobotModel,
     sensed: Sensed,
     tick: u64,
     epoch: u64,
     pub(crate) warnings: Vec<Cause>,
 }
 
-fn controller(writer_epoch: u64) -> Controller {
-    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-    let wiring = Wiring {
-        stiffness_n_m_rad: servo_stiffness_n_m_rad(),
+fn controller(robot: &RobotModel, writer_epoch: u64) -> Controller {
+    let mut wiring = Wiring {
         writer_epoch,
         ..Wiring::default()
     };
-    Controller::new(&robot, wiring, Settings::default())
+    for side in robot.sides() {
+        wiring.hands[side.index()].fingers = robot.hand(side).finger_count();
+    }
+    Controller::new(robot, wiring, Settings::default())
 }
 
 pub(crate) fn object(name: &str) -> Object {
@@ -41,9 +43,15 @@ impl Rig {
     /// The same with other errors and noise.
     pub(crate) fn seeded(scene: &Scene, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+        Self::of(robot, scene, seed)
+    }
+
+    /// Another robot.
+    pub(crate) fn of(robot: RobotModel, scene: &Scene, seed: u64) -> Self {
         let mut rig = Self {
             world: World::new(&robot, scene, seed).expect("a world"),
-            controller: controller(1),
+            controller: controller(&robot, 1),
+            robot,
             sensed: Sensed::default(),
             tick: 0,
             epoch: 1,
@@ -88,7 +96,7 @@ impl Rig {
             self.world.advance(None);
         }
         self.epoch += 1;
-        self.controller = controller(self.epoch);
+        self.controller = controller(&self.robot, self.epoch);
         self.tick = 0;
     }
 

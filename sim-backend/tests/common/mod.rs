@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, IkWeights, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{GraspFrame, HandVector, IkWeights, RobotModel, RobotVector, Side};
 use shm_schemas::JointCommand;
 use sim_backend::{GraspHint, Scene, Sensed, World};
 
@@ -14,7 +14,7 @@ pub(crate) struct Script {
     pub(crate) frame: GraspFrame,
     side: Side,
     q_rad: HandVector,
-    others_rad: [f64; ROBOT_JOINTS],
+    others_rad: RobotVector,
     sequence: u64,
 }
 
@@ -48,7 +48,7 @@ impl Script {
             .q_rad;
         let home_rad = || sim_backend::home_rad(&robot).expect("home");
         let mut start_rad = scene.start_rad.unwrap_or_else(home_rad);
-        start_rad[side.joint_range()].copy_from_slice(q_rad.as_slice());
+        start_rad[robot.joint_range(side)].copy_from_slice(&q_rad);
         scene.start_rad = Some(start_rad);
         let world = World::new(&robot, &scene, seed).expect("a world");
         Self {
@@ -64,18 +64,18 @@ impl Script {
     }
 
     /// Joint angles commanded now.
-    pub(crate) fn start_rad(&self) -> [f64; ROBOT_JOINTS] {
+    pub(crate) fn start_rad(&self) -> RobotVector {
         self.others_rad
     }
 
     /// Goes on with the other hand, which stands at a frame; this one stays as it is commanded now.
     pub(crate) fn change_hand(&mut self, frame: GraspFrame) {
-        self.others_rad[self.side.joint_range()].copy_from_slice(self.q_rad.as_slice());
+        self.others_rad[self.robot.joint_range(self.side)].copy_from_slice(&self.q_rad);
         self.side = match self.side {
             Side::Left => Side::Right,
             Side::Right => Side::Left,
         };
-        self.q_rad = HandVector::from_column_slice(&self.others_rad[self.side.joint_range()]);
+        self.q_rad = HandVector::from_slice(&self.others_rad[self.robot.joint_range(self.side)]);
         self.frame = frame;
     }
 
@@ -107,13 +107,15 @@ impl Script {
         );
         self.q_rad = step.q_rad;
         let mut command = JointCommand::default();
-        command.position_rad[..ROBOT_JOINTS].copy_from_slice(&self.others_rad);
-        let range = self.side.joint_range();
-        command.position_rad[range.clone()].copy_from_slice(step.q_rad.as_slice());
-        command.velocity_rad_s[range].copy_from_slice((step.dq_rad / 1e-3).as_slice());
+        let joints = self.others_rad.len();
+        command.position_rad[..joints].copy_from_slice(&self.others_rad);
+        let range = self.robot.joint_range(self.side);
+        command.position_rad[range.clone()].copy_from_slice(&step.q_rad);
+        let speeds_rad_s = step.dq_rad.map(|dq_rad| dq_rad / 1e-3);
+        command.velocity_rad_s[range].copy_from_slice(&speeds_rad_s);
         command.stamp.sequence = self.sequence;
         command.answers_sequence = self.sensed.joints.stamp.sequence;
-        command.joint_count = ROBOT_JOINTS as u32;
+        command.joint_count = joints as u32;
         command.valid_until_ns = self.world.now_ns() + 5_000_000;
         command.seal();
         self.sequence += 1;

@@ -89,7 +89,7 @@ fn finger(tick: &Tick, index: usize) -> f64 {
 
 /// Mean of the fingers.
 pub(super) fn mean(tick: &Tick, value: fn(&shm_schemas::FingerReport) -> f32) -> f64 {
-    let fingers = &Trace::acting(tick).report.fingers[..robot_model::FINGERS];
+    let fingers = &Trace::acting(tick).report.fingers[..robot_model::VIRTUAL_FINGERS];
     fingers.iter().map(|f| f64::from(value(f))).sum::<f64>() / fingers.len() as f64
 }
 

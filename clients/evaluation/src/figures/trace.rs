@@ -6,7 +6,7 @@ use anyhow::Context;
 use atas_client::GoalProgress;
 use atas_core::{Outputs, Settings};
 use nalgebra::Vector3;
-use robot_model::{FINGERS, HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{HandVector, RobotModel, Side, VIRTUAL_FINGERS};
 use shm_schemas::{EventKind, GoalRequest, HandReport, ObjectTruth, WorldTruth};
 use sim_backend::{Object, Scene, World};
 
@@ -42,10 +42,10 @@ pub(super) struct Tick {
 #[derive(Clone, Debug)]
 pub(super) struct Hand {
     pub(super) report: HandReport,
-    /// True normal force of each fingertip, N.
-    pub(super) pressed_n: [f64; FINGERS],
-    /// Commanded centres of the fingertips' domes, base frame, m.
-    pub(super) tips_m: [Vector3<f64>; FINGERS],
+    /// True normal force of each side's fingertips, N.
+    pub(super) pressed_n: [f64; VIRTUAL_FINGERS],
+    /// Commanded middle of each side's domes, base frame, m.
+    pub(super) tips_m: [Vector3<f64>; VIRTUAL_FINGERS],
     /// Index into the names of the steps; `None` before the first.
     step: Option<usize>,
 }
@@ -98,14 +98,14 @@ impl Trace {
         let hand = |side: Side| {
             let index = side.index();
             let report = outputs.report.hands[index];
-            let mut q_rad = [0.0; ROBOT_JOINTS];
-            q_rad.copy_from_slice(&outputs.command.position_rad[..ROBOT_JOINTS]);
-            let q_rad = HandVector::from_column_slice(&q_rad[side.joint_range()]);
-            let pose = robot.hand(side).forward(&q_rad);
+            let own = &outputs.command.position_rad[robot.joint_range(side)];
+            let hand = robot.hand(side);
+            let pose = hand.forward(&HandVector::from_slice(own));
+            let pressed_n = |finger: usize| truth.normal_n[index][finger];
             Hand {
                 report,
-                pressed_n: core::array::from_fn(|f| truth.normal_n[index][f]),
-                tips_m: core::array::from_fn(|finger| pose.tip_m(finger)),
+                pressed_n: core::array::from_fn(|side| hand.fingers_of(side).map(pressed_n).sum()),
+                tips_m: core::array::from_fn(|side| pose.side_m(side)),
                 step: now[index],
             }
         };

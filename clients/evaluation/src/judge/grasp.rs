@@ -44,7 +44,7 @@ impl Outcome {
         if object.dropped != 0 {
             return Self::Dropped;
         }
-        let pressed = truth.normal_n[hand][..robot_model::FINGERS]
+        let pressed = truth.normal_n[hand][..robot_model::VIRTUAL_FINGERS]
             .iter()
             .all(|force_n| *force_n > PRESSED_N);
         match end.state {

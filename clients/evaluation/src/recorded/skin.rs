@@ -4,6 +4,7 @@ use atas_core::intake::FrameIntake;
 use atas_core::perception::{Percept, Perception};
 use atas_core::settings::Settings;
 use atas_core::{HandWiring, Tick};
+use robot_model::{HandModel, Side};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Hand, HandFrame, Layout, Stamp};
 
@@ -52,7 +53,7 @@ impl Skin {
         };
         Self {
             intake: FrameIntake::new(Hand::LEFT, &wiring),
-            perception: Perception::new(&wiring),
+            perception: Perception::new(&wiring, &HandModel::absent(Side::Left)),
             settings,
             frame,
             elements,

@@ -5,7 +5,7 @@ use atas_console::arguments::Running;
 use atas_core::Settings;
 use atas_evaluation::Task;
 use atas_evaluation::judge::{Load, Outcome};
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use serde_json::Value;
 use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};
 use sim_backend::{Object, Scene};
@@ -57,7 +57,7 @@ impl Scenario for Grasp {
         let hand = SIDE.index();
         let load = Load::of(self.object(), &Settings::default().grasp);
         let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
-        let slip_m = seen.attempt.slip_m[hand][..FINGERS]
+        let slip_m = seen.attempt.slip_m[hand][..VIRTUAL_FINGERS]
             .iter()
             .copied()
             .fold(0.0, f64::max);
@@ -85,7 +85,7 @@ impl Scenario for Grasp {
 
 /// What the hand knew and pressed.
 pub(super) fn gripped(figures: &GraspFigures) -> Vec<Figure> {
-    let pressed_n = &figures.normal_n[..FINGERS];
+    let pressed_n = &figures.normal_n[..VIRTUAL_FINGERS];
     let mean_n = pressed_n.iter().sum::<f32>() / pressed_n.len() as f32;
     let shown = |head, key, value: f32, digits| Figure::new(head, key, value.into(), digits);
     vec![

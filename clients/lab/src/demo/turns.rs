@@ -1,6 +1,6 @@
 //! Counts the turns of a cap, as anyone would who watches: grips in which it was turned.
 
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::WorldTruth;
 
 /// Normal force of a finger that presses, N (ours: half of the controller's own touch threshold).
@@ -25,7 +25,7 @@ impl Turns {
     /// Looks at the first object, a cap, and the hand with this index. A turn takes a second, so a few looks in it do.
     pub(super) fn look(&mut self, truth: &WorldTruth, hand: usize) {
         let cap = &truth.objects[0];
-        let pressed = truth.normal_n[hand][..FINGERS]
+        let pressed = truth.normal_n[hand][..VIRTUAL_FINGERS]
             .iter()
             .all(|force_n| *force_n > PRESSED_N);
         if !pressed || cap.cap_engaged == 0 {

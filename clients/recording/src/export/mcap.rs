@@ -19,7 +19,6 @@ use std::io::BufWriter;
 use atas_client::words;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
-use robot_model::TIP_LINKS;
 use shm_schemas::{
     EventKind, FingerReport, GoalState, Hand, HandFrame, HandReport, JointCommand, JointState,
     Mode, ModuleEvent, ModuleId, TickReport,
@@ -192,7 +191,8 @@ impl Mcap {
         for finger in 0..self.subject.fingers[hand].min(frame.finger_count as usize) {
             let (valid, force_n) = (frame.valid_mask[finger], &frame.force_n[finger]);
             let layout = &self.subject.layouts[hand];
-            let tip = TIP_LINKS[hand].get(finger).copied().unwrap_or(BASE);
+            let tips = &self.subject.tips[hand];
+            let tip = &tips.get(finger).cloned().unwrap_or_else(|| BASE.to_owned());
             let place = format!("/{}/finger{}", Hand::BOTH[hand], finger + 1);
             let [force, torque] = ros::wrench(layout, valid, force_n);
             if is_due {

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
-use robot_model::Skeleton;
+use robot_model::{RobotModel, Side, Skeleton};
 use shm_schemas::Layout;
 
 use crate::clock::Clock;
@@ -64,6 +64,8 @@ pub struct Exported {
 struct Subject {
     urdf: String,
     skeleton: Skeleton,
+    /// Names of the links that carry the fingertips, per hand.
+    tips: [Vec<String>; 2],
     layouts: [Layout; 2],
     fingers: [usize; 2],
     clock: Clock,
@@ -123,10 +125,13 @@ impl Subject {
         let header = rows.header();
         let urdf = origin::urdf(header)?;
         let skeleton = Skeleton::from_urdf(&urdf).context("could not load the recorded robot")?;
+        let robot = RobotModel::from_urdf(&urdf).context("could not load the recorded robot")?;
+        let tips = |side| robot.hand(side).tip_links().map(str::to_owned).collect();
         let text = |text: Option<String>| text.unwrap_or_else(|| "not recorded".to_owned());
         Ok(Self {
             urdf: urdf.into_owned(),
             skeleton,
+            tips: Side::BOTH.map(tips),
             layouts: origin::layouts(header),
             fingers: origin::fingers(header),
             clock: rows.clock(),

@@ -3,7 +3,7 @@
 use crate::settings::Settings;
 use crate::tasks::Task;
 use crate::wiring::Wiring;
-use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{HandVector, RobotModel, RobotVector, Side};
 
 /// What a goal is checked against.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub struct Circumstances<'a> {
     /// The user's own tasks.
     pub tasks: &'a [Task],
     /// Where the joints were commanded last, rad; `None` before the first command.
-    pub commanded_rad: Option<&'a [f64; ROBOT_JOINTS]>,
+    pub commanded_rad: Option<&'a RobotVector>,
 }
 
 impl Circumstances<'_> {
@@ -25,7 +25,7 @@ impl Circumstances<'_> {
     pub(super) fn hand_rad(&self, side: Side) -> HandVector {
         self.commanded_rad
             .map_or(*self.robot.hand(side).reference_rad(), |q_rad| {
-                HandVector::from_row_slice(&q_rad[side.joint_range()])
+                HandVector::from_slice(&q_rad[self.robot.joint_range(side)])
             })
     }
 }

@@ -20,7 +20,8 @@ use core::cell::Cell;
 use core::ops::Range;
 use nalgebra::Vector3;
 use robot_model::{
-    Capsules, FINGERS, GraspFrame, HandModel, HandVector, Nearest, Side, farthest_move_m, nearest,
+    Capsules, GraspFrame, HandModel, HandVector, Nearest, Side, VIRTUAL_FINGERS, farthest_move_m,
+    nearest,
 };
 use shm_schemas::{Body, BodyPair, Cause, Reason};
 
@@ -251,7 +252,7 @@ impl<'a> Walk<'a> {
             }
             (Motion::Square, _) => self.square(visit),
             (_, Transition::AllTouched | Transition::Gripped) => {
-                let half_opening_m = [self.width_m / 2.0; FINGERS];
+                let half_opening_m = [self.width_m / 2.0; VIRTUAL_FINGERS];
                 let closed = GraspFrame {
                     half_opening_m,
                     ..at
@@ -349,7 +350,7 @@ fn samples(from: &GraspFrame, to: &GraspFrame) -> u32 {
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
     ];
-    let fingers = (0..FINGERS).flat_map(|f| {
+    let fingers = (0..VIRTUAL_FINGERS).flat_map(|f| {
         [
             to.half_opening_m[f] - from.half_opening_m[f],
             to.tangential_m[f] - from.tangential_m[f],

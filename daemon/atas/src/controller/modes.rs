@@ -3,7 +3,7 @@
 use super::Controller;
 use crate::hand::HandControl;
 use crate::mode::ModeMachine;
-use robot_model::{HandVector, Side};
+use robot_model::HandVector;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, Reason, Text};
 
@@ -95,8 +95,9 @@ impl Controller {
         if self.mode.mode() == Mode::READY && self.looks_for_grip {
             self.keep_grips();
         }
-        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
-            let q_rad = HandVector::from_row_slice(&measured_rad[side.joint_range()]);
+        let ranges = self.joint_ranges();
+        for (hand, range) in self.hands.iter_mut().zip(ranges) {
+            let q_rad = HandVector::from_slice(&measured_rad[range]);
             let pose = hand.model().forward(&q_rad);
             hand.locate(&pose);
         }

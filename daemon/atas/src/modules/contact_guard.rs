@@ -5,7 +5,6 @@
 
 use super::{Context, Module, Proposal, Verdict};
 use crate::perception::Percept;
-use robot_model::FINGERS;
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Multiple of the touch threshold that turns the hand back (ours): noise that a slow approach shrugs off must not end a goal.
@@ -21,7 +20,8 @@ impl Module for ContactGuard {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let limit_n = TOUCH_FACTOR * context.settings.perception.touch_on_n;
-        let touching = percept.fingers[..FINGERS]
+        let touching = percept
+            .fingers
             .iter()
             .position(|finger| finger.in_contact && finger.normal_n > limit_n);
         let Some(index) = touching else {

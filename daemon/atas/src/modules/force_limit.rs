@@ -5,7 +5,7 @@
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::perception::Percept;
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Share of F_2 below which the module becomes inactive again (ours: wider than the force noise, so it does not flicker).
@@ -46,7 +46,7 @@ impl Module for ForceLimit {
         let reason = too_heavy(strongest_n, context).by(ModuleId::FORCE_LIMIT);
         Proposal {
             active: self.active,
-            closing_ceiling_m_s: [ceiling_m_s; FINGERS],
+            closing_ceiling_m_s: [ceiling_m_s; VIRTUAL_FINGERS],
             verdict: if slides {
                 Verdict::Refuse(reason)
             } else {
@@ -72,7 +72,8 @@ impl ForceLimit {
     /// True when every finger has slid at F_2 for so long that the object is on its way out of the hand.
     fn slides(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.grasp;
-        let least = percept.fingers[..FINGERS]
+        let least = percept
+            .virtual_fingers
             .iter()
             .map(|f| f.utilisation_now)
             .fold(f64::INFINITY, f64::min);

@@ -8,7 +8,7 @@
 use super::force_limit::too_heavy;
 use super::{Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n};
 use crate::perception::Percept;
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// How far the tug goes back, m (ours: beyond what the rim of a patch stretches, well below what was lifted before).
@@ -69,7 +69,7 @@ impl Module for LoadTest {
         };
         Proposal {
             active: carry_ceiling < 1.0,
-            closing_m_s: [closing_m_s; FINGERS],
+            closing_m_s: [closing_m_s; VIRTUAL_FINGERS],
             carry_ceiling,
             verdict: if stands && at_ceiling {
                 Verdict::Refuse(reason.by(ModuleId::LOAD_TEST))
@@ -145,8 +145,5 @@ impl Tug {
 
 /// Tangential force that all fingers carry, N.
 fn load_n(percept: &Percept) -> f64 {
-    percept.fingers[..FINGERS]
-        .iter()
-        .map(|f| f.tangential_n)
-        .sum()
+    percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
 }

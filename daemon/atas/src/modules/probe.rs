@@ -8,7 +8,7 @@
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
 use crate::perception::{Percept, StiffnessEstimate, StiffnessFit};
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// The samples so far.
@@ -37,7 +37,7 @@ impl Module for Probe {
         let pressing = !done && strongest_n < settings.f2_max_n;
         Proposal {
             active: !done,
-            closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; FINGERS],
+            closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; VIRTUAL_FINGERS],
             verdict: self
                 .fit
                 .filter(|_| done)
@@ -50,17 +50,19 @@ impl Module for Probe {
 impl Probe {
     /// Takes in this tick's frame, and refines the fit if it tells something new.
     fn listen(&mut self, percept: &Percept, context: &Context<'_>) {
-        let slips = percept.fingers[..FINGERS]
+        let slips = percept
+            .virtual_fingers
             .iter()
             .any(|finger| finger.gross_slip_s > 0.0);
         if percept.step_s <= 0.0 || slips {
             return;
         }
-        let mean_n = percept.fingers[..FINGERS]
+        let mean_n = percept
+            .virtual_fingers
             .iter()
             .map(|f| f.normal_n)
             .sum::<f64>()
-            / FINGERS as f64;
+            / VIRTUAL_FINGERS as f64;
         let settings = &context.settings.perception;
         let news = self
             .stiffness

@@ -5,7 +5,7 @@ use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
 use crate::thresholds::Thresholds;
 use nalgebra::Matrix3;
-use robot_model::{FINGERS, GraspFrame};
+use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{ModuleId, Reason};
 
 /// What a module may know besides what the hand feels.
@@ -31,8 +31,8 @@ pub struct Context<'a> {
     pub path: &'a Path,
     /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
     pub carry_scale: f64,
-    /// Closing speed of each finger that arbitration made of the tick before, m/s.
-    pub closing_m_s: [f64; FINGERS],
+    /// Closing speed of each virtual finger that arbitration made of the tick before, m/s.
+    pub closing_m_s: [f64; VIRTUAL_FINGERS],
     /// The commanded pose.
     pub frame: &'a GraspFrame,
     /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
@@ -40,7 +40,7 @@ pub struct Context<'a> {
     /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
     /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
-    pub base_from_tip: &'a [Matrix3<f64>; FINGERS],
+    pub base_from_tip: &'a [Matrix3<f64>],
 }
 
 /// What one module would do now.
@@ -48,10 +48,10 @@ pub struct Context<'a> {
 pub struct Proposal {
     /// Whether the module's condition holds.
     pub active: bool,
-    /// Closing speed that the module wants of each finger, m/s; 0 for no wish, negative to open if nobody closes.
-    pub closing_m_s: [f64; FINGERS],
-    /// Highest closing speed that the module tolerates on each finger, m/s; negative demands opening.
-    pub closing_ceiling_m_s: [f64; FINGERS],
+    /// Closing speed that the module wants of each virtual finger, m/s; 0 for no wish, negative to open if nobody closes.
+    pub closing_m_s: [f64; VIRTUAL_FINGERS],
+    /// Highest closing speed that the module tolerates on each virtual finger, m/s; negative demands opening.
+    pub closing_ceiling_m_s: [f64; VIRTUAL_FINGERS],
     /// Highest factor on the hand's speed along its path that the module tolerates, −1 (back) to 1.
     pub carry_ceiling: f64,
     /// Where the module wants the hand to be.
@@ -103,8 +103,8 @@ impl Default for Proposal {
     fn default() -> Self {
         Self {
             active: false,
-            closing_m_s: [0.0; FINGERS],
-            closing_ceiling_m_s: [f64::INFINITY; FINGERS],
+            closing_m_s: [0.0; VIRTUAL_FINGERS],
+            closing_ceiling_m_s: [f64::INFINITY; VIRTUAL_FINGERS],
             carry_ceiling: 1.0,
             pose: None,
             verdict: Verdict::None,
@@ -147,10 +147,10 @@ pub trait Module {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal;
 }
 
-/// Smallest and largest normal force over the fingers that grip, N.
+/// Smallest and largest normal force over the virtual fingers, N.
 #[must_use]
 pub fn force_range_n(percept: &Percept) -> (f64, f64) {
-    percept.fingers[..FINGERS].iter().fold(
+    percept.virtual_fingers.iter().fold(
         (f64::INFINITY, f64::NEG_INFINITY),
         |(low, high), finger| {
             (
@@ -171,8 +171,9 @@ pub fn force_range_n(percept: &Percept) -> (f64, f64) {
 
 /// Vertical force of the object on all fingers that grip, base frame, N; negative while the object hangs.
 #[must_use]
-pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>; FINGERS]) -> f64 {
-    percept.fingers[..FINGERS]
+pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>]) -> f64 {
+    percept
+        .fingers
         .iter()
         .zip(base_from_tip)
         .map(|(finger, base_from_tip)| (base_from_tip * finger.force_tip_n).z)

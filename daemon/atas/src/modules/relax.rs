@@ -9,7 +9,7 @@ use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal, force_range_n};
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{FingerPercept, Percept};
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// Multiple of the least force down to which the module relaxes: a little above, so that Module 1 need not answer (ours).
@@ -78,7 +78,7 @@ impl Module for Relax {
         };
         Proposal {
             active: self.active,
-            closing_m_s: [-opening_m_s; FINGERS],
+            closing_m_s: [-opening_m_s; VIRTUAL_FINGERS],
             ..Proposal::default()
         }
     }
@@ -110,7 +110,7 @@ impl Relax {
                 && finger.gross_slip_s == 0.0
                 && finger.utilisation_now < ALIKE_BELOW
         };
-        let steady = context.hangs && !self.pressing && percept.fingers[..FINGERS].iter().all(calm);
+        let steady = context.hangs && !self.pressing && percept.virtual_fingers.iter().all(calm);
         self.steady_s = if steady {
             self.steady_s + context.step_s
         } else {
@@ -120,7 +120,7 @@ impl Relax {
 
     /// The low-passed utilisation, while every finger knows its own.
     fn watch(&mut self, percept: &Percept, step_s: f64) -> Option<f64> {
-        let fingers = &percept.fingers[..FINGERS];
+        let fingers = &percept.virtual_fingers;
         let known = fingers.iter().all(|f| f.utilisation > 0.0);
         let most = fingers
             .iter()
@@ -142,10 +142,7 @@ impl Relax {
 
 /// Tangential force that all fingers carry, N.
 fn load_n(percept: &Percept) -> f64 {
-    percept.fingers[..FINGERS]
-        .iter()
-        .map(|f| f.tangential_n)
-        .sum()
+    percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
 }
 
 /// Utilisation if the friction is as much less than remembered as noise may have added to it. A patch that is sheared and

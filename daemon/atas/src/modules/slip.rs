@@ -16,7 +16,7 @@
 use super::fall::Fall;
 use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::{FingerPercept, Percept};
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// Share of the moment that friction could carry at which an object is about to turn in the hand, and below which it is not
@@ -44,9 +44,9 @@ const TREMBLE_SHARE: f64 = 0.1;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slip {
     /// Per finger, whether cause (a) holds.
-    slipping: [bool; FINGERS],
+    slipping: [bool; VIRTUAL_FINGERS],
     /// Per finger, whether cause (d) holds.
-    turning: [bool; FINGERS],
+    turning: [bool; VIRTUAL_FINGERS],
     /// The load, while it hangs and is not being set down.
     fall: Fall,
     /// Time until the latch opens, s.
@@ -104,7 +104,7 @@ impl Module for Slip {
         };
         Proposal {
             active,
-            closing_m_s: [closing_m_s; FINGERS],
+            closing_m_s: [closing_m_s; VIRTUAL_FINGERS],
             carry_ceiling: if active && helps {
                 settings.slip_carry_scale
             } else {

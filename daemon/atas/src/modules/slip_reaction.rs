@@ -9,7 +9,7 @@
 use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::{FingerPercept, Percept};
 use crate::settings::Grasp;
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// Share by which the target rises per sample that shows slip: 8 %, as 0.2 % per millisecond for the 41 ms of a sample of
@@ -38,7 +38,7 @@ impl Module for SlipReaction {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         self.since_s += context.step_s;
-        let mut fingers = percept.fingers[..FINGERS].iter();
+        let mut fingers = percept.virtual_fingers.iter();
         let slips = context.all_touched && fingers.any(|finger| slips(finger, settings));
         if slips && self.since_s >= SAMPLE_S {
             self.raised = (1.0 + self.raised) * (1.0 + RAISE_SHARE) - 1.0;
@@ -49,7 +49,7 @@ impl Module for SlipReaction {
         let active = context.all_touched && weakest_n <= target_n;
         Proposal {
             active,
-            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; FINGERS],
+            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; VIRTUAL_FINGERS],
             ..Proposal::default()
         }
     }

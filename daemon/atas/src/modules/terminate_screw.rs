@@ -9,7 +9,7 @@
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::perception::Percept;
 use nalgebra::Vector3;
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// What the module remembers.
@@ -42,7 +42,7 @@ impl Module for TerminateScrew {
         self.shear_n += (shear_n(percept, context) - self.shear_n) * share;
         let turned_m = context.turning * context.frame.tangential_m[0];
         let moved_m = turned_m - self.last_m.replace(turned_m).unwrap_or(turned_m);
-        let gripping = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
+        let gripping = percept.virtual_fingers.iter().all(|f| f.in_contact);
         self.turned_before |= moved_m < 0.0 && self.most_n > 0.0;
         if moved_m <= 0.0 || !gripping {
             self.at_grip_n = self.shear_n.max(0.0);
@@ -66,13 +66,14 @@ impl Module for TerminateScrew {
 fn shear_n(percept: &Percept, context: &Context<'_>) -> f64 {
     let n = context.frame.closing_axis();
     let ahead = Vector3::new(-n.y, n.x, 0.0) * context.turning;
-    let fingers = percept.fingers[..FINGERS].iter().zip(context.base_from_tip);
-    // Finger 1 turns ahead, finger 2 back.
+    let fingers = percept.fingers.iter().zip(context.base_from_tip);
+    // The first side turns ahead, the second back.
     let against = fingers
-        .zip([-1.0, 1.0])
-        .map(|((finger, base_from_tip), sign)| {
+        .zip(percept.presses_from)
+        .map(|((finger, base_from_tip), side)| {
+            let sign = if side == 0 { -1.0 } else { 1.0 };
             let tangential_n = finger.force_tip_n + finger.patch_normal * finger.normal_n;
             sign * (base_from_tip * tangential_n).dot(&ahead)
         });
-    against.sum::<f64>() / FINGERS as f64
+    against.sum::<f64>() / VIRTUAL_FINGERS as f64
 }

@@ -14,7 +14,7 @@
 
 use super::{Context, Module, PoseCommand, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::Percept;
-use robot_model::{FINGERS, GraspFrame};
+use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::ModuleId;
 
 /// Samples of the learnt offset along the turn (prototype: 29, one per half millimetre).
@@ -64,7 +64,7 @@ pub(super) struct Trajectory {
     /// The pose of the first grip.
     anchor: Option<GraspFrame>,
     /// e(s) of each finger, m, inwards.
-    inward_m: [[f64; BINS]; FINGERS],
+    inward_m: [[f64; BINS]; VIRTUAL_FINGERS],
     /// How long the grip has been firm, s.
     gripped_s: f64,
     /// How far the hand has followed the cap down, m, negative.
@@ -78,7 +78,7 @@ impl Default for Trajectory {
             way_m: 0.0,
             speed_m_s: 0.0,
             anchor: None,
-            inward_m: [[0.0; BINS]; FINGERS],
+            inward_m: [[0.0; BINS]; VIRTUAL_FINGERS],
             gripped_s: 0.0,
             followed_m: 0.0,
         }
@@ -107,7 +107,7 @@ impl Module for Trajectory {
         let touching = matches!(self.edge, Edge::Grip | Edge::Turn);
         Proposal {
             active: true,
-            closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; FINGERS],
+            closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; VIRTUAL_FINGERS],
             pose: Some(PoseCommand {
                 frame: self.frame(context),
                 with_fingers: self.edge != Edge::Grip,
@@ -135,8 +135,8 @@ impl Trajectory {
     fn learn(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.screw;
         let place = self.way_m / (2.0 * settings.travel_m) * (BINS - 1) as f64;
-        let normal_n = [percept.fingers[0].normal_n, percept.fingers[1].normal_n];
-        for finger in 0..FINGERS {
+        let normal_n = percept.virtual_fingers.map(|finger| finger.normal_n);
+        for finger in 0..VIRTUAL_FINGERS {
             let softer_n = (normal_n[1 - finger] - normal_n[finger]) / 2.0;
             let inwards_m_s = context.closing_m_s[finger] + settings.centring_m_s_n * softer_n;
             correct(
@@ -150,7 +150,7 @@ impl Trajectory {
 
     /// Presses lightly down on the cap: follows it along its thread, and never pulls it off before the thread holds it.
     fn follow(&mut self, percept: &Percept, context: &Context<'_>) {
-        if !percept.fingers[..FINGERS].iter().all(|f| f.in_contact) {
+        if !percept.virtual_fingers.iter().all(|f| f.in_contact) {
             return;
         }
         let followed_m_s = FOLLOW_M_S_N * (force_up_n(percept, context.base_from_tip) - PRESS_N);
@@ -202,7 +202,7 @@ impl Trajectory {
     /// The turn begins where the grip was found firm.
     fn adopt_grip(&mut self, now: &GraspFrame) {
         let Some(anchor) = self.anchor else { return };
-        for finger in 0..FINGERS {
+        for finger in 0..VIRTUAL_FINGERS {
             let gripped_m = anchor.half_opening_m[finger] - now.half_opening_m[finger];
             let news_m = gripped_m - self.inward_m[finger][0];
             let mut share = 1.0;
@@ -229,7 +229,7 @@ impl Trajectory {
         let turned_m = context.turning * travel_m * (2.0 * along - 1.0);
         frame.tangential_m = [turned_m, -turned_m];
         frame.centre_m.z += self.followed_m;
-        for finger in 0..FINGERS {
+        for finger in 0..VIRTUAL_FINGERS {
             let inward_m = match self.edge {
                 Edge::Return => mix(
                     self.inward_m[finger][0],

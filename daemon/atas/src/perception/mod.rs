@@ -14,6 +14,7 @@ mod motion;
 mod noise;
 mod patch;
 mod stiffness;
+mod virtual_finger;
 mod yielding;
 
 pub use finger::{Finger, FingerPercept};
@@ -24,14 +25,19 @@ pub use yielding::{YieldRule, YieldWatch, Yielded};
 use crate::intake::CheckedFrame;
 use crate::settings::Perception as Settings;
 use crate::wiring::HandWiring;
+use robot_model::{HandModel, VIRTUAL_FINGERS};
 use shm_schemas::capacity::FINGERS;
 
 /// What one hand feels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Percept {
-    /// Per finger; fingers without a sensor feel nothing.
+    /// Per fingertip; those without a sensor feel nothing.
     pub fingers: [FingerPercept; FINGERS],
+    /// The side from which each fingertip presses, 0 or 1.
+    pub presses_from: [usize; FINGERS],
+    /// Per side, what its fingertips feel together: what modules mean by a finger.
+    pub virtual_fingers: [FingerPercept; VIRTUAL_FINGERS],
     /// Sensor time of the newest frame, ns.
     pub captured_ns: u64,
     /// Sensor time that the newest frames of this tick cover, s; 0 when none arrived.
@@ -48,13 +54,20 @@ pub struct Perception {
 }
 
 impl Perception {
-    /// Perception for a hand that is wired like this.
+    /// Perception for a hand that is wired like this; a sensor by itself feels for the fingers of an absent hand.
     #[must_use]
-    pub fn new(wiring: &HandWiring) -> Self {
+    pub fn new(wiring: &HandWiring, hand: &HandModel) -> Self {
+        let mut percept = Percept::default();
+        for (finger, side) in percept.presses_from[..hand.finger_count()]
+            .iter_mut()
+            .enumerate()
+        {
+            *side = hand.virtual_finger(finger);
+        }
         Self {
             fingers: core::array::from_fn(|_| Finger::new(&wiring.layout)),
             count: wiring.fingers,
-            percept: Percept::default(),
+            percept,
         }
     }
 
@@ -67,6 +80,12 @@ impl Perception {
     pub fn update(&mut self, frame: &CheckedFrame<'_>, slides: bool, settings: &Settings) {
         for (index, finger) in self.fingers[..self.count].iter_mut().enumerate() {
             self.percept.fingers[index] = finger.update(index, frame, slides, settings);
+        }
+        for (side, felt) in self.percept.virtual_fingers.iter_mut().enumerate() {
+            let fingers = self.percept.fingers[..self.count].iter();
+            let of_side = fingers.zip(self.percept.presses_from);
+            let of_side = of_side.filter_map(|(finger, from)| (from == side).then_some(finger));
+            *felt = virtual_finger::together(of_side);
         }
         self.percept.captured_ns = frame.captured_ns();
         self.percept.step_s += frame.step_s();

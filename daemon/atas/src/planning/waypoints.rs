@@ -12,9 +12,6 @@ use shm_schemas::{GoalRequest, Turn};
 /// Lowest centre of a grasp, m (ours: the dome's radius and 3 mm of air).
 const LOWEST_M: f64 = 0.018;
 
-/// Home of a hand: x, distance from the middle, height (robot design), and distance between its fingertips, m.
-const HOME_M: [f64; 3] = [0.26, 0.22, 0.15];
-const HOME_OPENING_M: f64 = 0.07;
 /// Height of a grasp from the side, m; pitch of the hand below the horizontal and angle of the finger roots, rad (robot
 /// design: proved free of collisions with the hand that screws).
 const SIDE_HEIGHT_M: f64 = 0.045;
@@ -187,9 +184,13 @@ impl Waypoints {
 /// Where an arm rests, for a hand that is at `now`: before its own shoulder, out of the other arm's way.
 #[must_use]
 pub fn home(hand: &HandModel, now: &GraspFrame) -> GraspFrame {
-    let [x, off_middle, z] = HOME_M;
-    let centre_m = [x, hand.side().y_sign() * off_middle, z];
-    from_above(hand, now, centre_m, FRAC_PI_2, HOME_OPENING_M)
+    from_above(
+        hand,
+        now,
+        hand.home_m().into(),
+        FRAC_PI_2,
+        hand.home_opening_m(),
+    )
 }
 
 /// The helping hand's grasp of the bottle: from the side, coming from its own shoulder.

@@ -10,7 +10,6 @@
 
 use crate::modules::Finding;
 use crate::perception::Percept;
-use robot_model::FINGERS;
 use shm_schemas::{Cause, Reason};
 
 /// Standard gravity, m/s².
@@ -76,7 +75,7 @@ impl InHand {
     }
 
     fn feel(&mut self, percept: &Percept, step_s: f64) {
-        let fingers = &percept.fingers[..FINGERS];
+        let fingers = &percept.virtual_fingers;
         let load_n: f64 = fingers.iter().map(|f| f.tangential_n).sum();
         if load_n < LOAD_MIN_N {
             return;

@@ -11,7 +11,7 @@ use crate::settings::Settings;
 use crate::tasks::{BACK_OUT, KEEP, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW};
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{FINGERS, GraspFrame};
+use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Multiple of the force found on an object up to which it may be pressed (ours, as one step of the load test).
@@ -33,11 +33,11 @@ pub struct HandMotion<'a> {
     /// Factor on its speed along its path that arbitration made of the tick before.
     pub carry_scale: f64,
     /// Closing speed of each finger that arbitration made of the tick before, m/s.
-    pub closing_m_s: [f64; FINGERS],
+    pub closing_m_s: [f64; VIRTUAL_FINGERS],
     /// The commanded pose.
     pub frame: &'a GraspFrame,
     /// Measured orientation of each fingertip.
-    pub base_from_tip: &'a [Matrix3<f64>; FINGERS],
+    pub base_from_tip: &'a [Matrix3<f64>],
 }
 
 /// What became of the task in this tick.
@@ -289,7 +289,7 @@ impl Runner {
     /// fingertips, `now` the commanded pose.
     pub fn observe(&mut self, percept: &Percept, gap_m: f64, now: &GraspFrame, step_s: f64) {
         self.step_s += step_s;
-        let touching = percept.fingers[..FINGERS].iter().all(|f| f.in_contact);
+        let touching = percept.virtual_fingers.iter().all(|f| f.in_contact);
         if touching && !self.all_touched && self.step().transition == Transition::AllTouched {
             self.all_touched = true;
             self.touched_at_m = gap_m;
@@ -309,7 +309,8 @@ impl Runner {
     /// The reason to warn of an object that is held and slides all the same.
     fn sliding(&self, percept: &Percept) -> Option<Reason> {
         let held = self.step().transition == Transition::Held && self.grips();
-        let slid_s = percept.fingers[..FINGERS]
+        let slid_s = percept
+            .virtual_fingers
             .iter()
             .filter(|finger| finger.utilisation > SLIDES_ABOVE)
             .map(|finger| finger.gross_slip_s)
@@ -322,7 +323,8 @@ impl Runner {
     fn out_of_force(&self, percept: &Percept) -> Option<Reason> {
         let (_, strongest_n) = force_range_n(percept);
         let f2_n = self.thresholds.f2_n;
-        let everywhere = percept.fingers[..FINGERS]
+        let everywhere = percept
+            .virtual_fingers
             .iter()
             .all(|finger| finger.gross_slip_s > SPENT_AFTER_S);
         let slides = (self.slides.is_some() && everywhere) || self.sinks_s > SPENT_AFTER_S;

@@ -38,7 +38,7 @@ pub(crate) struct Bench {
     pub(crate) closing_m: f64,
     pub(crate) carried_m: f64,
     pub(crate) carry_scale: f64,
-    pub(crate) closing_m_s: [f64; robot_model::FINGERS],
+    pub(crate) closing_m_s: [f64; robot_model::VIRTUAL_FINGERS],
     pub(crate) frame: robot_model::GraspFrame,
     pub(crate) lowering_m: Option<f64>,
 }
@@ -55,7 +55,7 @@ impl Bench {
             closing_m: 0.0,
             carried_m: 0.0,
             carry_scale: 1.0,
-            closing_m_s: [0.0; robot_model::FINGERS],
+            closing_m_s: [0.0; robot_model::VIRTUAL_FINGERS],
             frame: path().at(0.0),
             lowering_m: None,
         }
@@ -81,7 +81,7 @@ impl Bench {
             frame: &self.frame,
             turning: -1.0,
             lowering_m: self.lowering_m,
-            base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::FINGERS],
+            base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::VIRTUAL_FINGERS],
         };
         let proposals = self
             .modules
@@ -114,6 +114,8 @@ pub(crate) fn percept(fingers: [FingerPercept; 2]) -> Percept {
     let [a, b] = fingers;
     Percept {
         fingers: [a, b, FingerPercept::default(), FingerPercept::default()],
+        presses_from: [0, 1, 0, 0],
+        virtual_fingers: fingers,
         captured_ns: 1,
         step_s: 1e-3,
     }

@@ -8,7 +8,7 @@ use atas_core::planning;
 use atas_core::tasks::{GRASP, Motion, STEPS_MAX, Step, Task, Waypoint};
 use atas_core::{Order, Settings};
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, ROBOT_JOINTS, Side, nearest};
+use robot_model::{GraspFrame, HandVector, RobotVector, Side, nearest};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
 
 /// What accepted goals keep between the arms, m.
@@ -48,14 +48,14 @@ fn at_home(side: Side) -> HandVector {
 fn world(left_rad: HandVector) -> World {
     let mut world = World::new();
     for (side, q_rad) in [(Side::Left, left_rad), (Side::Right, at_home(Side::Right))] {
-        world.q_rad[side.joint_range()].copy_from_slice(q_rad.as_slice());
+        world.q_rad[robot().joint_range(side)].copy_from_slice(&q_rad);
     }
     world.run(50);
     assert_eq!(world.mode(), Mode::READY);
     world
 }
 
-fn gap_m(q_rad: &[f64; ROBOT_JOINTS]) -> f64 {
+fn gap_m(q_rad: &RobotVector) -> f64 {
     let bodies = |side| {
         let hand = robot().hand(side);
         hand.capsules(&hand.forward(&hand_of(q_rad, side)))

@@ -1,9 +1,9 @@
 //! The whole controller: modes, goals, and what clients hear.
 
+use crate::support::JOINTS;
 use crate::support::home_rad;
 use crate::world::{World, commanded_gap_m, grasp, start};
 use atas_core::Order;
-use robot_model::ROBOT_JOINTS;
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, Mode, ModuleEvent, Reason,
 };
@@ -25,12 +25,12 @@ fn init_becomes_ready_when_everything_is_believed() {
         (outputs.command.mode, outputs.command.joint_count, ticks),
         (Mode::READY, 22, 19)
     );
-    assert_eq!(outputs.command.position_rad[..ROBOT_JOINTS], home_rad());
+    assert_eq!(outputs.command.position_rad[..JOINTS], *home_rad());
     assert_eq!(kinds(outputs.events.as_slice(), EventKind::MODE), 1);
     // READY stands still and publishes every tick.
     for _ in 0..100 {
         let outputs = world.tick();
-        assert_eq!(outputs.command.position_rad[..ROBOT_JOINTS], home_rad());
+        assert_eq!(outputs.command.position_rad[..JOINTS], *home_rad());
         assert!(outputs.command.is_intact());
         assert_eq!(outputs.report.command_crc32, outputs.command.crc32);
     }

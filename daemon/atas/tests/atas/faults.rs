@@ -1,8 +1,8 @@
 //! Faults against the whole controller: the bounds of the fault catalogue, in ticks.
 
+use crate::support::JOINTS;
 use crate::world::{World, commanded_gap_m};
 use atas_core::{Inputs, Order, Tick};
-use robot_model::ROBOT_JOINTS;
 use shm_schemas::{Cause, GoalState, Mode, Reason};
 
 /// F01, F40: silence of either sensor or of the joints.
@@ -126,8 +126,8 @@ fn a_joint_that_ignores_its_command_stops_the_robot() {
     assert_eq!(world.mode(), Mode::READY);
     // Where a joint did not follow, its limb begins anew from where it is; what was nearly there keeps its command.
     let off_rad = |i: usize| (outputs.command.position_rad[i] - stuck_rad[i]).abs();
-    assert!((0..ROBOT_JOINTS).all(|i| off_rad(i) <= atas_core::limits::PRELOAD_MAX_RAD));
-    assert!((0..ROBOT_JOINTS).any(|i| off_rad(i) == 0.0));
+    assert!((0..JOINTS).all(|i| off_rad(i) <= atas_core::limits::PRELOAD_MAX_RAD));
+    assert!((0..JOINTS).any(|i| off_rad(i) == 0.0));
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_standstill_holds_and_is_not_caught_up() {
     world.ms += 300;
     let outputs = world.tick();
     assert_eq!(outputs.command.mode, Mode::HOLD);
-    let moved = (0..ROBOT_JOINTS)
+    let moved = (0..JOINTS)
         .map(|i| (outputs.command.position_rad[i] - before[i]).abs())
         .fold(0.0, f64::max);
     assert!(moved < 6e-3, "one tick at most: {moved} rad");

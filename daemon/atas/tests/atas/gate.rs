@@ -1,6 +1,7 @@
 //! The last gate: whatever comes in, what goes out is finite, within every limit and sealed.
 
 use crate::rig::{Judge, LOOSE, Rig, positions, velocities};
+use crate::support::JOINTS;
 use crate::support::{MS_NS, hand_of, home_rad, robot};
 use atas_core::Tick;
 use atas_core::kinematics::HandCommand;
@@ -8,7 +9,7 @@ use atas_core::limits::JOINT_ACCELERATION_RAD_S2;
 use atas_core::safety::{Gate, GateContext, Grip};
 use atas_core::settings::Settings;
 use proptest::prelude::*;
-use robot_model::{ROBOT_JOINTS, Side};
+use robot_model::{RobotVector, Side};
 use shm_schemas::{Cause, Mode};
 
 fn any_position() -> impl Strategy<Value = f64> {
@@ -31,7 +32,7 @@ fn any_grip() -> impl Strategy<Value = Grip> {
 /// A speed and a direction for every joint, some beyond what it can do, held for some ticks.
 fn any_leg() -> impl Strategy<Value = (Vec<f64>, usize, Mode)> {
     (
-        prop::collection::vec(-2.0..2.0, ROBOT_JOINTS),
+        prop::collection::vec(-2.0..2.0, JOINTS),
         1_usize..120,
         any_mode(),
     )
@@ -47,14 +48,14 @@ proptest! {
     #[test]
     fn arbitrary_commands_leave_within_every_limit(
         ticks in prop::collection::vec(
-            (prop::collection::vec(any_position(), ROBOT_JOINTS), any_mode(), [any_grip(), any_grip()]), 1..60),
+            (prop::collection::vec(any_position(), JOINTS), any_mode(), [any_grip(), any_grip()]), 1..60),
     ) {
         let mut rig = Rig::new();
         let mut judge = Judge::new(&rig);
         rig.closing_m_s = [[0.002; 2]; 2];
         for (wanted, mode, grips) in ticks {
             rig.grips = grips;
-            judge.check(&rig.pass(mode, &wanted.try_into().unwrap()))?;
+            judge.check(&rig.pass(mode, &RobotVector::from_slice(&wanted)))?;
         }
     }
 
@@ -70,7 +71,7 @@ proptest! {
         for (factors, ticks, mode) in legs {
             for _ in 0..ticks * rig.ticks_per_ms() {
                 let at = *rig.gate.position_rad();
-                let wanted = std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * rig.step_s);
+                let wanted = RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * rig.step_s);
                 judge.check(&rig.pass(mode, &wanted))?;
             }
         }
@@ -84,14 +85,14 @@ proptest! {
         for (factors, ticks, _) in legs {
             for _ in 0..ticks {
                 let at = *rig.gate.position_rad();
-                rig.pass(Mode::RUN, &std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * 1e-3));
+                rig.pass(Mode::RUN, &RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * 1e-3));
             }
         }
         for _ in 0..200 {
-            rig.pass(Mode::HOLD, &[0.0; ROBOT_JOINTS]);
+            rig.pass(Mode::HOLD, &RobotVector::repeat(JOINTS, 0.0));
         }
         let target = rig.gate.position_rad().map(|q| q + 1e-3);
-        let target = std::array::from_fn(|i| {
+        let target = RobotVector::from_fn(JOINTS, |i| {
             let joint = robot().joint(i).unwrap();
             target[i].clamp(joint.lower_rad, joint.upper_rad)
         });
@@ -99,7 +100,7 @@ proptest! {
         for _ in 0..300 {
             last = positions(&rig.pass(Mode::RUN, &target)).to_vec();
         }
-        for (reached, wanted) in last.iter().zip(target) {
+        for (reached, wanted) in last.iter().zip(target.iter()) {
             prop_assert!((reached - wanted).abs() < 1e-6, "{reached} is not {wanted}");
         }
     }
@@ -107,32 +108,32 @@ proptest! {
     /// HOLD brakes, then stands still bit by bit, whatever is asked and however hard the fingers press.
     #[test]
     fn hold_comes_to_rest_and_never_moves_on(
-        factors in prop::collection::vec(-1.0..1.0, ROBOT_JOINTS), ticks in 1_usize..150, garbage in any_position(),
+        factors in prop::collection::vec(-1.0..1.0, JOINTS), ticks in 1_usize..150, garbage in any_position(),
         rate_hz in any_rate_hz(),
     ) {
         let mut rig = Rig::new();
         rig.step_s = 1.0 / rate_hz;
         let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
-        let mut moving = [0.0; ROBOT_JOINTS];
+        let mut moving = RobotVector::repeat(JOINTS, 0.0);
         for _ in 0..ticks * rig.ticks_per_ms() {
             let at = *rig.gate.position_rad();
             let step_s = rig.step_s;
-            moving = velocities(&rig.pass(Mode::RUN, &std::array::from_fn(|i| at[i] + factors[i] * speeds[i] * step_s)));
+            moving = velocities(&rig.pass(Mode::RUN, &RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * step_s)));
         }
         let from = *rig.gate.position_rad();
         rig.grips = [Grip { normal_n: [30.0; 2], f2_n: Some(1.0) }; 2];
         rig.closing_m_s = [[0.002, -0.002]; 2];
-        let mut rest = [0.0; ROBOT_JOINTS];
+        let mut rest = RobotVector::repeat(JOINTS, 0.0);
         for _ in 0..200 * rig.ticks_per_ms() {
-            rest = positions(&rig.pass(Mode::HOLD, &[garbage; ROBOT_JOINTS]));
+            rest = positions(&rig.pass(Mode::HOLD, &RobotVector::repeat(JOINTS, garbage)));
         }
-        for i in 0..ROBOT_JOINTS {
+        for i in 0..JOINTS {
             let speed = moving[i].abs();
             let braking_rad = speed * speed / JOINT_ACCELERATION_RAD_S2 + 5e-3 * speed + 1e-3;
             prop_assert!((rest[i] - from[i]).abs() <= braking_rad, "joint {i} went {} rad", rest[i] - from[i]);
         }
         for _ in 0..50 {
-            let safe = rig.pass(Mode::HOLD, &[garbage; ROBOT_JOINTS]);
+            let safe = rig.pass(Mode::HOLD, &RobotVector::repeat(JOINTS, garbage));
             prop_assert_eq!(positions(&safe), rest);
             prop_assert!(velocities(&safe).iter().all(|v| *v == 0.0));
         }
@@ -140,7 +141,7 @@ proptest! {
 
     #[test]
     fn a_motion_within_the_limits_is_followed_without_lag(
-        amplitude in 0.01..0.12_f64, duration_s in 0.4..2.0_f64, joint in 0..ROBOT_JOINTS,
+        amplitude in 0.01..0.12_f64, duration_s in 0.4..2.0_f64, joint in 0..JOINTS,
     ) {
         let mut rig = Rig::new();
         for i in 0..=2000_u32 {
@@ -215,8 +216,8 @@ fn above_the_grip_ceiling_a_finger_may_only_open() {
             let wanted = home_rad().map(|q| q + 1e-5);
             let moved: Vec<bool> = positions(&rig.pass(Mode::RUN, &wanted))
                 .iter()
-                .zip(home_rad())
-                .map(|(a, b)| *a != b)
+                .zip(home_rad().iter())
+                .map(|(a, b)| a != b)
                 .collect();
             let frozen = over && closing_m_s >= 0.0;
             let case = format!("{normal_n} N of {f2_n:?}, closing at {closing_m_s}");

@@ -1,9 +1,9 @@
 //! What outlives a stop, and what nobody may do while the robot works.
 
+use crate::support::JOINTS;
 use crate::world::{World, commanded_gap_m, grasp, start};
 use atas_core::settings::PARAMETERS;
 use atas_core::{Inputs, Order, Tick};
-use robot_model::ROBOT_JOINTS;
 use shm_schemas::{Cause, EventKind, GoalState, Mode, Reason};
 
 fn warned(outputs: &atas_core::Outputs) -> Vec<Cause> {
@@ -20,7 +20,7 @@ fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     world.order(Order::Stop(Reason::of(Cause::ESTOP)));
     world.run(100);
     // Servos under load are not quite where they are told to be.
-    for q_rad in &mut world.q_rad {
+    for q_rad in world.q_rad.iter_mut() {
         *q_rad += 0.004;
     }
     world.order(Order::Recover);
@@ -28,7 +28,7 @@ fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     assert_eq!(warned(&outputs), [Cause::GRIP_FOUND]);
     assert_eq!(world.run(1).command.mode, Mode::RUN);
     let off_rad = |at: &[f64]| {
-        let pairs = held_rad[..ROBOT_JOINTS].iter().zip(at);
+        let pairs = held_rad[..JOINTS].iter().zip(at);
         pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
     };
     assert!(off_rad(&outputs.command.position_rad) < 1e-4);
@@ -115,7 +115,7 @@ fn another_robot_process_is_asked_anew_where_it_stands() {
         "nothing is commanded blindly"
     );
     let (outputs, _) = world.run_until(100, |w| w.mode() == Mode::READY);
-    assert_eq!(outputs.command.position_rad[..ROBOT_JOINTS], world.q_rad);
+    assert_eq!(outputs.command.position_rad[..JOINTS], *world.q_rad);
 }
 
 /// Regression: a joint state stamped with the largest time stopped the tick in lock-step by a panic.

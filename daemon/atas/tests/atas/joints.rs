@@ -1,10 +1,10 @@
 //! Intake of joint states: faults F40 and F41.
 
+use crate::support::JOINTS;
 use crate::support::{EPOCH, MS_NS, home_rad, joints, robot};
 use atas_core::Tick;
 use atas_core::joints::JointIntake;
 use atas_core::settings::{Intake as Limits, Settings};
-use robot_model::ROBOT_JOINTS;
 use shm_schemas::{Cause, JointState, Reason};
 
 const START_NS: u64 = 1_000 * MS_NS;
@@ -78,7 +78,7 @@ fn rows() -> Vec<Row> {
         believed("lost states", 4, |s| s.stamp.sequence += 4),
         believed("fast", 0, |s| s.position_rad[3] += 0.01),
         believed("NaN beyond the robot", 0, |s| {
-            s.position_rad[ROBOT_JOINTS] = f64::NAN
+            s.position_rad[JOINTS] = f64::NAN
         }),
         believed("NaN velocity, not read", 0, |s| {
             s.velocity_rad_s[0] = f64::NAN
@@ -235,7 +235,7 @@ fn what_the_robot_is_told_is_believed_where_it_can_be() {
     let check = |told: bool, change: Change| {
         let mut intake = warm();
         let mut state = at(10);
-        state.commanded_count = ROBOT_JOINTS as u32;
+        state.commanded_count = JOINTS as u32;
         state.commanded_rad = state.position_rad;
         state.command_epoch = 5;
         change(&mut state);

@@ -1,22 +1,21 @@
 //! Kinematics under a gate that refuses.
 
 use crate::support::{hand_of, home_rad, robot};
-use atas_core::Wiring;
 use atas_core::arbitration::Intent;
 use atas_core::kinematics::HandServo;
 use atas_core::modules::Verdict;
 use atas_core::perception::Percept;
-use robot_model::{FINGERS, Side};
+use robot_model::{Side, VIRTUAL_FINGERS};
 
 #[test]
 fn closing_that_the_gate_refuses_does_not_pile_up() {
     let hand = robot().hand(Side::Right);
     let q_rad = hand_of(&home_rad(), Side::Right);
-    let mut servo = HandServo::at(hand, q_rad, Wiring::default().stiffness_n_m_rad);
+    let mut servo = HandServo::at(hand, q_rad);
     let open_m = servo.frame().half_opening_m;
     let closing = Intent {
         pose: None,
-        closing_m_s: [0.002; FINGERS],
+        closing_m_s: [0.002; VIRTUAL_FINGERS],
         verdict: Verdict::None,
         finding: atas_core::modules::Finding::default(),
     };

@@ -16,7 +16,7 @@ fn tugged(bench: &mut Bench, normal_n: f64, load_share: f64) -> Proposal {
     let tug = bench.evaluate(&felt);
     assert_eq!((tug.active, tug.carry_ceiling), (true, -1.0), "tugs back");
     let mut unloaded = felt;
-    for finger in &mut unloaded.fingers {
+    for finger in &mut unloaded.virtual_fingers {
         finger.tangential_n *= load_share;
     }
     bench.carried_m = 0.0018;

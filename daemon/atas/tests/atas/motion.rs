@@ -1,10 +1,11 @@
 //! Motion in multiples of the sensor's noise: what is noise, what moves, at any rate and in any unit.
 
-use crate::support::{MS_NS, frame};
+use crate::support::{MS_NS, frame, robot};
 use atas_core::intake::FrameIntake;
 use atas_core::perception::{MotionPercept, Perception};
 use atas_core::settings::Settings;
 use atas_core::{HandWiring, Tick};
+use robot_model::Side;
 use shm_schemas::Hand;
 
 /// Uniform noise from −1 to 1 without a generator's state: SplitMix64 of the index.
@@ -20,7 +21,7 @@ fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec
     let wiring = HandWiring::default();
     let settings = Settings::default();
     let mut intake = FrameIntake::new(Hand::LEFT, &wiring);
-    let mut perception = Perception::new(&wiring);
+    let mut perception = Perception::new(&wiring, robot().hand(Side::Right));
     let mut found = Vec::new();
     for index in 0..3 * rate_hz {
         let now_ns = 1_000 * MS_NS + index * 1_000_000_000 / rate_hz;

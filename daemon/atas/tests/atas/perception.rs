@@ -1,11 +1,12 @@
 //! Perception: patch frame, touch, dF_t, friction utilisation, bias.
 
-use crate::support::{MS_NS, dome, frame, press, spread};
+use crate::support::{MS_NS, dome, frame, press, robot, spread};
 use atas_core::intake::FrameIntake;
 use atas_core::perception::{FingerPercept, Perception};
 use atas_core::settings::Settings;
 use atas_core::{HandWiring, Tick};
 use nalgebra::Vector3;
+use robot_model::Side;
 use shm_schemas::{Hand, HandFrame};
 
 /// A contact over the whole dome, degrees.
@@ -27,7 +28,7 @@ impl Skin {
         let wiring = HandWiring::default();
         Self {
             intake: FrameIntake::new(Hand::LEFT, &wiring),
-            perception: Perception::new(&wiring),
+            perception: Perception::new(&wiring, robot().hand(Side::Right)),
             settings: Settings::default(),
             sequence: 0,
             now_ns: 1_000 * MS_NS,

@@ -1,5 +1,6 @@
 //! A gate on the bench, and a judge of what it lets through.
 
+use crate::support::JOINTS;
 use crate::support::{MS_NS, hand_of, home_rad, robot};
 use atas_core::Tick;
 use atas_core::kinematics::HandCommand;
@@ -7,11 +8,11 @@ use atas_core::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3};
 use atas_core::safety::{Gate, GateContext, Grip, SafeCommand};
 use atas_core::settings::{Safety, Settings};
 use proptest::prelude::*;
-use robot_model::{Joint, ROBOT_JOINTS, Side};
+use robot_model::{Joint, RobotVector, Side};
 use shm_schemas::Mode;
 
 /// One value per joint.
-pub(crate) type Joints = [f64; ROBOT_JOINTS];
+pub(crate) type Joints = RobotVector;
 
 /// A hand that presses nothing.
 pub(crate) const LOOSE: Grip = Grip {
@@ -77,16 +78,12 @@ impl Rig {
 
 /// The commanded positions, rad.
 pub(crate) fn positions(safe: &SafeCommand) -> Joints {
-    safe.command().position_rad[..ROBOT_JOINTS]
-        .try_into()
-        .unwrap()
+    RobotVector::from_slice(&safe.command().position_rad[..JOINTS])
 }
 
 /// The commanded velocities, rad/s.
 pub(crate) fn velocities(safe: &SafeCommand) -> Joints {
-    safe.command().velocity_rad_s[..ROBOT_JOINTS]
-        .try_into()
-        .unwrap()
+    RobotVector::from_slice(&safe.command().velocity_rad_s[..JOINTS])
 }
 
 /// Follows the published positions and checks them against every limit of every joint.
@@ -101,8 +98,8 @@ impl Judge {
     pub(crate) fn new(rig: &Rig) -> Self {
         Self {
             position_rad: *rig.gate.position_rad(),
-            velocity_rad_s: [0.0; ROBOT_JOINTS],
-            acceleration_rad_s2: [0.0; ROBOT_JOINTS],
+            velocity_rad_s: RobotVector::repeat(JOINTS, 0.0),
+            acceleration_rad_s2: RobotVector::repeat(JOINTS, 0.0),
             step_s: rig.step_s,
         }
     }

@@ -1,7 +1,7 @@
 //! Small makers of inputs.
 
 use nalgebra::Vector3;
-use robot_model::{HandVector, ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{HandVector, RobotModel, RobotVector, Side};
 use shm_schemas::{Hand, HandFrame, JointState, Layout, Stamp};
 use std::sync::LazyLock;
 
@@ -9,6 +9,9 @@ use std::sync::LazyLock;
 pub(crate) const MS_NS: u64 = 1_000_000;
 /// Epoch of the sensors in these tests.
 pub(crate) const EPOCH: u64 = 11;
+
+/// Joints of the built-in robot.
+pub(crate) const JOINTS: usize = 22;
 
 /// The built-in robot.
 pub(crate) fn robot() -> &'static RobotModel {
@@ -27,17 +30,17 @@ pub(crate) fn dome() -> &'static (Layout, u64) {
 }
 
 /// Where all joints rest, rad.
-pub(crate) fn home_rad() -> [f64; ROBOT_JOINTS] {
-    let mut home_rad = [0.0; ROBOT_JOINTS];
+pub(crate) fn home_rad() -> RobotVector {
+    let mut home_rad = RobotVector::repeat(JOINTS, 0.0);
     for side in Side::BOTH {
-        home_rad[side.joint_range()].copy_from_slice(robot().hand(side).reference_rad().as_slice());
+        home_rad[robot().joint_range(side)].copy_from_slice(&robot().hand(side).reference_rad());
     }
     home_rad
 }
 
 /// One hand's share of all joints, rad.
-pub(crate) fn hand_of(q_rad: &[f64; ROBOT_JOINTS], side: Side) -> HandVector {
-    HandVector::from_row_slice(&q_rad[side.joint_range()])
+pub(crate) fn hand_of(q_rad: &RobotVector, side: Side) -> HandVector {
+    HandVector::from_slice(&q_rad[robot().joint_range(side)])
 }
 
 /// A sealed frame that feels nothing but a little noise, different in every frame.
@@ -96,17 +99,17 @@ pub(crate) fn spread(centre: Vector3<f64>, half_angle_deg: f64) -> impl Fn(Vecto
 }
 
 /// A joint state at these positions, rad.
-pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &[f64; ROBOT_JOINTS]) -> JointState {
+pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &RobotVector) -> JointState {
     let mut state = JointState {
         stamp: Stamp {
             sequence,
             captured_ns,
             writer_epoch: EPOCH,
         },
-        joint_count: ROBOT_JOINTS as u32,
+        joint_count: JOINTS as u32,
         ..JointState::default()
     };
-    state.position_rad[..ROBOT_JOINTS].copy_from_slice(q_rad);
+    state.position_rad[..JOINTS].copy_from_slice(q_rad);
     state.seal();
     state
 }

@@ -1,9 +1,9 @@
 //! A tiny world for the whole controller: joints that follow at once, two sensors, and perhaps one springy object.
 
-use crate::support::{MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
+use crate::support::{JOINTS, MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
 use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use nalgebra::Vector3;
-use robot_model::{FINGERS, ROBOT_JOINTS, Side};
+use robot_model::{RobotVector, Side, VIRTUAL_FINGERS};
 use shm_schemas::{
     GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, HandFrame, JointState, Mode,
 };
@@ -28,7 +28,7 @@ const LOADING_N_M: f64 = 400.0;
 pub(crate) struct World {
     pub(crate) controller: Controller,
     pub(crate) ms: u64,
-    pub(crate) q_rad: [f64; ROBOT_JOINTS],
+    pub(crate) q_rad: RobotVector,
     /// Sensors and joints that say nothing: left, right, joints.
     pub(crate) mute: [bool; 3],
     /// What happens to every joint state on its way.
@@ -195,7 +195,7 @@ impl World {
         }
         if outputs.command.joint_count > 0 {
             self.q_rad
-                .copy_from_slice(&outputs.command.position_rad[..ROBOT_JOINTS]);
+                .copy_from_slice(&outputs.command.position_rad[..JOINTS]);
         }
         outputs
     }
@@ -216,7 +216,7 @@ impl World {
         let centre_m = (pose.tip_m(0) + pose.tip_m(1)) / 2.0;
         let away_m = (centre_m - Vector3::from(OBJECT_M)).xy().norm();
         let across = (pose.tip_m(0) - pose.tip_m(1)).normalize();
-        for finger in 0..FINGERS {
+        for finger in 0..VIRTUAL_FINGERS {
             let out = if finger == 0 { across } else { -across };
             let reach_m = (pose.tip_m(finger) - Vector3::from(OBJECT_M)).dot(&out)
                 - hand.dome_radius_m()[finger];
@@ -299,9 +299,7 @@ pub(crate) fn start(request: GoalRequest) -> Order {
 
 /// Distance between the fingertips of the right hand as commanded, m.
 pub(crate) fn commanded_gap_m(outputs: &Outputs) -> f64 {
-    let q_rad = outputs.command.position_rad[..ROBOT_JOINTS]
-        .try_into()
-        .unwrap();
+    let q_rad = RobotVector::from_slice(&outputs.command.position_rad[..JOINTS]);
     atas_core::kinematics::gap_m(
         &robot()
             .hand(Side::Right)

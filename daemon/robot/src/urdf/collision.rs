@@ -7,14 +7,13 @@ use std::vec::Vec;
 use nalgebra::Vector3;
 use urdf_rs::Geometry;
 
-use super::error::{ModelError, misfit};
+use super::error::{Misfit, misfit};
+use super::framed::Framed;
 use super::tree::{Tree, finite, transform};
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
-use crate::sizes::HAND_JOINTS;
-use crate::transform::Transform;
 
 /// Radius of the one collision sphere of a tip link, metres.
-pub(super) fn dome_radius(tree: &Tree, tip_link: &str) -> Result<f64, ModelError> {
+pub(super) fn dome_radius(tree: &Tree, tip_link: &str) -> Result<f64, Misfit> {
     let spheres: Vec<f64> = tree
         .link(tip_link)?
         .collision
@@ -34,33 +33,32 @@ pub(super) fn dome_radius(tree: &Tree, tip_link: &str) -> Result<f64, ModelError
     }
 }
 
-/// The collision capsules of every link that a hand's joints move, each in the frame of its joint.
-pub(super) fn load_capsules(
-    tree: &Tree,
-    names: &[&str; HAND_JOINTS],
-    joint_from_link: &[Transform; HAND_JOINTS],
-) -> Result<Capsules, ModelError> {
+/// The collision capsules of every link that a hand's frames move, each in its frame.
+pub(super) fn load_capsules(tree: &Tree, frames: &[Framed]) -> Result<Capsules, Misfit> {
     let mut capsules = Capsules::new();
     for link in &tree.robot().links {
         let Some((mover, path)) = tree.mover(&link.name)? else {
             continue;
         };
-        let Some(joint) = names.iter().position(|name| *name == mover.name) else {
+        let Some(index) = frames.iter().position(|it| it.joint.name == mover.name) else {
             continue;
         };
+        let framed = &frames[index];
         for collision in &link.collision {
             let what = || format!("the collision of link `{}`", link.name);
             let (radius_m, half_length_m) = capsule_size(&collision.geometry, what)?;
-            let joint_from_shape = joint_from_link[joint]
+            let frame_from_shape = framed
+                .frame_from_link
                 .then(&path)
                 .then(&transform(&collision.origin, what)?);
-            let end = |sign: f64| joint_from_shape.point(&(Vector3::z() * (sign * half_length_m)));
-            if !capsules.push(Capsule {
+            let end = |sign: f64| frame_from_shape.point(&(Vector3::z() * (sign * half_length_m)));
+            let capsule = Capsule {
                 a_m: end(-1.0),
                 b_m: end(1.0),
                 radius_m,
-                joint,
-            }) {
+                joint: framed.driver,
+            };
+            if !capsules.push(capsule, index) {
                 return Err(misfit(
                     what(),
                     format!("shape {} of its hand", CAPSULES_MAX + 1),
@@ -73,7 +71,7 @@ pub(super) fn load_capsules(
 }
 
 /// Radius and half length of the capsule around a shape, metres.
-fn capsule_size(geometry: &Geometry, what: impl Fn() -> String) -> Result<(f64, f64), ModelError> {
+fn capsule_size(geometry: &Geometry, what: impl Fn() -> String) -> Result<(f64, f64), Misfit> {
     let (radius, length) = match *geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
             (radius, length)

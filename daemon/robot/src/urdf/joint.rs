@@ -1,66 +1,148 @@
-//! One revolute joint of a URDF: its limits and its axis; and the posture that the loaded hand prefers.
+//! One moving joint of a URDF: its kind, its limits, its axis, what its robot file adds.
 
 use std::format;
 
 use nalgebra::{Matrix3, Vector3};
+use urdf_rs::JointType;
 
-use super::error::{ModelError, misfit};
-use crate::model::{Joint, Side};
-use crate::sizes::{HAND_JOINTS, HandVector};
+use super::error::{Findings, Misfit, misfit};
+use crate::joint::{Joint, JointKind};
+use crate::name::{NAME_MAX, Name};
+use crate::robot_file::JointEntry;
 use crate::transform::Transform;
 
 /// How far the length of a joint axis may be from 1: room for axes written with three decimals. Ours.
 const AXIS_LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// Reference posture of the right hand, degrees, in hand order; the left hand's shoulder yaw is mirrored. Source: ours,
-/// over the middle of the proved workspace with the hand straight down.
-const REFERENCE_RIGHT_DEG: [f64; HAND_JOINTS] = [
-    25.0, -35.0, 95.0, 30.0, 0.0, 0.0, -20.0, 50.0, 0.0, -20.0, 50.0,
-];
-
-/// The reference posture of a side, moved inside the limits of `joints`, radians.
-pub(super) fn reference_rad(side: Side, joints: &[Joint; HAND_JOINTS]) -> HandVector {
-    let mut wanted = HandVector::from(REFERENCE_RIGHT_DEG).map(f64::to_radians);
-    wanted[0] *= -side.y_sign();
-    HandVector::from_fn(|index, _| {
-        wanted[index].clamp(joints[index].lower_rad, joints[index].upper_rad)
-    })
+/// How a joint moves.
+pub(super) fn kind(urdf: &urdf_rs::Joint) -> Result<JointKind, Misfit> {
+    match urdf.joint_type {
+        JointType::Revolute | JointType::Continuous => Ok(JointKind::Revolute),
+        JointType::Prismatic => Ok(JointKind::Prismatic),
+        _ => Err(misfit(
+            format!("the type of joint `{}`", urdf.name),
+            format!("{:?}", urdf.joint_type),
+            "a revolute, continuous, prismatic or fixed joint",
+        )),
+    }
 }
 
-pub(super) fn load_joint(name: &'static str, urdf: &urdf_rs::Joint) -> Result<Joint, ModelError> {
-    let limit = &urdf.limit;
-    if !(limit.lower.is_finite() && limit.upper.is_finite() && limit.lower < limit.upper) {
-        let was = format!("{} to {}", limit.lower, limit.upper);
-        return Err(misfit(
-            format!("the limit of joint `{name}`"),
+/// A name that fits.
+pub(super) fn name(text: &str) -> Result<Name, Misfit> {
+    Name::new(text).ok_or_else(|| {
+        let was = format!("{} bytes long", text.len());
+        misfit(
+            format!("the name `{text}`"),
             was,
-            "a finite lower below a finite upper (rad)",
-        ));
-    }
-    if !(limit.velocity.is_finite() && limit.velocity > 0.0) {
-        return Err(misfit(
-            format!("the velocity of joint `{name}`"),
-            limit.velocity,
-            "finite and above 0 rad/s",
-        ));
-    }
-    if !(limit.effort.is_finite() && limit.effort >= 0.0) {
-        return Err(misfit(
-            format!("the effort of joint `{name}`"),
-            limit.effort,
-            "finite and not below 0 N·m",
-        ));
-    }
-    Ok(Joint {
-        name,
-        lower_rad: limit.lower,
-        upper_rad: limit.upper,
-        velocity_max_rad_s: limit.velocity,
-        effort_max_n_m: limit.effort,
+            format!("at most {NAME_MAX}"),
+        )
     })
 }
 
-pub(super) fn joint_axis(urdf: &urdf_rs::Joint) -> Result<Vector3<f64>, ModelError> {
+/// A joint with a coordinate of its own, and where it rests.
+pub(super) fn load_joint(
+    urdf: &urdf_rs::Joint,
+    entry: Option<&JointEntry>,
+    findings: &mut Findings,
+) -> Option<(Joint, f64)> {
+    let label = &urdf.name;
+    let Some(entry) = entry else {
+        let item = format!("joint `{label}` in the robot file");
+        findings.add(misfit(
+            item,
+            "missing",
+            "its stiffness and inertia under [joints]",
+        ));
+        return None;
+    };
+    let kind = findings.note(kind(urdf))?;
+    let name = findings.note(name(label))?;
+    let joint = Joint {
+        name,
+        kind,
+        lower_rad: entry.lower.unwrap_or(urdf.limit.lower),
+        upper_rad: entry.upper.unwrap_or(urdf.limit.upper),
+        velocity_max_rad_s: entry.velocity.unwrap_or(urdf.limit.velocity),
+        effort_max_n_m: entry.effort.unwrap_or(urdf.limit.effort),
+        stiffness_n_m_rad: entry.stiffness,
+        inertia_kg_m2: entry.inertia,
+    };
+    let (rest, other, needs) = match kind {
+        JointKind::Revolute => (
+            entry.rest_deg.map(f64::to_radians),
+            entry.rest_m,
+            "rest_deg",
+        ),
+        JointKind::Prismatic => (entry.rest_m, entry.rest_deg, "rest_m"),
+    };
+    if other.is_some() {
+        let item = format!("the rest of joint `{label}`");
+        findings.add(misfit(item, "in the other unit", format!("`{needs}`")));
+    }
+    let rest = rest.unwrap_or(0.0);
+    for misfit in unsound(label, &joint, rest) {
+        findings.add(misfit);
+    }
+    let in_order = joint.lower_rad < joint.upper_rad;
+    let rest = if in_order {
+        rest.clamp(joint.lower_rad, joint.upper_rad)
+    } else {
+        rest
+    };
+    Some((joint, rest))
+}
+
+/// What of a joint's numbers cannot be.
+fn unsound(label: &str, joint: &Joint, rest: f64) -> impl Iterator<Item = Misfit> {
+    let (unit, turning) = match joint.kind {
+        JointKind::Revolute => ("rad", "N·m"),
+        JointKind::Prismatic => ("m", "N"),
+    };
+    let (lower, upper) = (joint.lower_rad, joint.upper_rad);
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let checks = [
+        (
+            lower.is_finite() && upper.is_finite() && lower < upper,
+            format!("the limit of joint `{label}`"),
+            format!("{lower} to {upper}"),
+            format!("a finite lower below a finite upper ({unit})"),
+        ),
+        (
+            positive(joint.velocity_max_rad_s),
+            format!("the velocity of joint `{label}`"),
+            format!("{}", joint.velocity_max_rad_s),
+            format!("finite and above 0 {unit}/s"),
+        ),
+        (
+            joint.effort_max_n_m.is_finite() && joint.effort_max_n_m >= 0.0,
+            format!("the effort of joint `{label}`"),
+            format!("{}", joint.effort_max_n_m),
+            format!("finite and not below 0 {turning}"),
+        ),
+        (
+            positive(joint.stiffness_n_m_rad),
+            format!("the stiffness of joint `{label}`"),
+            format!("{}", joint.stiffness_n_m_rad),
+            format!("finite and above 0 {turning}/{unit}"),
+        ),
+        (
+            positive(joint.inertia_kg_m2),
+            format!("the inertia of joint `{label}`"),
+            format!("{}", joint.inertia_kg_m2),
+            format!("finite and above 0 {turning}·s²/{unit}"),
+        ),
+        (
+            rest.is_finite(),
+            format!("the rest of joint `{label}`"),
+            format!("{rest}"),
+            format!("a finite number ({unit})"),
+        ),
+    ];
+    let wrong = checks.into_iter().filter(|(sound, ..)| !sound);
+    wrong.map(|(_, item, was, needs)| misfit(item, was, needs))
+}
+
+pub(super) fn joint_axis(urdf: &urdf_rs::Joint) -> Result<Vector3<f64>, Misfit> {
     let axis = Vector3::from(urdf.axis.xyz.0);
     let length = axis.norm();
     // Written so that NaN is refused.

@@ -2,11 +2,12 @@
 
 use std::format;
 use std::string::String;
+use std::vec::Vec;
 
 use nalgebra::{Matrix3, Vector3};
 use urdf_rs::{Joint, JointType, Link, Pose, Robot};
 
-use super::error::{ModelError, misfit};
+use super::error::{Findings, Misfit, misfit};
 use crate::transform::Transform;
 
 /// A URDF in which every link is carried by at most one joint.
@@ -14,8 +15,23 @@ pub(super) struct Tree<'a> {
     robot: &'a Robot,
 }
 
+/// One moving joint on the way from the root to a link.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) joint: &'a Joint,
+    /// Transform from the link that the moving joint before it carries (the root for the first) to this joint's origin.
+    pub(super) origin: Transform,
+}
+
+/// The way from the root to a link.
+pub(super) struct Chain<'a> {
+    pub(super) steps: Vec<Step<'a>>,
+    /// Transform from the link that the last moving joint carries (the root if there is none) to the link.
+    pub(super) end: Transform,
+}
+
 impl<'a> Tree<'a> {
-    pub(super) fn new(robot: &'a Robot) -> Result<Tree<'a>, ModelError> {
+    pub(super) fn new(robot: &'a Robot, findings: &mut Findings) -> Tree<'a> {
         for (index, joint) in robot.joints.iter().enumerate() {
             let child = &joint.child.link;
             if let Some(other) = robot.joints[..index]
@@ -23,59 +39,56 @@ impl<'a> Tree<'a> {
                 .find(|other| other.child.link == *child)
             {
                 let was = format!("the child of joints `{}` and `{}`", other.name, joint.name);
-                return Err(misfit(
-                    format!("link `{child}`"),
-                    was,
-                    "one joint that carries it",
-                ));
+                let needs = "one joint that carries it";
+                findings.add(misfit(format!("link `{child}`"), was, needs));
             }
         }
-        Ok(Tree { robot })
+        Tree { robot }
     }
 
     pub(super) fn robot(&self) -> &'a Robot {
         self.robot
     }
 
-    pub(super) fn joint(&self, name: &str) -> Result<&'a Joint, ModelError> {
+    pub(super) fn joint(&self, name: &str) -> Result<&'a Joint, Misfit> {
         let found = self.robot.joints.iter().find(|joint| joint.name == name);
         found.ok_or_else(|| misfit(format!("joint `{name}`"), "missing", "a joint of this name"))
     }
 
-    pub(super) fn link(&self, name: &str) -> Result<&'a Link, ModelError> {
+    pub(super) fn link(&self, name: &str) -> Result<&'a Link, Misfit> {
         let found = self.robot.links.iter().find(|link| link.name == name);
         found.ok_or_else(|| misfit(format!("link `{name}`"), "missing", "a link of this name"))
     }
 
-    /// Transform from link `from` (the root of the robot if `None`) to link `to` along fixed joints only.
-    pub(super) fn fixed_path(&self, from: Option<&str>, to: &str) -> Result<Transform, ModelError> {
-        let (top, mover, path) = self.climb(to)?;
-        let expected = from.unwrap_or("the root link");
-        match mover {
-            Some(joint) if Some(&*joint.child.link) == from => Ok(path),
-            None if from.is_none() => Ok(path),
-            Some(joint) => Err(misfit(
-                format!("link `{to}`"),
-                format!("moved by joint `{}`", joint.name),
-                format!("fixed to `{expected}`"),
-            )),
-            None => Err(misfit(
-                format!("link `{to}`"),
-                format!("fixed to `{top}`"),
-                format!("fixed to `{expected}`"),
-            )),
+    /// The moving joints from the root to a link.
+    pub(super) fn chain(&self, link: &str) -> Result<Chain<'a>, Misfit> {
+        let mut steps = Vec::new();
+        let (_, mut mover, end) = self.climb(link)?;
+        while let Some(joint) = mover {
+            if steps.len() >= self.robot.joints.len() {
+                return Err(looped(link));
+            }
+            let (_, before, path) = self.climb(&joint.parent.link)?;
+            let own = transform(&joint.origin, || {
+                format!("the origin of joint `{}`", joint.name)
+            })?;
+            let origin = path.then(&own);
+            steps.push(Step { joint, origin });
+            mover = before;
         }
+        steps.reverse();
+        Ok(Chain { steps, end })
     }
 
     /// The joint that moves a link, with the fixed transform from that joint's child link; `None` for the robot's base.
-    pub(super) fn mover(&self, link: &str) -> Result<Option<(&'a Joint, Transform)>, ModelError> {
+    pub(super) fn mover(&self, link: &str) -> Result<Option<(&'a Joint, Transform)>, Misfit> {
         let (_, mover, path) = self.climb(link)?;
         Ok(mover.map(|joint| (joint, path)))
     }
 
     /// Climbs fixed joints from a link: the highest link that it is rigidly fixed to, the joint that moves that link (none
     /// for the root), and the transform from that link.
-    fn climb(&self, link: &str) -> Result<(&'a str, Option<&'a Joint>, Transform), ModelError> {
+    fn climb(&self, link: &str) -> Result<(&'a str, Option<&'a Joint>, Transform), Misfit> {
         let mut top = &*self.link(link)?.name;
         let mut path = Transform::IDENTITY;
         for _ in 0..=self.robot.joints.len() {
@@ -95,16 +108,20 @@ impl<'a> Tree<'a> {
                 mover => return Ok((top, mover, path)),
             }
         }
-        Err(misfit(
-            format!("link `{link}`"),
-            "fixed to itself in a loop",
-            "a tree of links",
-        ))
+        Err(looped(link))
     }
 }
 
+fn looped(link: &str) -> Misfit {
+    misfit(
+        format!("link `{link}`"),
+        "fixed to itself in a loop",
+        "a tree of links",
+    )
+}
+
 /// A URDF pose as a transform: rotation about the fixed axes x, y, z by roll, pitch, yaw.
-pub(super) fn transform(pose: &Pose, what: impl Fn() -> String) -> Result<Transform, ModelError> {
+pub(super) fn transform(pose: &Pose, what: impl Fn() -> String) -> Result<Transform, Misfit> {
     let (xyz, rpy) = (pose.xyz.0, pose.rpy.0);
     if !(finite(&xyz) && finite(&rpy)) {
         return Err(misfit(

@@ -126,14 +126,14 @@ fn capsules_lie_along_the_links() {
     ] {
         let body = find(joint);
         assert_eq!(body.radius_m, radius_m);
-        assert_near("start", body.a_m, pose.joint_origin_m(joint), 1e-12);
-        assert_near("end", body.b_m, pose.joint_origin_m(joint + 1), 1e-12);
+        assert_near("start", body.a_m, pose.frame_origin_m(joint), 1e-12);
+        assert_near("end", body.b_m, pose.frame_origin_m(joint + 1), 1e-12);
     }
     let palm = find(4);
     assert_near(
         "palm",
         palm.a_m.lerp(&palm.b_m, 0.5),
-        pose.joint_origin_m(5).lerp(&pose.joint_origin_m(8), 0.5),
+        pose.frame_origin_m(5).lerp(&pose.frame_origin_m(8), 0.5),
         1e-12,
     );
     for finger in 0..2 {
@@ -166,7 +166,7 @@ fn arms_meet_only_where_both_reach() {
 fn a_full_set_takes_no_more() {
     let mut set = Capsules::new();
     let body = capsule([0.0; 3], [0.0; 3], 0.1);
-    let taken = (0..20).filter(|_| set.push(body)).count();
+    let taken = (0..40).filter(|_| set.push(body, 0)).count();
     assert_eq!(
         (taken, set.len()),
         (robot_model::CAPSULES_MAX, robot_model::CAPSULES_MAX)

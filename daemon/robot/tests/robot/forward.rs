@@ -4,15 +4,13 @@ use std::f64::consts::FRAC_PI_3;
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use robot_model::{
-    FINGERS, HAND_JOINTS, HandVector, JOINT_NAMES, RobotModel, Side, TIP_LINKS, TWO_HAND_ARM_URDF,
-};
+use robot_model::{HandVector, RobotModel, Side, TWO_HAND_ARM};
 use urdf_rs::{JointType, Robot};
 
-use crate::support::{ROBOT, assert_near, between_limits, degrees, fractions, side};
+use crate::support::{JOINTS, ROBOT, assert_near, between_limits, degrees, fractions, side};
 
 /// Joint angles in degrees, then tips 1 and 2 (m), dome axes 1 and 2, hand axis.
-type Row = (Side, [f64; HAND_JOINTS], [[f64; 3]; 5]);
+type Row = (Side, [f64; JOINTS], [[f64; 3]; 5]);
 
 /// Key poses of the assembly, computed with the Python prototype (numpy), rounded to 1e-9.
 const PROTOTYPE_POSES: &[Row] = &[
@@ -109,14 +107,14 @@ fn link_pose(urdf: &Robot, link: &str, angle: &dyn Fn(&str) -> f64) -> Isometry3
 
 /// Compares tips, tip frames and hand frame of one hand with the climb through the URDF.
 fn check_against_climb(urdf: &Robot, robot: &RobotModel, side: Side, q: &HandVector) {
-    let names = &JOINT_NAMES[side.index()];
+    let hand = robot.hand(side);
     let angle = |name: &str| {
+        let mut names = hand.joints().iter().map(|joint| joint.name);
         names
-            .iter()
-            .position(|known| *known == name)
+            .position(|known| known == name)
             .map_or(0.0, |index| q[index])
     };
-    let pose = robot.hand(side).forward(q);
+    let pose = hand.forward(q);
     let compare = |link: &str, frame: &robot_model::Transform| {
         let wanted = link_pose(urdf, link, &angle);
         for local in [
@@ -132,20 +130,20 @@ fn check_against_climb(urdf: &Robot, robot: &RobotModel, side: Side, q: &HandVec
             );
         }
     };
-    for (link, frame) in TIP_LINKS[side.index()].iter().zip(pose.base_from_tip()) {
+    for (link, frame) in hand.tip_links().zip(pose.base_from_tip()) {
         compare(link, frame);
     }
     let wrist_roll = urdf
         .joints
         .iter()
-        .find(|joint| joint.name == names[4])
+        .find(|joint| hand.joints()[4].name == joint.name.as_str())
         .expect("a wrist roll");
     compare(&wrist_roll.child.link, pose.base_from_hand());
 }
 
 /// The built-in robot with every joint's origin and axis moved, and a fixed spacer in each forearm.
 fn reshaped(seeds: Vec<[f64; 9]>) -> Robot {
-    let mut urdf = urdf_rs::read_from_string(TWO_HAND_ARM_URDF).expect("the built-in URDF parses");
+    let mut urdf = urdf_rs::read_from_string(TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
     for (joint, seed) in urdf.joints.iter_mut().zip(seeds) {
         for axis in 0..3 {
             joint.origin.xyz[axis] += 0.05 * seed[axis];
@@ -178,7 +176,7 @@ fn reshaped(seeds: Vec<[f64; 9]>) -> Robot {
 proptest! {
     #[test]
     fn built_in_robot_equals_an_independent_climb(side in side(), fractions in fractions()) {
-        let urdf = urdf_rs::read_from_string(TWO_HAND_ARM_URDF).expect("the built-in URDF parses");
+        let urdf = urdf_rs::read_from_string(TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
         check_against_climb(&urdf, &ROBOT, side, &between_limits(ROBOT.hand(side), &fractions));
     }
 
@@ -199,8 +197,8 @@ proptest! {
 #[test]
 fn tip_frames_follow_the_convention() {
     for side in Side::BOTH {
-        let pose = ROBOT.hand(side).forward(&HandVector::zeros());
-        for finger in 0..FINGERS {
+        let pose = ROBOT.hand(side).forward(&HandVector::zeros(JOINTS));
+        for finger in 0..2 {
             let frame = &pose.base_from_tip()[finger];
             let a = frame.z_axis();
             let back = -pose.hand_axis();
@@ -234,16 +232,19 @@ fn fingers_close_inward_with_positive_knuckle_and_distal() {
 }
 
 #[test]
-fn joints_of_the_robot_run_left_then_right() {
-    let names: Vec<_> = ROBOT.joints().map(|joint| joint.name).collect();
-    assert_eq!(names, JOINT_NAMES.as_flattened());
+fn joints_of_the_robot_run_left_then_right_as_in_the_urdf() {
+    let urdf = urdf_rs::read_from_string(TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
+    let moving = urdf.joints.iter();
+    let moving = moving.filter(|joint| joint.joint_type != JointType::Fixed);
+    let wanted: Vec<_> = moving.map(|joint| joint.name.clone()).collect();
+    let names: Vec<_> = ROBOT.joints().map(|joint| joint.name.to_string()).collect();
+    assert_eq!(names, wanted);
+    assert_eq!(ROBOT.joint_count(), wanted.len());
     for side in Side::BOTH {
-        let hand = ROBOT.hand(side);
-        assert_eq!(
-            ROBOT.joint(hand.first_joint()).map(|joint| joint.name),
-            Some(hand.joints()[0].name)
-        );
-        assert_eq!(side.joint_range().len(), HAND_JOINTS);
+        let (hand, range) = (ROBOT.hand(side), ROBOT.joint_range(side));
+        let first = ROBOT.joint(range.start).map(|joint| joint.name);
+        assert_eq!(first, Some(hand.joints()[0].name));
+        assert_eq!(range.len(), hand.joints().len());
     }
     assert_eq!(ROBOT.joint(22), None);
 }

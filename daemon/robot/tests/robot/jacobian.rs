@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
-use robot_model::{FINGERS, HAND_JOINTS, HandPose, HandVector, Side};
+use robot_model::{HandPose, HandVector, Side};
 
-use crate::support::{ROBOT, assert_near, between_limits, degrees, fractions, side};
+use crate::support::{JOINTS, ROBOT, assert_near, between_limits, degrees, fractions, side};
 
 /// Half width of the central difference, radians: truncation h²·0.6 m and rounding ε/h meet near 1e-10.
 const H_RAD: f64 = 1e-5;
@@ -17,17 +17,17 @@ proptest! {
         let q = between_limits(hand, &fractions);
         let pose = hand.forward(&q);
         let jacobian = hand.jacobian(&pose);
-        for joint in 0..HAND_JOINTS {
-            let mut step = HandVector::zeros();
+        for joint in 0..JOINTS {
+            let mut step = HandVector::zeros(JOINTS);
             step[joint] = H_RAD;
             let (after, before) = (hand.forward(&(q + step)), hand.forward(&(q - step)));
             let slope = |of: &dyn Fn(&HandPose) -> Vector3<f64>| (of(&after) - of(&before)) / (2.0 * H_RAD);
             let hand_axis = jacobian.hand_axis.column(joint).into_owned();
             assert_near("hand axis", hand_axis, slope(&HandPose::hand_axis), TOLERANCE);
-            for finger in 0..FINGERS {
-                let tip = jacobian.tip.fixed_view::<3, 1>(3 * finger, joint).into_owned();
+            for finger in 0..hand.finger_count() {
+                let tip = jacobian.tip[finger].column(joint).into_owned();
                 assert_near("tip", tip, slope(&|pose| pose.tip_m(finger)), TOLERANCE);
-                let dome = jacobian.dome_axis.fixed_view::<3, 1>(3 * finger, joint).into_owned();
+                let dome = jacobian.dome_axis[finger].column(joint).into_owned();
                 assert_near("dome axis", dome, slope(&|pose| pose.dome_axis(finger)), TOLERANCE);
                 let turn = jacobian.tip_angular[finger].column(joint).into_owned();
                 let x = pose.base_from_tip()[finger].x_axis();
@@ -49,9 +49,20 @@ proptest! {
 
 /// Joint stiffness of the simulated servos, N·m/rad.
 fn servo_stiffness() -> HandVector {
-    HandVector::from([
+    ROBOT.hand(Side::Left).stiffness_n_m_rad()
+}
+
+#[test]
+fn the_servos_are_those_of_the_robot_design() {
+    let wanted = [
         6480.0, 6480.0, 2880.0, 1280.0, 512.0, 80.0, 40.0, 40.0, 80.0, 40.0, 40.0,
-    ])
+    ];
+    for side in Side::BOTH {
+        assert_eq!(
+            ROBOT.hand(side).stiffness_n_m_rad(),
+            HandVector::from(wanted)
+        );
+    }
 }
 
 /// Fingers alone on a rigid arm: 4.9–5.7 kN/m closing, 5.1–5.8 tangential, 98 vertical on 30 mm objects (prototype).
@@ -62,13 +73,13 @@ fn finger_stiffness_equals_the_prototype() {
         6.69, -14.52, 97.02, 7.84, 36.68, 1.01, -8.71, 38.52, 1.01, -5.93, 36.14,
     ]);
     let mut stiffness = servo_stiffness();
-    stiffness.fixed_rows_mut::<5>(0).fill(1e12);
+    stiffness[..5].fill(1e12);
     let pose = hand.forward(&q);
     let c = hand
         .jacobian(&pose)
         .tip_compliance(&stiffness)
         .expect("positive stiffness");
-    for (finger, c) in c.iter().enumerate() {
+    for (finger, c) in c[..2].iter().enumerate() {
         let closing = pose.dome_axis(finger);
         let tangential = Vector3::z().cross(&closing).normalize();
         let k_n_m = |direction: &Vector3<f64>| constrained_stiffness(c, direction);

@@ -1,5 +1,6 @@
 //! Tests of the robot model through its public interface only.
 
+mod any;
 mod capsules;
 mod forward;
 mod ik;

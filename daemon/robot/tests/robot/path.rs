@@ -1,7 +1,7 @@
 //! One step per 1 ms tick along the motions of the assembly: both hands, start to end.
 
 use nalgebra::Vector3;
-use robot_model::{FINGERS, GraspFrame, HandVector, IkStatus, IkWeights, ROBOT_JOINTS, Side};
+use robot_model::{GraspFrame, HandVector, IkStatus, IkWeights, RobotVector, Side};
 
 use crate::support::ROBOT;
 use Motion::{Linear, Smooth, Swing};
@@ -45,7 +45,7 @@ struct Key {
 
 fn blend(from: &GraspFrame, to: &GraspFrame, s: f64) -> GraspFrame {
     let mix = |a: f64, b: f64| a + (b - a) * s;
-    let pair = |a: [f64; FINGERS], b: [f64; FINGERS]| [mix(a[0], b[0]), mix(a[1], b[1])];
+    let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0]), mix(a[1], b[1])];
     GraspFrame {
         centre_m: from.centre_m + (to.centre_m - from.centre_m) * s,
         closing_yaw_rad: mix(from.closing_yaw_rad, to.closing_yaw_rad),
@@ -96,7 +96,7 @@ fn follow(name: &str, side: Side, keys: &[Key]) -> HandVector {
             );
             q = step.q_rad;
             let reached = hand.forward(&q);
-            for finger in 0..FINGERS {
+            for finger in 0..2 {
                 let tip_error_m = (reached.tip_m(finger) - target.tip_m[finger]).norm();
                 assert!(
                     tip_error_m <= motion.tip_error_max_m(),
@@ -210,10 +210,10 @@ fn the_left_hand_takes_a_bottle_from_the_side() {
 /// A vector of the whole robot takes both hands' commands at their first joints.
 #[test]
 fn commands_of_both_hands_fill_the_robot_vector() {
-    let mut robot_rad = [0.0; ROBOT_JOINTS];
+    let mut robot_rad = RobotVector::zeros(ROBOT.joint_count());
     for side in Side::BOTH {
         let q = ROBOT.hand(side).reference_rad();
-        robot_rad[side.joint_range()].copy_from_slice(q.as_slice());
+        robot_rad[ROBOT.joint_range(side)].copy_from_slice(q);
     }
     assert_eq!(robot_rad[0], -robot_rad[11]);
     assert_eq!(robot_rad[1..11], robot_rad[12..22]);

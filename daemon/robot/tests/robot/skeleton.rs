@@ -2,9 +2,7 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use robot_model::{
-    Placement, ROBOT_JOINTS, RobotModel, Side, Skeleton, TIP_LINKS, TWO_HAND_ARM_URDF,
-};
+use robot_model::{Placement, RobotModel, RobotVector, Side, Skeleton, TWO_HAND_ARM};
 
 use crate::support::{ROBOT, between_limits, fractions};
 
@@ -33,12 +31,12 @@ proptest! {
         let skeleton = Skeleton::two_hand_arm().expect("built in");
         let hand = ROBOT.hand(side);
         let q_hand_rad = between_limits(hand, &at);
-        let mut q_rad = [0.0; ROBOT_JOINTS];
-        q_rad[side.joint_range()].copy_from_slice(q_hand_rad.as_slice());
+        let mut q_rad = RobotVector::zeros(ROBOT.joint_count());
+        q_rad[ROBOT.joint_range(side)].copy_from_slice(&q_hand_rad);
         let base_from = placed(&skeleton, &q_rad);
         let pose = hand.forward(&q_hand_rad);
-        for (finger, name) in TIP_LINKS[side.index()].iter().enumerate() {
-            let index = skeleton.limbs().iter().position(|limb| limb.name == *name).expect("a tip");
+        for (finger, name) in hand.tip_links().enumerate() {
+            let index = skeleton.limbs().iter().position(|limb| limb.name == name).expect("a tip");
             let tip = pose.base_from_tip()[finger];
             let found = &base_from[index];
             prop_assert!((found.translation.vector - tip.translation_m).norm() < 1e-9);
@@ -51,10 +49,10 @@ proptest! {
 fn joints_are_named_in_the_order_of_joint_vectors() {
     let skeleton = Skeleton::two_hand_arm().expect("built in");
     let robot = RobotModel::two_hand_arm().expect("built in");
-    let names: Vec<&str> = robot.joints().map(|joint| joint.name).collect();
+    let names: Vec<&str> = robot.joints().map(|joint| joint.name.as_str()).collect();
     assert_eq!(skeleton.joint_names(), names);
     let shapes: usize = skeleton.limbs().iter().map(|limb| limb.shapes.len()).sum();
-    assert_eq!(shapes, TWO_HAND_ARM_URDF.matches("<visual>").count());
+    assert_eq!(shapes, TWO_HAND_ARM.urdf.matches("<visual>").count());
 }
 
 #[test]

@@ -4,7 +4,10 @@ use std::sync::LazyLock;
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{HAND_JOINTS, HandModel, HandVector, RobotModel, Side};
+use robot_model::{HandModel, HandVector, RobotModel, Side};
+
+/// Joints of one of its hands.
+pub(crate) const JOINTS: usize = 11;
 
 /// The built-in robot, loaded once.
 pub(crate) static ROBOT: LazyLock<RobotModel> =
@@ -16,20 +19,20 @@ pub(crate) fn side() -> impl Strategy<Value = Side> {
 }
 
 /// How far each joint is between its limits, 0 to 1.
-pub(crate) fn fractions() -> impl Strategy<Value = [f64; HAND_JOINTS]> {
+pub(crate) fn fractions() -> impl Strategy<Value = [f64; JOINTS]> {
     prop::array::uniform11(0.0..=1.0)
 }
 
 /// Joint angles from fractions of the way between the limits.
-pub(crate) fn between_limits(hand: &HandModel, fractions: &[f64; HAND_JOINTS]) -> HandVector {
-    HandVector::from_fn(|index, _| {
+pub(crate) fn between_limits(hand: &HandModel, fractions: &[f64; JOINTS]) -> HandVector {
+    HandVector::from_fn(JOINTS, |index| {
         let joint = &hand.joints()[index];
         joint.lower_rad + (joint.upper_rad - joint.lower_rad) * fractions[index]
     })
 }
 
 /// Joint angles written in degrees.
-pub(crate) fn degrees(q_deg: [f64; HAND_JOINTS]) -> HandVector {
+pub(crate) fn degrees(q_deg: [f64; JOINTS]) -> HandVector {
     HandVector::from(q_deg).map(f64::to_radians)
 }
 

@@ -161,7 +161,7 @@ fn a_grasp_that_is_not_finite_has_no_posture() {
 #[test]
 fn clamping_leaves_only_usable_angles() {
     let hand = ROBOT.hand(Side::Right);
-    let mut q = HandVector::repeat(100.0);
+    let mut q = HandVector::repeat(11, 100.0);
     q[3] = f64::NAN;
     let clamped = hand.clamp_to_limits(&q);
     assert!(hand.within_limits(&clamped));

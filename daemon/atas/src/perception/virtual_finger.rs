@@ -1,0 +1,58 @@
+//! What the fingertips of one side feel together: a virtual finger.
+//!
+//! Forces add up. Friction is used as far as it is on average, each fingertip counted by how hard it presses; the side slides when
+//! every one of its fingertips that touch slides, and touches when one of them does. What cannot be added (the pattern of
+//! readings, the patch) is that of the fingertip that presses hardest. One fingertip feels for its side what it feels.
+
+use super::finger::FingerPercept;
+
+/// The fingertips of one side as one; none feel nothing.
+pub(super) fn together<'a>(
+    fingers: impl Iterator<Item = &'a FingerPercept> + Clone,
+) -> FingerPercept {
+    let Some(strongest) = strongest(fingers.clone()) else {
+        return FingerPercept::default();
+    };
+    if fingers.clone().count() == 1 {
+        return *strongest;
+    }
+    let sum = |of: fn(&FingerPercept) -> f64| fingers.clone().map(of).sum::<f64>();
+    let pressing = |finger: &&FingerPercept| finger.in_contact && finger.normal_n > 0.0;
+    let pressing = fingers.clone().filter(pressing);
+    let pressed_n: f64 = pressing.clone().map(|finger| finger.normal_n).sum();
+    let shared = |of: fn(&FingerPercept) -> f64| {
+        let weighted: f64 = pressing.clone().map(|it| it.normal_n * of(it)).sum();
+        if pressed_n > 0.0 {
+            weighted / pressed_n
+        } else {
+            of(strongest)
+        }
+    };
+    let least = |of: fn(&FingerPercept) -> f64| {
+        let values = pressing.clone().map(of);
+        values.reduce(|least, value| if value < least { value } else { least })
+    };
+    FingerPercept {
+        normal_n: sum(|finger| finger.normal_n),
+        tangential_n: sum(|finger| finger.tangential_n),
+        increment_n: sum(|finger| finger.increment_n),
+        utilisation: shared(|finger| finger.utilisation),
+        utilisation_now: shared(|finger| finger.utilisation_now),
+        friction: shared(|finger| finger.friction),
+        moment_n_m: sum(|finger| finger.moment_n_m),
+        gross_slip_s: least(|finger| finger.gross_slip_s).unwrap_or(0.0),
+        in_contact: fingers.clone().any(|finger| finger.in_contact),
+        touches: fingers.map(|finger| finger.touches).max().unwrap_or(0),
+        ..*strongest
+    }
+}
+
+fn strongest<'a>(fingers: impl Iterator<Item = &'a FingerPercept>) -> Option<&'a FingerPercept> {
+    fingers.reduce(|most, finger| {
+        if finger.normal_n > most.normal_n {
+            finger
+        } else {
+            most
+        }
+    })
+}

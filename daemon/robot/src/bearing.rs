@@ -1,0 +1,116 @@
+//! How a hand that points down turns about the vertical: by its arm's first joint, by its last, or not at all.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::Vector3;
+
+use crate::model::HandModel;
+use crate::turning::Turn;
+use crate::vector::HandVector;
+
+/// How closely an axis must be parallel to another to count as such, as the cosine between them.
+const PARALLEL_COS: f64 = 0.999;
+/// Angles nearer than this to a whole number of quarter turns are that number, rad: rounding.
+const ROUNDING_RAD: f64 = 1e-9;
+
+impl HandModel {
+    /// Reads off the reference posture how the hand turns.
+    pub(crate) fn find_turning(&mut self) {
+        let pose = self.forward(&self.reference_rad);
+        let turns_about = |joint: usize, axis: Vector3<f64>| {
+            let frame = &self.frames[joint].mover;
+            let cos = pose.frame_axis(joint).dot(&axis);
+            (!frame.slides && libm::fabs(cos) > PARALLEL_COS).then(|| libm::copysign(1.0, cos))
+        };
+        let arm = self.arm_joints;
+        let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
+        let closing = pose.side_m(0) - pose.side_m(1);
+        if let Some(sign) = turns_about(0, Vector3::z()).filter(|_| arm > 0) {
+            let from_shoulder = middle_m - self.shoulder_m();
+            let bearing_rad = libm::atan2(from_shoulder.y, from_shoulder.x);
+            let zero_rad = snapped(self.reference_rad[0] - sign * bearing_rad);
+            self.turning.base = Some(Turn { sign, zero_rad });
+        }
+        // The roll at the reference posture counts as zero, so that the yaw holds what is left.
+        let roll = (arm > 1).then(|| turns_about(arm - 1, pose.hand_axis()));
+        let yaw_rad = libm::atan2(closing.y, closing.x) - self.bearing_rad(&middle_m);
+        self.turning.wrist = roll.flatten().map(|sign| Turn {
+            sign,
+            zero_rad: snapped(self.reference_rad[arm - 1]),
+        });
+        self.turning.yaw_rad = snapped(wound(yaw_rad));
+    }
+
+    /// Direction from the shoulder to a point in the horizontal plane, radians, if the arm's first joint turns it about the
+    /// vertical, else 0: a hand of such an arm that points down keeps its closing yaw wherever it is.
+    #[must_use]
+    pub fn bearing_rad(&self, point_m: &Vector3<f64>) -> f64 {
+        if self.turning.base.is_none() {
+            return 0.0;
+        }
+        let from_shoulder = point_m - self.shoulder_m();
+        libm::atan2(from_shoulder.y, from_shoulder.x)
+    }
+
+    /// The closing yaw of a hand over `centre_m` that points down in these joint angles, up to whole turns, radians.
+    #[must_use]
+    pub fn yaw_of_joints_rad(&self, q_rad: &HandVector, centre_m: &Vector3<f64>) -> f64 {
+        let roll_rad = self.turning.wrist.map_or(0.0, |wrist| {
+            let angle_rad = self
+                .arm_joints
+                .checked_sub(1)
+                .map_or(0.0, |last| q_rad[last]);
+            wrist.sign * (angle_rad - wrist.zero_rad)
+        });
+        self.bearing_rad(centre_m) + self.turning.yaw_rad - roll_rad
+    }
+
+    /// Turns a posture's arm towards a point and its wrist to a closing yaw there, as far as it has such joints.
+    pub(crate) fn turn_towards(
+        &self,
+        q_rad: &mut HandVector,
+        centre_m: &Vector3<f64>,
+        closing_yaw_rad: f64,
+    ) {
+        if let Some(base) = self.turning.base {
+            q_rad[0] = base.sign * self.bearing_rad(centre_m) + base.zero_rad;
+        }
+        if let Some(wrist) = self.turning.wrist {
+            let roll_rad = self.wrist_roll_rad(centre_m, closing_yaw_rad);
+            q_rad[self.arm_joints - 1] = wrist.sign * roll_rad + wrist.zero_rad;
+        }
+    }
+
+    /// Roll that gives a hand over `centre_m` that points down the closing yaw, brought into (−180°, 180°].
+    fn wrist_roll_rad(&self, centre_m: &Vector3<f64>, closing_yaw_rad: f64) -> f64 {
+        wound(self.bearing_rad(centre_m) + self.turning.yaw_rad - closing_yaw_rad)
+    }
+
+    /// Of the two closing yaws that hold an object the same way (sides exchanged: yaw and yaw + 180°), the one that keeps
+    /// the wrist roll within ±90°, radians. For a move, pass the centre at mid-path: the choice then holds from start to
+    /// end.
+    #[must_use]
+    pub fn closing_yaw_rad(&self, centre_m: &Vector3<f64>, closing_yaw_rad: f64) -> f64 {
+        let roll = self.wrist_roll_rad(centre_m, closing_yaw_rad);
+        if libm::fabs(roll) <= FRAC_PI_2 {
+            closing_yaw_rad
+        } else {
+            closing_yaw_rad + PI
+        }
+    }
+}
+
+/// The same angle in (−180°, 180°].
+fn wound(angle_rad: f64) -> f64 {
+    angle_rad - 2.0 * PI * libm::round(angle_rad / (2.0 * PI))
+}
+
+/// The angle without the rounding about a whole number of quarter turns.
+fn snapped(angle_rad: f64) -> f64 {
+    let quarters = libm::round(angle_rad / FRAC_PI_2) * FRAC_PI_2;
+    if libm::fabs(angle_rad - quarters) < ROUNDING_RAD {
+        quarters
+    } else {
+        angle_rad
+    }
+}

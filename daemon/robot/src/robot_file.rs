@@ -1,0 +1,92 @@
+//! The robot file: what a URDF does not say of a robot, as TOML.
+//!
+//! * **In:** the text. **Out:** a [`RobotFile`], or what TOML and its types find wrong. Whether it fits the URDF is found when
+//!   both become a [`crate::RobotModel`].
+//! * **Absent on purpose:** chains of joints: they follow from the URDF between its root, the palm and the tips.
+
+use std::collections::BTreeMap;
+use std::string::String;
+use std::vec::Vec;
+
+use serde::Deserialize;
+
+/// What a URDF does not say.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotFile {
+    /// The hands: `left`, `right` or both.
+    pub hands: Hands,
+    /// Per joint of the URDF, by its name: what its servo is and where it rests.
+    #[serde(default)]
+    pub joints: BTreeMap<String, JointEntry>,
+}
+
+/// The hands of a robot.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hands {
+    /// The hand at positive y.
+    pub left: Option<HandEntry>,
+    /// The hand at negative y.
+    pub right: Option<HandEntry>,
+}
+
+/// One hand.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HandEntry {
+    /// The link that carries the fingers.
+    pub palm: String,
+    /// Direction of that link that points down in a grasp from above, in its own frame.
+    pub down: [f64; 3],
+    /// Where the hand rests, pointing down: the point between its fingertips, base frame, m. Left out: where the reference
+    /// posture has it.
+    pub home_m: Option<[f64; 3]>,
+    /// How far open it rests, from pole to pole, m. Left out: as far as the reference posture has it.
+    pub home_opening_m: Option<f64>,
+    /// Its fingertips, in the order of the sensor's frames.
+    pub fingers: Vec<FingerEntry>,
+}
+
+/// One fingertip.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FingerEntry {
+    /// The link that carries the tip frame, with one collision sphere, the dome.
+    pub tip: String,
+    /// The side from which it presses, 1 or 2: fingertips of one side press together against the other's.
+    pub side: usize,
+}
+
+/// One joint. Angles in degrees or lengths in metres, as the joint turns or slides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointEntry {
+    /// Reference posture of a revolute joint, degrees: what the inverse kinematics prefers where a task leaves freedom. The
+    /// hand points down in it. Left out: 0.
+    pub rest_deg: Option<f64>,
+    /// Reference posture of a prismatic joint, m. Left out: 0.
+    pub rest_m: Option<f64>,
+    /// Stiffness of its servo, N·m/rad or N/m.
+    pub stiffness: f64,
+    /// Inertia that its servo moves, kg·m² or kg: for simulation.
+    pub inertia: f64,
+    /// Limits that the URDF lacks or that shall be others: rad or m.
+    pub lower: Option<f64>,
+    /// See `lower`.
+    pub upper: Option<f64>,
+    /// Top speed, rad/s or m/s, see `lower`.
+    pub velocity: Option<f64>,
+    /// Largest torque or force, N·m or N, see `lower`.
+    pub effort: Option<f64>,
+}
+
+impl RobotFile {
+    /// Reads the text of a robot file.
+    ///
+    /// # Errors
+    /// What TOML says, with the place.
+    pub fn parse(text: &str) -> Result<RobotFile, toml::de::Error> {
+        toml::from_str(text)
+    }
+}

@@ -1,0 +1,361 @@
+//! One hand of a URDF: its chains, its joints in order, its frames, its fingertips.
+
+use std::collections::BTreeMap;
+use std::format;
+use std::string::String;
+use std::vec::Vec;
+
+use nalgebra::Vector3;
+
+use super::collision::{dome_radius, load_capsules};
+use super::error::{Findings, Misfit, misfit};
+use super::framed::Framed;
+use super::joint::{joint_axis, kind, load_joint, name, turn_z_to};
+use super::tree::{Chain, Step, Tree};
+use crate::joint::JointKind;
+use crate::model::{Frame, HandModel, Mounted, Mover};
+use crate::robot_file::{HandEntry, JointEntry};
+use crate::side::Side;
+use crate::sizes::{
+    ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, TRUNK_JOINTS_MAX,
+    VIRTUAL_FINGERS,
+};
+use crate::transform::Transform;
+use crate::vector::HandVector;
+
+/// How closely a finger's joint must be parallel to the closing axis to tilt the finger about it, as the cosine between them.
+const TILTS_COS: f64 = 0.99;
+
+/// The chains of a hand: the palm's, and each fingertip's.
+struct Chains<'a> {
+    palm: Chain<'a>,
+    tips: Vec<Chain<'a>>,
+}
+
+type Entries = BTreeMap<String, JointEntry>;
+
+pub(super) fn load_hand(
+    tree: &Tree,
+    side: Side,
+    entry: &HandEntry,
+    entries: &Entries,
+    findings: &mut Findings,
+) -> Option<HandModel> {
+    check_sides(entry, findings);
+    let chains = chains(tree, entry, findings)?;
+    let mut hand = HandModel::absent(side);
+    hand.finger_count = chains.tips.len();
+    for (finger, entry) in hand.fingers.iter_mut().zip(&entry.fingers) {
+        finger.virtual_finger = usize::from(entry.side == VIRTUAL_FINGERS);
+    }
+    let order = order_joints(&mut hand, &chains, findings)?;
+    load_joints(&mut hand, &order, tree, entries, findings)?;
+    let frames = load_frames(&mut hand, &order, &chains, findings)?;
+    load_links(&mut hand, tree, entry, &chains, &frames, findings)?;
+    hand.capsules = findings.note(load_capsules(tree, &frames))?;
+    settle(&mut hand, entry);
+    Some(hand)
+}
+
+/// Two to four fingertips, at least one on each side.
+fn check_sides(entry: &HandEntry, findings: &mut Findings) {
+    let fingers = &entry.fingers;
+    let item = || format!("the fingers of palm `{}`", entry.palm);
+    if !(VIRTUAL_FINGERS..=FINGERS_MAX).contains(&fingers.len()) {
+        let needs = format!("{VIRTUAL_FINGERS} to {FINGERS_MAX}");
+        findings.add(misfit(item(), fingers.len(), needs));
+    }
+    for finger in fingers {
+        if !(1..=VIRTUAL_FINGERS).contains(&finger.side) {
+            let item = format!("the side of fingertip `{}`", finger.tip);
+            findings.add(misfit(item, finger.side, "1 or 2"));
+        }
+    }
+    for side in 1..=VIRTUAL_FINGERS {
+        if !fingers.iter().any(|finger| finger.side == side) {
+            let was = format!("none on side {side}");
+            findings.add(misfit(item(), was, "at least one on each side"));
+        }
+    }
+}
+
+fn chains<'a>(tree: &Tree<'a>, entry: &HandEntry, findings: &mut Findings) -> Option<Chains<'a>> {
+    let palm = findings.note(tree.chain(&entry.palm));
+    let tips: Vec<_> = entry
+        .fingers
+        .iter()
+        .filter_map(|finger| Some((&finger.tip, findings.note(tree.chain(&finger.tip))?)))
+        .collect();
+    let palm = palm?;
+    if tips.len() != entry.fingers.len() || tips.len() > FINGERS_MAX {
+        return None;
+    }
+    let carries = |tip: &Chain| {
+        let names = |chain: &Chain| -> Vec<String> {
+            chain.steps.iter().map(|it| it.joint.name.clone()).collect()
+        };
+        names(tip).starts_with(&names(&palm))
+    };
+    let mut chains = Vec::new();
+    for (link, tip) in tips {
+        if !carries(&tip) {
+            let was = format!("not carried by palm `{}`", entry.palm);
+            findings.add(misfit(
+                format!("fingertip `{link}`"),
+                was,
+                "a link behind the palm",
+            ));
+            return None;
+        }
+        if tip.steps.len() - palm.steps.len() > FINGER_JOINTS_MAX {
+            let was = format!("moved by {} joints", tip.steps.len() - palm.steps.len());
+            let needs = format!("at most {FINGER_JOINTS_MAX} behind the palm");
+            findings.add(misfit(format!("fingertip `{link}`"), was, needs));
+            return None;
+        }
+        chains.push(tip);
+    }
+    Some(Chains { palm, tips: chains })
+}
+
+/// The joints with a coordinate of their own, by name, in the hand's order.
+fn order_joints(
+    hand: &mut HandModel,
+    chains: &Chains,
+    findings: &mut Findings,
+) -> Option<Vec<String>> {
+    let arm_steps = chains.palm.steps.len();
+    let mut order: Vec<String> = Vec::new();
+    for step in &chains.palm.steps {
+        if step.joint.mimic.is_some() {
+            let item = format!("joint `{}` of the arm", step.joint.name);
+            findings.add(misfit(item, "a mimic joint", "an independent joint"));
+        }
+        order.push(step.joint.name.clone());
+    }
+    hand.arm_joints = order.len();
+    let drivers: Vec<Vec<String>> = chains
+        .tips
+        .iter()
+        .map(|tip| tip.steps[arm_steps..].iter().map(driver).collect())
+        .collect();
+    let moves = |joint: &String| drivers.iter().filter(|of| of.contains(joint)).count();
+    let shared = drivers.iter().flatten().filter(|joint| moves(joint) > 1);
+    for joint in shared {
+        if !order.contains(joint) {
+            order.push(joint.clone());
+        }
+    }
+    hand.trunk_joints = order.len();
+    for (finger, drivers) in hand.fingers.iter_mut().zip(&drivers) {
+        finger.first_joint = order.len();
+        for joint in drivers {
+            if !order.contains(joint) {
+                order.push(joint.clone());
+            }
+        }
+        finger.joint_count = order.len() - finger.first_joint;
+    }
+    hand.joint_count = order.len();
+    for (what, count, most) in [
+        ("joints of the arm", hand.arm_joints, ARM_JOINTS_MAX),
+        (
+            "drives that fingers share",
+            hand.trunk_joints - hand.arm_joints,
+            TRUNK_JOINTS_MAX - ARM_JOINTS_MAX,
+        ),
+        ("joints of the hand", hand.joint_count, HAND_JOINTS_MAX),
+    ] {
+        if count > most {
+            let item = format!("the number of {what} on the {:?} side", hand.side);
+            findings.add(misfit(item, count, format!("at most {most}")));
+            return None;
+        }
+    }
+    Some(order)
+}
+
+/// The joint whose coordinate moves a step.
+fn driver(step: &Step) -> String {
+    let mimic = step.joint.mimic.as_ref();
+    mimic.map_or(&step.joint.name, |mimic| &mimic.joint).clone()
+}
+
+fn load_joints(
+    hand: &mut HandModel,
+    order: &[String],
+    tree: &Tree,
+    entries: &Entries,
+    findings: &mut Findings,
+) -> Option<()> {
+    let mut rest = HandVector::zeros(order.len());
+    let mut complete = true;
+    for (index, label) in order.iter().enumerate() {
+        let urdf = findings.note(tree.joint(label));
+        let independent = urdf.filter(|urdf| match &urdf.mimic {
+            None => true,
+            Some(mimic) => {
+                let was = format!("a mimic of `{}`", mimic.joint);
+                let needs = "an independent joint: a mimic joint cannot mimic another";
+                findings.add(misfit(format!("joint `{label}`"), was, needs));
+                false
+            }
+        });
+        let loaded = independent.and_then(|it| load_joint(it, entries.get(label), findings));
+        match loaded {
+            Some((joint, at)) => (hand.joints[index], rest[index]) = (joint, at),
+            None => complete = false,
+        }
+    }
+    hand.reference_rad = rest;
+    complete.then_some(())
+}
+
+/// The frames: those of the arm, then of each fingertip's chain what is not there yet.
+fn load_frames<'a>(
+    hand: &mut HandModel,
+    order: &[String],
+    chains: &Chains<'a>,
+    findings: &mut Findings,
+) -> Option<Vec<Framed<'a>>> {
+    let mut frames: Vec<Framed<'a>> = Vec::new();
+    for chain in [&chains.palm].into_iter().chain(&chains.tips) {
+        let mut parent: Option<usize> = None;
+        for step in &chain.steps {
+            let known = frames
+                .iter()
+                .position(|it| it.joint.name == step.joint.name);
+            let index = match known {
+                Some(index) => index,
+                None => {
+                    let driver = order.iter().position(|name| *name == driver(step))?;
+                    let (frame, framed) =
+                        findings.note(load_frame(step, parent, driver, &frames))?;
+                    hand.frames[frames.len()] = frame;
+                    frames.push(framed);
+                    frames.len() - 1
+                }
+            };
+            parent = Some(index);
+        }
+    }
+    hand.frame_count = frames.len();
+    Some(frames)
+}
+
+fn load_frame<'a>(
+    step: &Step<'a>,
+    parent: Option<usize>,
+    driver: usize,
+    frames: &[Framed],
+) -> Result<(Frame, Framed<'a>), Misfit> {
+    let joint = step.joint;
+    let link_from_frame = turn_z_to(joint_axis(joint)?);
+    let parent_from_link =
+        parent.map_or(Transform::IDENTITY, |parent| frames[parent].frame_from_link);
+    let (ratio, offset) = joint.mimic.as_ref().map_or((1.0, 0.0), |mimic| {
+        (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0))
+    });
+    if !(ratio.is_finite() && offset.is_finite()) {
+        let was = format!("multiplier {ratio}, offset {offset}");
+        let item = format!("the mimic of joint `{}`", joint.name);
+        return Err(misfit(item, was, "finite numbers"));
+    }
+    let frame = Frame {
+        parent,
+        parent_from_frame: parent_from_link.then(&step.origin).then(&link_from_frame),
+        mover: Mover {
+            frame: frames.len(),
+            joint: driver,
+            ratio,
+            slides: kind(joint)? == JointKind::Prismatic,
+        },
+        offset,
+    };
+    let frame_from_link = Transform {
+        rotation: link_from_frame.rotation.transpose(),
+        ..link_from_frame
+    };
+    Ok((
+        frame,
+        Framed {
+            joint,
+            frame_from_link,
+            driver,
+        },
+    ))
+}
+
+/// The palm and the fingertips.
+fn load_links(
+    hand: &mut HandModel,
+    tree: &Tree,
+    entry: &HandEntry,
+    chains: &Chains,
+    frames: &[Framed],
+    findings: &mut Findings,
+) -> Option<()> {
+    let down = Vector3::from(entry.down);
+    let item = || format!("the `down` of palm `{}`", entry.palm);
+    let is_direction = down.iter().all(|x| x.is_finite()) && down.norm() > 1e-9;
+    if !is_direction {
+        findings.add(misfit(item(), format!("{:?}", entry.down), "a direction"));
+        return None;
+    }
+    hand.pointing = down.normalize();
+    hand.palm = mounted(&chains.palm, frames).0;
+    for (index, (chain, entry)) in chains.tips.iter().zip(&entry.fingers).enumerate() {
+        let link = findings.note(name(&entry.tip));
+        let radius_m = findings.note(dome_radius(tree, &entry.tip));
+        let finger = &mut hand.fingers[index];
+        (finger.link, hand.dome_radius_m[index]) = (link?, radius_m?);
+        let (tip, moved_by) = mounted(chain, frames);
+        finger.tip = tip;
+        for frame in moved_by {
+            finger.moved_by[frame] = true;
+        }
+    }
+    Some(())
+}
+
+/// The end of a chain, and the frames that move it.
+fn mounted(chain: &Chain, frames: &[Framed]) -> (Mounted, Vec<usize>) {
+    let index = |step: &Step| {
+        frames
+            .iter()
+            .position(|it| it.joint.name == step.joint.name)
+    };
+    let moved_by: Vec<usize> = chain.steps.iter().filter_map(index).collect();
+    let last = moved_by.last().copied();
+    let frame_from_last = last.map_or(Transform::IDENTITY, |last| frames[last].frame_from_link);
+    let mounted = Mounted {
+        frame: last,
+        frame_from_link: frame_from_last.then(&chain.end),
+    };
+    (mounted, moved_by)
+}
+
+/// What follows from the reference posture.
+fn settle(hand: &mut HandModel, entry: &HandEntry) {
+    hand.find_turning();
+    let pose = hand.forward(&hand.reference_rad);
+    let across_m = pose.side_m(0) - pose.side_m(1);
+    let closing = across_m.try_normalize(0.0).unwrap_or_default();
+    let beside = closing.cross(&pose.hand_axis());
+    for index in 0..hand.finger_count {
+        let finger = hand.fingers[index];
+        let from_middle_m = pose.tip_m(index) - pose.side_m(finger.virtual_finger);
+        hand.fingers[index].beside_m = from_middle_m.dot(&beside);
+        for joint in hand.finger_joints(index) {
+            let own = hand.movers(index).find(|mover| mover.joint == joint);
+            hand.tilts[joint] = own.is_some_and(|mover| {
+                !mover.slides && pose.frame_axis(mover.frame).dot(&closing).abs() > TILTS_COS
+            });
+        }
+    }
+    let radius_m = |side| hand.mean_of_side(side, |finger| hand.dome_radius_m[finger]);
+    let open_m = across_m.norm() - radius_m(0) - radius_m(1);
+    let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
+    hand.home_m = entry.home_m.map_or(middle_m, Vector3::from);
+    hand.home_opening_m = entry.home_opening_m.unwrap_or(open_m);
+}

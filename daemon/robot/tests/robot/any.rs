@@ -1,0 +1,210 @@
+//! Robots of other structures: a gripper on a stage, a redundant arm with a gripper, a hand of three fingers.
+
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use robot_model::{
+    GraspFrame, HandModel, HandPose, HandVector, IkStatus, IkWeights, RobotModel, Side,
+};
+
+use crate::support::assert_near;
+
+const DT_S: f64 = 1e-3;
+
+macro_rules! robot {
+    ($name:literal) => {
+        (
+            $name,
+            include_str!(concat!("../robots/", $name, "/robot.urdf")),
+            include_str!(concat!("../robots/", $name, "/robot.toml")),
+        )
+    };
+}
+
+const ROBOTS: [(&str, &str, &str); 3] = [
+    robot!("test-bench"),
+    robot!("arm7-gripper"),
+    robot!("arm6-three-finger"),
+];
+
+fn load((name, urdf, file): (&str, &str, &str)) -> RobotModel {
+    RobotModel::load(urdf, file).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn any_robot() -> impl Strategy<Value = HandModel> {
+    (0..ROBOTS.len()).prop_map(|index| load(ROBOTS[index]).hand(Side::Right).clone())
+}
+
+fn between_limits(hand: &HandModel, fractions: &[f64; 16]) -> HandVector {
+    HandVector::from_fn(hand.joints().len(), |index| {
+        let joint = &hand.joints()[index];
+        joint.lower_rad + (joint.upper_rad - joint.lower_rad) * fractions[index]
+    })
+}
+
+#[test]
+fn what_was_understood() {
+    // Joints, of which the arm's, and those that move more than one fingertip; fingertips and the side of each.
+    let wanted: [(usize, usize, usize, &[usize]); 3] = [
+        (2, 1, 2, &[0, 1]),
+        (8, 7, 8, &[0, 1]),
+        (12, 6, 6, &[0, 0, 1]),
+    ];
+    for (robot, (joints, arm, trunk, sides)) in ROBOTS.into_iter().zip(wanted) {
+        let model = load(robot);
+        assert!(!model.hand(Side::Left).is_present(), "{}", robot.0);
+        assert_eq!(model.sides().collect::<Vec<_>>(), [Side::Right]);
+        let hand = model.hand(Side::Right);
+        assert_eq!(
+            (
+                model.joint_count(),
+                hand.arm_joints().len(),
+                hand.trunk_joints().len()
+            ),
+            (joints, arm, trunk),
+            "{}",
+            robot.0
+        );
+        let of: Vec<usize> = (0..hand.finger_count())
+            .map(|finger| hand.virtual_finger(finger))
+            .collect();
+        assert_eq!(of, sides, "{}", robot.0);
+    }
+}
+
+/// In the reference posture the hand points down, open.
+#[test]
+fn the_reference_posture_points_down() {
+    for robot in ROBOTS {
+        let model = load(robot);
+        let hand = model.hand(Side::Right);
+        let pose = hand.forward(hand.reference_rad());
+        assert_near(robot.0, pose.hand_axis(), -Vector3::z(), 1e-9);
+        for finger in 0..hand.finger_count() {
+            let inward = pose.side_m(1 - hand.virtual_finger(finger)) - pose.tip_m(finger);
+            assert!(pose.dome_axis(finger).dot(&inward) > 0.0, "{}", robot.0);
+        }
+        assert!(hand.home_opening_m() > 0.03, "{}", hand.home_opening_m());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn every_column_equals_the_central_difference(hand in any_robot(), fractions in prop::array::uniform16(0.0..=1.0)) {
+        const H: f64 = 1e-5;
+        let q = between_limits(&hand, &fractions);
+        let pose = hand.forward(&q);
+        let jacobian = hand.jacobian(&pose);
+        for joint in 0..hand.joints().len() {
+            let mut step = HandVector::zeros(q.len());
+            step[joint] = H;
+            let (after, before) = (hand.forward(&(q + step)), hand.forward(&(q - step)));
+            let slope = |of: &dyn Fn(&HandPose) -> Vector3<f64>| (of(&after) - of(&before)) / (2.0 * H);
+            assert_near("hand axis", jacobian.hand_axis.column(joint).into(), slope(&HandPose::hand_axis), 1e-9);
+            for finger in 0..hand.finger_count() {
+                let tip = jacobian.tip[finger].column(joint).into_owned();
+                assert_near("tip", tip, slope(&|pose| pose.tip_m(finger)), 1e-9);
+                let dome = jacobian.dome_axis[finger].column(joint).into_owned();
+                assert_near("dome axis", dome, slope(&|pose| pose.dome_axis(finger)), 1e-9);
+            }
+        }
+    }
+
+    /// Whatever is asked, the step is finite and within limits and speeds.
+    #[test]
+    fn any_grasp_keeps_limits_and_speeds(
+        hand in any_robot(),
+        fractions in prop::array::uniform16(0.0..=1.0),
+        centre in prop::array::uniform3(-2.0..2.0_f64),
+        yaw in -7.0..7.0_f64,
+        opening_m in prop_oneof![8 => -0.1..0.3_f64, 1 => any::<f64>()],
+    ) {
+        let target = GraspFrame::from_above(centre.into(), yaw, opening_m).target(&hand);
+        let mut q = between_limits(&hand, &fractions);
+        for _ in 0..5 {
+            let pose = hand.forward(&q);
+            let step = hand.ik_step(&pose, &hand.jacobian(&pose), &target, DT_S, &IkWeights::TICK);
+            prop_assert!(hand.within_limits(&step.q_rad), "{:?}", step.q_rad);
+            for (dq, joint) in step.dq_rad.iter().zip(hand.joints()) {
+                prop_assert!(dq.abs() <= joint.velocity_max_rad_s * DT_S + 1e-15, "{} moved {dq}", joint.name);
+            }
+            prop_assert!(target.is_finite() || step.status == IkStatus::Failed);
+            q = step.q_rad;
+        }
+    }
+}
+
+/// A grasp at home, and one 20 mm below it and narrower: reached from scratch, and followed tick by tick.
+#[test]
+fn a_grasp_below_home_is_reached_and_followed() {
+    for robot in ROBOTS {
+        let model = load(robot);
+        let hand = model.hand(Side::Right);
+        let home_m = hand.home_m();
+        let yaw = hand.yaw_of_joints_rad(hand.reference_rad(), &home_m);
+        let home = GraspFrame::from_above(home_m, yaw, hand.home_opening_m());
+        let mut q = hand
+            .posture_for(&home)
+            .unwrap_or_else(|error| panic!("{}: {error}", robot.0))
+            .q_rad;
+        let below = GraspFrame::from_above(home_m - Vector3::z() * 0.02, yaw, 0.03);
+        hand.posture_for(&below)
+            .unwrap_or_else(|error| panic!("{}: {error}", robot.0));
+        let mut worst_m = 0.0_f64;
+        for tick in 1..=1000 {
+            let share = f64::from(tick) / 1000.0;
+            let opening_m = hand.home_opening_m() + (0.03 - hand.home_opening_m()) * share;
+            let at = GraspFrame::from_above(home_m - Vector3::z() * 0.02 * share, yaw, opening_m);
+            let pose = hand.forward(&q);
+            let step = hand.ik_step(
+                &pose,
+                &hand.jacobian(&pose),
+                &at.target(hand),
+                DT_S,
+                &IkWeights::TICK,
+            );
+            assert_ne!(step.status, IkStatus::Failed, "{}", robot.0);
+            q = step.q_rad;
+            let pose = hand.forward(&q);
+            for (finger, wanted_m) in at.target(hand).tip_m[..hand.finger_count()]
+                .iter()
+                .enumerate()
+            {
+                worst_m = worst_m.max((pose.tip_m(finger) - wanted_m).norm());
+            }
+        }
+        assert!(worst_m < 1e-6, "{}: {worst_m} m off", robot.0);
+    }
+}
+
+/// Asked to close from one side only, a gripper whose jaws move together meets in the middle if its arm cannot give way.
+#[test]
+fn a_gripper_that_cannot_shift_closes_by_the_mean() {
+    let model = load(ROBOTS[0]);
+    let hand = model.hand(Side::Right);
+    let mut q = *hand.reference_rad();
+    let pose = hand.forward(&q);
+    let home_m = hand.home_m();
+    let yaw = hand.yaw_of_joints_rad(&q, &home_m);
+    let half_m = hand.home_opening_m() / 2.0;
+    let mut asked = GraspFrame::from_above(home_m, yaw, hand.home_opening_m());
+    asked.half_opening_m = [half_m - 0.0005, half_m];
+    for _ in 0..50 {
+        let pose = hand.forward(&q);
+        let target = asked.target(hand);
+        let step = hand.ik_step(
+            &pose,
+            &hand.jacobian(&pose),
+            &target,
+            DT_S,
+            &IkWeights::TICK,
+        );
+        q = step.q_rad;
+    }
+    let closed = hand.forward(&q);
+    let moved_m = (0..2).map(|finger| (closed.tip_m(finger) - pose.tip_m(finger)).norm());
+    for moved_m in moved_m {
+        assert!((moved_m - 0.00025).abs() < 1e-6, "{moved_m}");
+    }
+}
