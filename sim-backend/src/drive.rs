@@ -8,9 +8,8 @@
 //! goes on from there.
 
 use robot_model::ROBOT_JOINTS;
-use shm_schemas::{JointCommand, JointState};
-
-use crate::obedience::{Accepted, Obedience, Orders};
+use shm_schemas::capacity::JOINTS;
+use shm_schemas::{Accepted, JointCommand, JointState, Obedience, Orders};
 
 /// Time from a command's arrival until the joints obey it, ms (tactile design: 2 ms command latency).
 pub const LATENCY_MS: usize = 2;
@@ -35,15 +34,11 @@ impl Drive {
         position_rad: [f64; ROBOT_JOINTS],
         speed_max_rad_s: [f64; ROBOT_JOINTS],
     ) -> Self {
-        let held = Orders {
-            position_rad,
-            velocity_rad_s: [0.0; ROBOT_JOINTS],
-        };
         Self {
-            obedience: Obedience::at(position_rad, speed_max_rad_s),
+            obedience: Obedience::at(&position_rad, &speed_max_rad_s),
             under_way: [None; LATENCY_MS],
             slot: 0,
-            held,
+            held: Orders::holding(&position_rad),
             obeyed: None,
             in_force: false,
             expired: 0,
@@ -55,7 +50,7 @@ impl Drive {
         let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
         let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
-        self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
+        self.held.velocity_rad_s = [0.0; JOINTS];
         match due {
             Some(due) if due.valid_until_ns >= now_ns => {
                 self.held = due.orders;
@@ -76,7 +71,7 @@ impl Drive {
     /// Tells what the joints are commanded to.
     pub(crate) fn tell(&self, state: &mut JointState) {
         state.commanded_count = ROBOT_JOINTS as u32;
-        state.commanded_rad[..ROBOT_JOINTS].copy_from_slice(&self.held.position_rad);
+        state.commanded_rad = self.held.position_rad;
         if let Some(last) = &self.obeyed {
             state.command_epoch = last.stamp.writer_epoch;
             state.command_sequence = last.stamp.sequence;

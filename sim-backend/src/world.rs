@@ -1,14 +1,14 @@
 //! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
 
 use robot_model::{FINGERS, HAND_JOINTS, HandVector, ROBOT_JOINTS, RobotModel, Side};
-use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
+use shm_schemas::capacity::JOINTS;
+use shm_schemas::{HandFrame, JointCommand, JointState, Orders, WorldTruth};
 
 use crate::clock::Clock;
 use crate::closure::Closure;
 use crate::drive::Drive;
 use crate::encoder;
 use crate::hand::Hand;
-use crate::obedience::Orders;
 use crate::random::Random;
 use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;
@@ -213,7 +213,7 @@ impl World {
     }
 
     fn simulate(&mut self, orders: &Orders) {
-        let per_hand = |values: &[f64; ROBOT_JOINTS]| {
+        let per_hand = |values: &[f64; JOINTS]| {
             Side::BOTH.map(|side| HandVector::from_column_slice(&values[side.joint_range()]))
         };
         let (target_rad, feed_forward_rad_s) = (

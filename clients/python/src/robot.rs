@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_model::{JOINT_NAMES, ROBOT_JOINTS, RobotModel};
 use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
+use shm_schemas::capacity::JOINTS;
 use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
-use shm_schemas::{JointCommand, JointState, Mode, Stamp};
-use sim_backend::{Accepted, Obedience, Orders};
+use shm_schemas::{Accepted, JointCommand, JointState, Mode, Obedience, Orders, Stamp};
 
 use crate::errors::{AtasError, of_bus};
 use crate::goal::Goal;
@@ -62,10 +62,7 @@ impl Robot {
             },
             sent: None,
             obedience: None,
-            held: Orders {
-                position_rad: [0.0; ROBOT_JOINTS],
-                velocity_rad_s: [0.0; ROBOT_JOINTS],
-            },
+            held: Orders::holding(&[]),
             obeyed: None,
         })
     }
@@ -84,7 +81,7 @@ impl Robot {
         state.position_rad[..ROBOT_JOINTS].copy_from_slice(position_rad);
         state.velocity_rad_s[..ROBOT_JOINTS].copy_from_slice(velocity_rad_s);
         state.effort_n_m[..ROBOT_JOINTS].copy_from_slice(effort_n_m);
-        state.commanded_rad[..ROBOT_JOINTS].copy_from_slice(&self.held.position_rad);
+        state.commanded_rad = self.held.position_rad;
         if let Some((last, ..)) = &self.obeyed {
             state.command_epoch = last.stamp.writer_epoch;
             state.command_sequence = last.stamp.sequence;
@@ -119,15 +116,15 @@ impl Robot {
             .obeyed
             .is_some_and(|(last, ..)| last.valid_until_ns >= now_ns);
         if !in_force {
-            self.held.velocity_rad_s = [0.0; ROBOT_JOINTS];
+            self.held.velocity_rad_s = [0.0; JOINTS];
         }
         told.set_item(
             "position_rad",
-            PyArray1::from_slice(py, &self.held.position_rad),
+            PyArray1::from_slice(py, &self.held.position_rad[..ROBOT_JOINTS]),
         )?;
         told.set_item(
             "velocity_rad_s",
-            PyArray1::from_slice(py, &self.held.velocity_rad_s),
+            PyArray1::from_slice(py, &self.held.velocity_rad_s[..ROBOT_JOINTS]),
         )?;
         told.set_item("in_force", in_force)?;
         told.set_item(
@@ -164,8 +161,8 @@ impl Robot {
         finite("velocity_rad_s", &velocities, ROBOT_JOINTS)?;
         finite("effort_n_m", &efforts, ROBOT_JOINTS)?;
         if self.obedience.is_none() {
-            self.held.position_rad.copy_from_slice(&positions);
-            self.obedience = Some(Obedience::at(self.held.position_rad, self.speeds_rad_s));
+            self.held = Orders::holding(&positions);
+            self.obedience = Some(Obedience::at(&positions, &self.speeds_rad_s));
         }
         let captured_ns = captured_ns.unwrap_or_else(now_ns);
         let state = self.state([&positions, &velocities, &efforts], captured_ns);
