@@ -90,6 +90,7 @@ impl Servo {
     /// Somebody turns the shaft to this angle, rad.
     pub fn turn_to(&mut self, position_rad: f64) {
         self.shaft.position_steps = position_rad * STEPS_PER_RAD;
+        self.shaft.speed_steps_s = 0.0;
         self.family.show(&self.shaft, &mut self.table);
     }
 
