@@ -17,6 +17,7 @@ except ImportError as missing:
 
 IDS = [1, 2, 3]
 PATIENCE_S = 20.0
+SLOW_MS = 1000.0
 
 
 def expect(what, found, wanted):
@@ -40,6 +41,8 @@ def opened(sdk, terminal):
     port = sdk.PortHandler(terminal)
     if not (port.openPort() and port.setBaudRate(1_000_000)):
         sys.exit(f"{terminal} cannot be opened")
+    # A busy machine may let an answer wait for longer than a wire would.
+    port.setPacketTimeout = lambda _length: port.setPacketTimeoutMillis(SLOW_MS)
     return port
 
 
