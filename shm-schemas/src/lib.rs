@@ -11,7 +11,7 @@
 //! * **Conventions:** SI units, stated last in each name. Times are nanoseconds of `CLOCK_MONOTONIC` (of virtual
 //!   time in lock-step). Hand 0 is left, hand 1 is right. Joints: left 11, then right 11, in the order of the URDF.
 //! * **Absent on purpose:** transport (that is `shm-bus`), allocation, clocks, and any behaviour beyond checking
-//!   and printing the payloads themselves.
+//!   and printing the payloads themselves; which commands a robot obeys ([`Obedience`]) is such a check.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -32,6 +32,7 @@ mod goal;
 mod joints;
 pub mod layout;
 mod module;
+mod obedience;
 mod payload;
 mod reason;
 mod record;
@@ -55,6 +56,7 @@ pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFi
 pub use joints::{JointCommand, JointState, Mode};
 pub use layout::Layout;
 pub use module::ModuleId;
+pub use obedience::{Accepted, Obedience, Orders};
 pub use payload::Payload;
 pub use reason::{Cause, Reason};
 pub use record::{

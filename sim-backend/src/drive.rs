@@ -8,9 +8,8 @@
 //! goes on from there.
 
 use robot_model::RobotVector;
-use shm_schemas::{JointCommand, JointState};
-
-use crate::obedience::{Accepted, Obedience, Orders};
+use shm_schemas::capacity::JOINTS;
+use shm_schemas::{Accepted, JointCommand, JointState, Obedience, Orders};
 
 /// Time from a command's arrival until the joints obey it, ms (tactile design: 2 ms command latency).
 pub const LATENCY_MS: usize = 2;
@@ -18,6 +17,8 @@ pub const LATENCY_MS: usize = 2;
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
     obedience: Obedience,
+    /// How many joints there are.
+    joints: usize,
     /// Commands under way; `slot` is the one that arrives next.
     under_way: [Option<Accepted>; LATENCY_MS],
     slot: usize,
@@ -32,15 +33,12 @@ pub(crate) struct Drive {
 impl Drive {
     /// A drive that holds these positions until told otherwise, with joints that move as fast as this.
     pub(crate) fn holding(position_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
-        let held = Orders {
-            position_rad,
-            velocity_rad_s: RobotVector::zeros(position_rad.len()),
-        };
         Self {
-            obedience: Obedience::at(position_rad, speed_max_rad_s),
+            obedience: Obedience::at(&position_rad, &speed_max_rad_s),
+            joints: position_rad.len(),
             under_way: [None; LATENCY_MS],
             slot: 0,
-            held,
+            held: Orders::holding(&position_rad),
             obeyed: None,
             in_force: false,
             expired: 0,
@@ -52,7 +50,7 @@ impl Drive {
         let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
         let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
-        self.held.velocity_rad_s.fill(0.0);
+        self.held.velocity_rad_s = [0.0; JOINTS];
         match due {
             Some(due) if due.valid_until_ns >= now_ns => {
                 self.held = due.orders;
@@ -72,9 +70,8 @@ impl Drive {
 
     /// Tells what the joints are commanded to.
     pub(crate) fn tell(&self, state: &mut JointState) {
-        let joints = self.held.position_rad.len();
-        state.commanded_count = joints as u32;
-        state.commanded_rad[..joints].copy_from_slice(&self.held.position_rad);
+        state.commanded_count = self.joints as u32;
+        state.commanded_rad = self.held.position_rad;
         if let Some(last) = &self.obeyed {
             state.command_epoch = last.stamp.writer_epoch;
             state.command_sequence = last.stamp.sequence;

@@ -34,7 +34,6 @@ mod encoder;
 pub mod faults;
 mod hand;
 mod hold;
-mod obedience;
 mod object;
 mod pad;
 mod plant;
@@ -53,7 +52,6 @@ mod world_object;
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
-pub use obedience::{Accepted, Obedience, Orders};
 pub use object::{Neck, Object, ObjectError};
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,

@@ -1,14 +1,14 @@
 //! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
 
 use robot_model::{HandVector, RobotModel, RobotVector, Side};
-use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth};
+use shm_schemas::capacity::JOINTS;
+use shm_schemas::{HandFrame, JointCommand, JointState, Orders, WorldTruth};
 
 use crate::clock::Clock;
 use crate::closure::Closure;
 use crate::drive::Drive;
 use crate::encoder;
 use crate::hand::Hand;
-use crate::obedience::Orders;
 use crate::random::Random;
 use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;
@@ -225,7 +225,7 @@ impl World {
             .hands
             .each_ref()
             .map(|hand| hand.model().joints().len());
-        let per_hand = |values: &RobotVector| {
+        let per_hand = |values: &[f64; JOINTS]| {
             [0..left, left..left + right].map(|range| HandVector::from_slice(&values[range]))
         };
         let (target_rad, feed_forward_rad_s) = (

@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_model::{RobotModel, RobotVector};
 use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
+use shm_schemas::capacity::JOINTS;
 use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
-use shm_schemas::{JointCommand, JointState, Mode, Stamp};
-use sim_backend::{Accepted, Obedience, Orders};
+use shm_schemas::{Accepted, JointCommand, JointState, Mode, Obedience, Orders, Stamp};
 
 use crate::errors::{AtasError, of_bus};
 use crate::goal::Goal;
@@ -55,7 +55,6 @@ impl Robot {
             .joints()
             .map(|joint| joint.velocity_max_rad_s)
             .collect();
-        let rest_rad = RobotVector::zeros(speeds.len());
         Ok(Self {
             states: bus.publisher(JOINT_STATE).map_err(of_bus)?,
             commands,
@@ -66,10 +65,7 @@ impl Robot {
             },
             sent: None,
             obedience: None,
-            held: Orders {
-                position_rad: rest_rad,
-                velocity_rad_s: rest_rad,
-            },
+            held: Orders::holding(&[]),
             obeyed: None,
         })
     }
@@ -89,7 +85,7 @@ impl Robot {
         state.position_rad[..joints].copy_from_slice(position_rad);
         state.velocity_rad_s[..joints].copy_from_slice(velocity_rad_s);
         state.effort_n_m[..joints].copy_from_slice(effort_n_m);
-        state.commanded_rad[..joints].copy_from_slice(&self.held.position_rad);
+        state.commanded_rad = self.held.position_rad;
         if let Some((last, ..)) = &self.obeyed {
             state.command_epoch = last.stamp.writer_epoch;
             state.command_sequence = last.stamp.sequence;
@@ -124,15 +120,15 @@ impl Robot {
             .obeyed
             .is_some_and(|(last, ..)| last.valid_until_ns >= now_ns);
         if !in_force {
-            self.held.velocity_rad_s.fill(0.0);
+            self.held.velocity_rad_s = [0.0; JOINTS];
         }
         told.set_item(
             "position_rad",
-            PyArray1::from_slice(py, &self.held.position_rad),
+            PyArray1::from_slice(py, &self.held.position_rad[..self.speeds_rad_s.len()]),
         )?;
         told.set_item(
             "velocity_rad_s",
-            PyArray1::from_slice(py, &self.held.velocity_rad_s),
+            PyArray1::from_slice(py, &self.held.velocity_rad_s[..self.speeds_rad_s.len()]),
         )?;
         told.set_item("in_force", in_force)?;
         told.set_item(
@@ -170,8 +166,8 @@ impl Robot {
         finite("velocity_rad_s", &velocities, joints)?;
         finite("effort_n_m", &efforts, joints)?;
         if self.obedience.is_none() {
-            self.held.position_rad.copy_from_slice(&positions);
-            self.obedience = Some(Obedience::at(self.held.position_rad, self.speeds_rad_s));
+            self.held = Orders::holding(&positions);
+            self.obedience = Some(Obedience::at(&positions, &self.speeds_rad_s));
         }
         let captured_ns = captured_ns.unwrap_or_else(now_ns);
         let state = self.state([&positions, &velocities, &efforts], captured_ns);

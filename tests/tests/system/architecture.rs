@@ -91,6 +91,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     ("atas-client", &["shm-bus", "shm-schemas"]),
     ("ebts", &["field", "shm-bus", "shm-schemas"]),
+    ("atas-robots", &["robot-model", "shm-bus", "shm-schemas"]),
     ("atas-sensors", &["shm-bus", "shm-schemas"]),
     (
         "system-tests",
@@ -208,6 +209,7 @@ fn manifests() -> Vec<(String, String)> {
         "clients/learning",
         "clients/live",
         "clients/python",
+        "clients/robots",
         "clients/swarm",
         "clients/sensors",
         "tests",

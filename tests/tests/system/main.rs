@@ -10,6 +10,7 @@ mod optoforce;
 mod readme;
 mod recorded;
 mod recordings;
+mod servos;
 mod swarm;
 mod tasks;
 mod top;

@@ -5,8 +5,9 @@
 //! expired, from another; and if no joint would have to move faster than it can. When an obeyed command expires, the robot
 //! holds its positions with zero velocity: that keeps the grip.
 
-use robot_model::RobotVector;
-use shm_schemas::{JointCommand, Stamp};
+use crate::capacity::JOINTS;
+use crate::joints::JointCommand;
+use crate::stamp::Stamp;
 
 /// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
 const VALIDITY_MAX_NS: u64 = 100_000_000;
@@ -15,13 +16,24 @@ const SPEED_SHARE: f64 = 1.05;
 /// Time over which a command may make up for lost ones, s, at top speed (ours: eight commands, as the daemon's gate allows).
 const STEP_S: f64 = 0.008;
 
-/// What the joints follow.
+/// What the joints follow. Beyond the robot's own joints both are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orders {
     /// Positions, rad.
-    pub position_rad: RobotVector,
+    pub position_rad: [f64; JOINTS],
     /// Velocities to feed forward, rad/s.
-    pub velocity_rad_s: RobotVector,
+    pub velocity_rad_s: [f64; JOINTS],
+}
+
+impl Orders {
+    /// To stand still at these positions, rad, of at most [`JOINTS`] joints.
+    #[must_use]
+    pub fn holding(position_rad: &[f64]) -> Self {
+        Self {
+            position_rad: padded(position_rad),
+            velocity_rad_s: [0.0; JOINTS],
+        }
+    }
 }
 
 /// A command that is obeyed.
@@ -38,20 +50,23 @@ pub struct Accepted {
 /// The judge of arriving commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Obedience {
-    speed_max_rad_s: RobotVector,
-    start_rad: RobotVector,
+    joints: usize,
+    speed_max_rad_s: [f64; JOINTS],
+    start_rad: [f64; JOINTS],
     /// The last command that was accepted, and when.
     newest: Option<(Accepted, u64)>,
     refused: u32,
 }
 
 impl Obedience {
-    /// For a robot whose joints stand at these positions and move as fast as this.
+    /// For a robot of at most [`JOINTS`] joints that stand at these positions, rad, and move as fast as this, rad/s. It has
+    /// as many joints as both lists have.
     #[must_use]
-    pub fn at(start_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
+    pub fn at(start_rad: &[f64], speed_max_rad_s: &[f64]) -> Self {
         Self {
-            speed_max_rad_s,
-            start_rad,
+            joints: start_rad.len().min(speed_max_rad_s.len()).min(JOINTS),
+            speed_max_rad_s: padded(speed_max_rad_s),
+            start_rad: padded(start_rad),
             newest: None,
             refused: 0,
         }
@@ -59,16 +74,15 @@ impl Obedience {
 
     /// The command, if it keeps the contract; counted if not.
     pub fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
-        let joints = self.start_rad.len();
         let accepted = Accepted {
             orders: Orders {
-                position_rad: RobotVector::from_slice(&command.position_rad[..joints]),
-                velocity_rad_s: RobotVector::from_slice(&command.velocity_rad_s[..joints]),
+                position_rad: padded(&command.position_rad[..self.joints]),
+                velocity_rad_s: padded(&command.velocity_rad_s[..self.joints]),
             },
             stamp: command.stamp,
             valid_until_ns: command.valid_until_ns,
         };
-        let keeps = is_whole(command, &accepted.orders)
+        let keeps = self.is_whole(command, &accepted.orders)
             && command.valid_until_ns >= now_ns
             && command.valid_until_ns.saturating_sub(now_ns) <= VALIDITY_MAX_NS
             && self.is_next(&accepted.stamp, now_ns)
@@ -108,22 +122,24 @@ impl Obedience {
                 (&newest.orders.position_rad, *then_ns)
             });
         let since_s = now_ns.saturating_sub(since_ns).min(VALIDITY_MAX_NS) as f64 * 1e-9;
-        (0..self.start_rad.len()).all(|joint| {
+        (0..self.joints).all(|joint| {
             let top_rad_s = SPEED_SHARE * self.speed_max_rad_s[joint];
             let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
             step_rad <= top_rad_s * (STEP_S + since_s)
                 && orders.velocity_rad_s[joint].abs() <= top_rad_s
         })
     }
+
+    /// Sealed, for exactly these joints, every number finite.
+    fn is_whole(&self, command: &JointCommand, orders: &Orders) -> bool {
+        let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
+        command.is_intact()
+            && command.joint_count as usize == self.joints
+            && numbers.all(|value| value.is_finite())
+    }
 }
 
-/// Sealed, for exactly these joints, every number finite.
-fn is_whole(command: &JointCommand, orders: &Orders) -> bool {
-    let mut numbers = orders
-        .position_rad
-        .iter()
-        .chain(orders.velocity_rad_s.iter());
-    command.is_intact()
-        && command.joint_count as usize == orders.position_rad.len()
-        && numbers.all(|value| value.is_finite())
+/// These values, then zeros.
+fn padded(values: &[f64]) -> [f64; JOINTS] {
+    core::array::from_fn(|joint| values.get(joint).copied().unwrap_or(0.0))
 }

@@ -1,0 +1,139 @@
+//! `calibrate` and `relax`: what lets servos go because a person asked for it.
+//!
+//! A joint's zero is the angle of its shaft while a person holds it at 0; its direction is which way the shaft turns when the person
+//! moves the joint in its positive direction.
+
+use std::io::{self, BufRead};
+use std::path::Path;
+
+use super::{print, say, write};
+use crate::cli::Which;
+use crate::drivers::wire::Wire;
+use crate::failure::Failure;
+use crate::map::file::MapFile;
+use crate::map::{self, Check, MappedServo, PortMap};
+
+/// Least turn of the shaft that shows a direction, rad. Ours: five degrees, more than any play.
+const TURN_MIN_RAD: f64 = 0.09;
+
+/// Finds zeros and directions.
+pub(super) fn run(which: &Which, out: Option<&Path>) -> Result<(), Failure> {
+    let mut file = map::read(&which.map)?;
+    for_each(which, |port, wire, mapped| {
+        let (zero_rad, direction) = calibrate(port, wire, mapped)?;
+        say(&format!(
+            "{}: zero_rad {zero_rad:.4}, direction {direction}",
+            mapped.name
+        ));
+        note(&mut file, mapped, zero_rad, direction);
+        Ok(())
+    })?;
+    let text = toml::to_string(&file)
+        .map_err(|error| Failure::Usage(format!("could not write the map: {error}")))?;
+    match out {
+        Some(path) => write(path, &text),
+        None => print(text.trim_end()),
+    }
+}
+
+/// Lets servos go.
+pub(super) fn relax(which: &Which, yes: bool) -> Result<(), Failure> {
+    if !yes {
+        ask(
+            "What the robot holds it drops, and arms fall. Support them, then press Enter (or Ctrl-C)",
+        )?;
+    }
+    for_each(which, |port, wire, mapped| {
+        let off = port.driver.set_torque(wire, mapped.servo.id, false);
+        off.map_err(|error| failed(port, mapped, &error.to_string()))?;
+        say(&format!("{} is loose", mapped.called()));
+        Ok(())
+    })
+}
+
+/// Does something with each joint that was named, or with all.
+fn for_each(
+    which: &Which,
+    mut act: impl FnMut(&PortMap, &mut Wire, &MappedServo) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let map = map::load(&which.map, Check::Uncalibrated)?;
+    let known = |name: &&String| map.joints.iter().any(|joint| joint.name == **name);
+    if let Some(stranger) = which.joint.iter().find(|name| !known(name)) {
+        return Err(Failure::Usage(format!(
+            "the robot has no joint {stranger:?}"
+        )));
+    }
+    let wanted =
+        |mapped: &&MappedServo| which.joint.is_empty() || which.joint.contains(&mapped.name);
+    for port in &map.ports {
+        if !port.servos.iter().any(|mapped| wanted(&mapped)) {
+            continue;
+        }
+        let protocol = port.driver.protocol();
+        let mut wire = Wire::open(&port.device, port.baud, protocol, port.answer_within)
+            .map_err(Failure::Servos)?;
+        for mapped in port.servos.iter().filter(wanted) {
+            act(port, &mut wire, mapped)?;
+        }
+    }
+    Ok(())
+}
+
+fn calibrate(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(f64, i8), Failure> {
+    let name = &mapped.name;
+    ask(&format!(
+        "{name}: support it, then press Enter; it is let go"
+    ))?;
+    let off = port.driver.set_torque(wire, mapped.servo.id, false);
+    off.map_err(|error| failed(port, mapped, &error.to_string()))?;
+    ask(&format!("{name}: put it to 0, then press Enter"))?;
+    let zero_rad = position_rad(port, wire, mapped)?;
+    loop {
+        ask(&format!(
+            "{name}: move it a little in its positive direction, then press Enter"
+        ))?;
+        let turn_rad = position_rad(port, wire, mapped)? - zero_rad;
+        if turn_rad.abs() >= TURN_MIN_RAD {
+            return Ok((zero_rad, if turn_rad > 0.0 { 1 } else { -1 }));
+        }
+        say(&format!(
+            "{name}: its shaft turned by {turn_rad:.3} rad only, needs {TURN_MIN_RAD}"
+        ));
+    }
+}
+
+fn position_rad(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<f64, Failure> {
+    let mut readings = Vec::new();
+    let read = port.driver.read(wire, &[mapped.servo], &mut readings);
+    read.map_err(|error| failed(port, mapped, &error.to_string()))?;
+    let reading = readings.first();
+    reading
+        .map(|reading| reading.position_rad)
+        .ok_or_else(|| failed(port, mapped, "nothing was read"))
+}
+
+fn note(file: &mut MapFile, mapped: &MappedServo, zero_rad: f64, direction: i8) {
+    let servos = file.ports.iter_mut().flat_map(|port| &mut port.servos);
+    for entry in servos.filter(|entry| entry.joint == mapped.name) {
+        (entry.zero_rad, entry.direction) = (zero_rad, direction);
+    }
+}
+
+fn failed(port: &PortMap, mapped: &MappedServo, why: &str) -> Failure {
+    Failure::Servos(format!("{}, {}: {why}", port.device, mapped.called()))
+}
+
+/// Waits until the person has done it.
+fn ask(what: &str) -> Result<(), Failure> {
+    say(what);
+    let read = io::stdin().lock().read_line(&mut String::new());
+    match read {
+        Ok(0) => Err(Failure::Usage(
+            "standard input ended before all was done".to_owned(),
+        )),
+        Ok(_) => Ok(()),
+        Err(error) => Err(Failure::Usage(format!(
+            "could not read standard input: {error}"
+        ))),
+    }
+}

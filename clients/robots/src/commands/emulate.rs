@@ -1,0 +1,62 @@
+//! `emulate`: the servos of a map behind pseudo-terminals.
+
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::{print, stop_on_signal, write};
+use crate::cli::Format;
+use crate::emulator::{Chain, Planned};
+use crate::failure::Failure;
+use crate::map::{self, Check, PortMap};
+
+/// How soon a stop request is seen.
+const POLL: Duration = Duration::from_millis(50);
+
+/// Plays until it is stopped.
+pub(super) fn run(map_path: &Path, out: &Path, format: Format) -> Result<(), Failure> {
+    let mut file = map::read(map_path)?;
+    let map = map::load(map_path, Check::Whole)?;
+    let stop = stop_on_signal()?;
+    let chains: Vec<Chain> = map.ports.iter().map(play).collect::<Result<_, _>>()?;
+    for (entry, chain) in file.ports.iter_mut().zip(&chains) {
+        entry.device = chain.path().display().to_string();
+    }
+    let text = toml::to_string(&file)
+        .map_err(|error| Failure::Usage(format!("could not write the map: {error}")))?;
+    write(out, &text)?;
+    let ports = file
+        .ports
+        .iter()
+        .map(|port| (&port.device, port.servos.len()));
+    if format == Format::Json {
+        let ports = ports.map(|(device, servos)| json!({ "device": device, "servos": servos }));
+        let ports: Vec<_> = ports.collect();
+        print(&json!({ "map": out.display().to_string(), "ports": ports }).to_string())?;
+    } else {
+        for (device, servos) in ports {
+            print(&format!("{device}: {servos} servos"))?;
+        }
+        print(&format!("atas-robot run {}", out.display()))?;
+    }
+    while !stop.load(Ordering::Relaxed) {
+        std::thread::sleep(POLL);
+    }
+    Ok(())
+}
+
+fn play(port: &PortMap) -> Result<Chain, Failure> {
+    let planned = port.servos.iter().map(|mapped| {
+        let (lower_rad, upper_rad) = mapped.limits_rad;
+        Planned {
+            id: mapped.servo.id,
+            model: mapped.servo.model.name.to_owned(),
+            position_rad: mapped.shaft_rad(0.5 * (lower_rad + upper_rad)),
+        }
+    });
+    let planned: Vec<Planned> = planned.collect();
+    Chain::start(port.driver.name(), &planned, Some(port.baud))
+        .map_err(|error| Failure::Usage(format!("could not play the servos: {error}")))
+}

@@ -1,0 +1,90 @@
+//! `probe`: which servos are on a port?
+//!
+//! Every family is asked at each of its line speeds, until somebody answers. Only model numbers are read.
+
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::{print, say};
+use crate::cli::Format;
+use crate::drivers::wire::Wire;
+use crate::drivers::{DRIVERS, Driver};
+use crate::failure::Failure;
+
+/// How long one servo may take to answer. Ours: more than the latency timer of any bridge.
+const ANSWER_WITHIN: Duration = Duration::from_millis(30);
+
+/// Who answers to one family at one line speed.
+struct Finding {
+    driver: &'static dyn Driver,
+    baud: u32,
+    /// Ids and model numbers.
+    servos: Vec<(u8, u16)>,
+}
+
+/// Probes and prints.
+pub(super) fn run(device: &str, baud: Option<u32>, format: Format) -> Result<(), Failure> {
+    let mut found = Vec::new();
+    for driver in DRIVERS {
+        let bauds = driver.bauds().iter().copied();
+        for baud in bauds.filter(|speed| baud.is_none_or(|only| only == *speed)) {
+            if format == Format::Text {
+                say(&format!("asking {} at {baud} baud", driver.name()));
+            }
+            if let Some(finding) = ask(device, driver, baud)? {
+                found.push(finding);
+                break;
+            }
+        }
+    }
+    if format == Format::Json {
+        let found = found.iter().map(|finding| {
+            let servos = finding.servos.iter().map(|(id, number)| {
+                json!({ "id": id, "model": model(finding.driver, *number), "number": number })
+            });
+            json!({
+                "driver": finding.driver.name(),
+                "baud": finding.baud,
+                "servos": servos.collect::<Vec<_>>(),
+            })
+        });
+        let found: Vec<_> = found.collect();
+        return print(&json!({ "device": device, "found": found }).to_string());
+    }
+    if found.is_empty() {
+        return print(&format!("{device}: nobody answers; check power and cable"));
+    }
+    for finding in found {
+        let (name, baud) = (finding.driver.name(), finding.baud);
+        print(&format!("{device}: {name} at {baud} baud"))?;
+        for (id, number) in finding.servos {
+            let model = model(finding.driver, number);
+            let model = model.map_or(format!("model {number}, not known"), str::to_owned);
+            print(&format!("  id {id:<3}  {model}"))?;
+        }
+    }
+    Ok(())
+}
+
+fn model(driver: &dyn Driver, number: u16) -> Option<&'static str> {
+    let model = driver.models().iter().find(|model| model.number == number);
+    model.map(|model| model.name)
+}
+
+fn ask(device: &str, driver: &'static dyn Driver, baud: u32) -> Result<Option<Finding>, Failure> {
+    let mut wire =
+        Wire::open(device, baud, driver.protocol(), ANSWER_WITHIN).map_err(Failure::Servos)?;
+    let ids = wire
+        .scan()
+        .map_err(|error| Failure::Servos(format!("could not ask on {device}: {error}")))?;
+    let servos: Vec<(u8, u16)> = ids
+        .into_iter()
+        .filter_map(|id| Some((id, driver.model_number(&mut wire, id).ok()?)))
+        .collect();
+    Ok((!servos.is_empty()).then_some(Finding {
+        driver,
+        baud,
+        servos,
+    }))
+}

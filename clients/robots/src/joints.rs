@@ -1,0 +1,42 @@
+//! The joints of the robot that the daemon moves: their order in every payload, and what each may do.
+//!
+//! The only place here that knows a robot; the servo map says which servo moves which of them.
+
+use robot_model::RobotModel;
+
+/// The paper's robot.
+pub const BUILT_IN: &str = "built-in";
+
+/// One joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Its name in the URDF and in the servo map.
+    pub name: String,
+    /// Lower position limit, rad.
+    pub lower_rad: f64,
+    /// Upper position limit, rad.
+    pub upper_rad: f64,
+    /// Top speed, rad/s.
+    pub speed_max_rad_s: f64,
+}
+
+/// The joints of a robot in the order of [`JointState`](shm_schemas::JointState): of a URDF, or `built-in`, as the daemon is told.
+///
+/// # Errors
+/// If the URDF is not understood.
+pub fn of(urdf: &str) -> Result<Vec<Joint>, String> {
+    let robot = match urdf {
+        BUILT_IN => RobotModel::two_hand_arm(),
+        path => RobotModel::from_urdf_file(path),
+    };
+    Ok(robot
+        .map_err(|error| error.to_string())?
+        .joints()
+        .map(|joint| Joint {
+            name: joint.name.to_owned(),
+            lower_rad: joint.lower_rad,
+            upper_rad: joint.upper_rad,
+            speed_max_rad_s: joint.velocity_max_rad_s,
+        })
+        .collect())
+}

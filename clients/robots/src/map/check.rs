@@ -1,0 +1,272 @@
+//! Everything that can be wrong with a servo map, found at once.
+
+use core::f64::consts::TAU;
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use super::file::{MapFile, PortEntry, ServoEntry};
+use super::{Check, MappedServo, PortMap};
+use crate::drivers::{self, Driver, LimitKind, Model, Servo};
+use crate::joints::Joint;
+
+/// Highest id: 253 to 255 are reserved (protocol 2.0).
+const ID_MAX: u8 = 252;
+/// Highest gear. Ours.
+const GEAR_MAX: f64 = 1000.0;
+/// Share of a joint's top speed that its servo is let go: what the daemon's commands may ask for, and a little to catch up. Ours.
+const SPEED_SHARE: f64 = 1.1;
+/// How far below its own switch-off a servo may get by default, K. Ours.
+const TEMPERATURE_MARGIN_K: f64 = 10.0;
+
+struct Checker<'a> {
+    joints: &'a [Joint],
+    check: Check,
+    findings: Vec<String>,
+    /// Joint to the place of the servo that moves it.
+    moved: BTreeMap<usize, String>,
+}
+
+/// The ports of a map, or everything that is wrong.
+pub(super) fn ports(
+    file: &MapFile,
+    joints: &[Joint],
+    check: Check,
+) -> Result<Vec<PortMap>, Vec<String>> {
+    let mut checker = Checker {
+        joints,
+        check,
+        findings: Vec::new(),
+        moved: BTreeMap::new(),
+    };
+    let ports: Vec<_> = file
+        .ports
+        .iter()
+        .filter_map(|entry| checker.port(entry))
+        .collect();
+    checker.devices(&file.ports);
+    checker.missing_joints();
+    if checker.findings.is_empty() {
+        Ok(ports)
+    } else {
+        Err(checker.findings)
+    }
+}
+
+impl Checker<'_> {
+    fn find(&mut self, place: &str, what: impl AsRef<str>) {
+        self.findings.push(format!("{place}: {}", what.as_ref()));
+    }
+
+    /// A number within its range, or a finding.
+    fn within(&mut self, place: &str, key: &str, value: f64, (low, high): (f64, f64)) {
+        // False for NaN.
+        if !(value >= low && value <= high) {
+            self.find(place, format!("{key} is {value}, needs {low} to {high}"));
+        }
+    }
+
+    fn devices(&mut self, ports: &[PortEntry]) {
+        if ports.is_empty() {
+            self.find("port", "there is none; a map needs at least one [[port]]");
+        }
+        let mut seen = BTreeSet::new();
+        for port in ports.iter().filter(|port| !seen.insert(&port.device)) {
+            self.find(
+                &port.device,
+                "it stands twice; list all its servos under one [[port]]",
+            );
+        }
+    }
+
+    fn missing_joints(&mut self) {
+        let missing: Vec<&str> = (0..self.joints.len())
+            .filter(|joint| !self.moved.contains_key(joint))
+            .map(|joint| self.joints[joint].name.as_str())
+            .collect();
+        if !missing.is_empty() {
+            let names = missing.join(", ");
+            self.find(
+                "servo",
+                format!(
+                    "nothing moves {names}; the daemon believes a robot only with all its joints"
+                ),
+            );
+        }
+    }
+
+    fn port(&mut self, entry: &PortEntry) -> Option<PortMap> {
+        let place = entry.device.as_str();
+        self.within(place, "rate_hz", entry.rate_hz, (1.0, 10_000.0));
+        self.within(
+            place,
+            "answer_within_ms",
+            entry.answer_within_ms,
+            (1.0, 1000.0),
+        );
+        let Some(driver) = drivers::named(&entry.driver) else {
+            let known: Vec<_> = drivers::DRIVERS
+                .iter()
+                .map(|driver| driver.name())
+                .collect();
+            let known = known.join(" or ");
+            self.find(
+                place,
+                format!("driver is {:?}, needs {known}", entry.driver),
+            );
+            return None;
+        };
+        if !driver.bauds().contains(&entry.baud) {
+            let known = driver.bauds();
+            self.find(
+                place,
+                format!("baud is {}, needs one of {known:?}", entry.baud),
+            );
+        }
+        let mut ids = BTreeSet::new();
+        for twice in entry.servos.iter().filter(|servo| !ids.insert(servo.id)) {
+            self.find(place, format!("id {} stands twice", twice.id));
+        }
+        if entry.servos.is_empty() {
+            self.find(place, "it has no [[port.servo]]");
+        }
+        let servos = entry
+            .servos
+            .iter()
+            .filter_map(|servo| self.servo(place, driver, servo))
+            .collect();
+        Some(PortMap {
+            device: entry.device.clone(),
+            driver,
+            baud: entry.baud,
+            period: seconds(1.0 / entry.rate_hz),
+            answer_within: seconds(entry.answer_within_ms / 1000.0),
+            servos,
+        })
+    }
+
+    fn servo(
+        &mut self,
+        device: &str,
+        driver: &'static dyn Driver,
+        entry: &ServoEntry,
+    ) -> Option<MappedServo> {
+        let place = format!("{device}, servo {}", entry.id);
+        if entry.id > ID_MAX {
+            self.find(&place, format!("ids go from 0 to {ID_MAX}"));
+        }
+        if !matches!(entry.direction, 1 | -1) {
+            self.find(
+                &place,
+                format!("direction is {}, needs 1 or -1", entry.direction),
+            );
+        }
+        self.within(&place, "gear", entry.gear, (1.0 / GEAR_MAX, GEAR_MAX));
+        self.within(&place, "zero_rad", entry.zero_rad, (-GEAR_MAX, GEAR_MAX));
+        let torque_per_current = entry.torque_per_current_n_m_a.unwrap_or(0.0);
+        self.within(
+            &place,
+            "torque_per_current_n_m_a",
+            torque_per_current,
+            (0.0, 1000.0),
+        );
+        let joint = self.joint(&place, &entry.joint);
+        let model = driver.model(&entry.model);
+        if model.is_none() {
+            let known: Vec<_> = driver.models().iter().map(|model| model.name).collect();
+            let known = known.join(", ");
+            self.find(
+                &place,
+                format!("model is {:?}, needs one of {known}", entry.model),
+            );
+        }
+        let (joint, model) = (joint?, model?);
+        let limit = self.limit(&place, model, entry)?;
+        let hot_c = entry
+            .temperature_limit_c
+            .unwrap_or(model.temperature_max_c - TEMPERATURE_MARGIN_K);
+        self.within(
+            &place,
+            "temperature_limit_c",
+            hot_c,
+            (20.0, model.temperature_max_c),
+        );
+        let known = &self.joints[joint];
+        let mapped = MappedServo {
+            joint,
+            name: known.name.clone(),
+            servo: Servo {
+                id: entry.id,
+                model,
+                limit,
+                speed_max_rad_s: SPEED_SHARE * known.speed_max_rad_s * entry.gear,
+            },
+            ratio: entry.gear * f64::from(entry.direction),
+            zero_rad: entry.zero_rad,
+            torque_per_current_n_m_a: torque_per_current,
+            temperature_limit_c: hot_c,
+            limits_rad: (known.lower_rad, known.upper_rad),
+        };
+        self.travel(&place, &mapped);
+        Some(mapped)
+    }
+
+    fn joint(&mut self, place: &str, name: &str) -> Option<usize> {
+        let Some(joint) = self.joints.iter().position(|joint| joint.name == name) else {
+            self.find(place, format!("the robot has no joint {name:?}"));
+            return None;
+        };
+        if let Some(other) = self.moved.insert(joint, place.to_owned()) {
+            self.find(place, format!("{name} is moved by {other} already"));
+        }
+        Some(joint)
+    }
+
+    /// The limit of its force, told in the unit that the model limits.
+    fn limit(&mut self, place: &str, model: &Model, entry: &ServoEntry) -> Option<f64> {
+        let current = ("current_limit_a", entry.current_limit_a);
+        let torque = ("torque_limit_percent", entry.torque_limit_percent);
+        let ((key, value), (other, unusable)) = match model.limit {
+            LimitKind::Current => (current, torque),
+            LimitKind::Torque => (torque, current),
+        };
+        if unusable.is_some() {
+            self.find(
+                place,
+                format!("{} is not limited by {other}; give {key}", model.name),
+            );
+        }
+        let Some(value) = value else {
+            let most = model.limit_max;
+            self.find(place, format!("{key} is missing, needs at most {most}"));
+            return None;
+        };
+        self.within(place, key, value, (0.01, model.limit_max));
+        Some(value)
+    }
+
+    /// A servo of one turn must reach both ends of its joint within that turn.
+    fn travel(&mut self, place: &str, servo: &MappedServo) {
+        if self.check == Check::Uncalibrated || servo.servo.model.multi_turn {
+            return;
+        }
+        let (lower_rad, upper_rad) = servo.limits_rad;
+        let ends = [servo.shaft_rad(lower_rad), servo.shaft_rad(upper_rad)];
+        // False for NaN, which has a finding of its own.
+        if ends.iter().any(|end| *end < 0.0 || *end >= TAU) {
+            let [from, to] = ends;
+            self.find(
+                place,
+                format!(
+                    "the limits of {} are at {from:.3} and {to:.3} rad of its shaft, which turns from 0 to {TAU:.3}; choose \
+                     another zero_rad or gear",
+                    servo.name
+                ),
+            );
+        }
+    }
+}
+
+/// A duration; what is out of range has a finding already.
+fn seconds(value: f64) -> Duration {
+    Duration::try_from_secs_f64(value).unwrap_or_default()
+}

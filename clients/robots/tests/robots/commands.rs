@@ -1,0 +1,200 @@
+//! The other subcommands, as a person or a script uses them.
+
+use atas_robots::map::file::MapFile;
+use serde_json::Value;
+
+use crate::rig::{HAND, Program, Rig, STEP_RAD, middle_rad, play, two_hands, wait_until};
+
+fn json(program: &Program) -> Value {
+    serde_json::from_str(&program.printed())
+        .unwrap_or_else(|e| panic!("{e}: {}", program.printed()))
+}
+
+#[test]
+fn the_list_names_every_model_and_its_limit() {
+    let mut list = Program::start(&["list", "--format", "json"]);
+    assert_eq!(list.finish(), Some(0));
+    let drivers = json(&list);
+    let names: Vec<&str> = (0..2)
+        .filter_map(|n| drivers["drivers"][n]["name"].as_str())
+        .collect();
+    assert_eq!(names, ["dynamixel", "feetech"]);
+    assert_eq!(
+        drivers["drivers"][1]["models"][0]["limited_by"],
+        "torque_limit_percent"
+    );
+    let mut list = Program::start(&["list"]);
+    list.finish();
+    assert!(
+        list.printed()
+            .contains("xm430-w350   current_limit_a up to 3.2 A")
+    );
+}
+
+#[test]
+fn probe_finds_who_is_there() {
+    let chains = play(&mut two_hands(), &middle_rad());
+    for (chain, driver, model) in [
+        (&chains[0], "dynamixel", "xm430-w350"),
+        (&chains[1], "feetech", "sts3215"),
+    ] {
+        let device = chain.path().to_str().unwrap();
+        let mut probe = Program::start(&["probe", device, "--baud", "1000000", "--format", "json"]);
+        assert_eq!(probe.finish(), Some(0), "{}", probe.log());
+        let found = &json(&probe)["found"];
+        assert_eq!(
+            (&found[0]["driver"], &found[1]),
+            (&driver.into(), &Value::Null)
+        );
+        let servos = found[0]["servos"].as_array().unwrap();
+        assert_eq!(servos.len(), HAND);
+        assert!(servos.iter().all(|servo| servo["model"] == model));
+    }
+}
+
+#[test]
+fn hz_tells_the_rate_of_the_states() {
+    let rig = Rig::start();
+    let mut hz = Program::start(&[
+        "hz",
+        "--bus",
+        rig.bus(),
+        "--seconds",
+        "2",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(hz.finish(), Some(0));
+    let last: Value = serde_json::from_str(hz.printed().lines().last().unwrap()).unwrap();
+    assert!(last["states"].as_u64() > Some(5), "{last}");
+    assert!(
+        last["period_ms"]["mean"].as_f64() > Some(0.0)
+            && last["age_ms"]["max"].as_f64() > Some(0.0)
+    );
+}
+
+#[test]
+fn a_person_finds_zero_and_direction() {
+    let mut rig = Rig::start();
+    rig.program.signal(rustix::process::Signal::TERM);
+    rig.program.finish();
+    let text = std::fs::read_to_string(&rig.map).unwrap();
+    let map: MapFile = toml::from_str(&text).unwrap();
+    let (path, out) = (rig.map.clone(), rig.map.with_file_name("found.toml"));
+    let chains = &rig.chains;
+    let mut calibrate = Program::start(&[
+        "calibrate",
+        path.to_str().unwrap(),
+        "--joint",
+        "left_wrist_roll",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    calibrate.wait_for("support it, then press Enter");
+    calibrate.enter();
+    calibrate.wait_for("put it to 0, then press Enter");
+    assert!(
+        !chains[0].servo(5, |servo| servo.holds()),
+        "it is let go for the person's hand"
+    );
+    chains[0].servo(5, |servo| servo.turn_to(2.0));
+    calibrate.enter();
+    calibrate.wait_for("move it a little in its positive direction");
+    chains[0].servo(5, |servo| servo.turn_to(1.98));
+    calibrate.enter();
+    calibrate.wait_for("its shaft turned by -0.0");
+    chains[0].servo(5, |servo| servo.turn_to(1.7));
+    calibrate.enter();
+    assert_eq!(calibrate.finish(), Some(0), "{}", calibrate.log());
+    let found: MapFile = toml::from_str(&std::fs::read_to_string(out).unwrap()).unwrap();
+    let servo = &found.ports[0].servos[4];
+    assert_eq!(
+        (servo.direction, (servo.zero_rad - 2.0).abs() <= STEP_RAD),
+        (-1, true)
+    );
+    assert_eq!(found.ports[0].servos[3], map.ports[0].servos[3]);
+}
+
+#[test]
+fn only_who_is_asked_to_lets_go() {
+    let mut rig = Rig::start();
+    let map = rig.map.to_str().unwrap().to_owned();
+    let mut relax = Program::start(&["relax", &map, "--yes"]);
+    assert_eq!(
+        relax.finish(),
+        Some(4),
+        "the port is another process's: {}",
+        relax.log()
+    );
+    rig.program.signal(rustix::process::Signal::TERM);
+    assert_eq!(rig.program.finish(), Some(0));
+    let mut relax = Program::start(&["relax", &map]);
+    assert_eq!(relax.finish(), Some(2), "nobody said yes");
+    assert!((0..22).all(|joint| rig.servo(joint, |servo| servo.holds())));
+    let mut relax = Program::start(&["relax", &map, "--yes", "--joint", "right_wrist_roll"]);
+    assert_eq!(relax.finish(), Some(0), "{}", relax.log());
+    let loose: Vec<usize> = (0..22)
+        .filter(|joint| !rig.servo(*joint, |servo| servo.holds()))
+        .collect();
+    assert_eq!(loose, [HAND + 4]);
+}
+
+#[test]
+fn played_servos_are_driven_as_others_are() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let (path, out) = (
+        folder.path().join("robot.toml"),
+        folder.path().join("played.toml"),
+    );
+    let mut map = two_hands();
+    map.ports
+        .iter_mut()
+        .for_each(|port| port.answer_within_ms = 1000.0);
+    std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
+    let emulate = Program::start(&[
+        "emulate",
+        path.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    wait_until("the map", || emulate.printed().contains("atas-robot run"));
+    let bus = shm_bus::FreshBus::new("robot");
+    let mut run = Program::start(&["run", out.to_str().unwrap(), "--bus", bus.as_str()]);
+    run.wait_for("all 22 joints hold; states begin");
+    run.signal(rustix::process::Signal::INT);
+    assert_eq!(run.finish(), Some(0));
+}
+
+#[test]
+fn a_wrong_map_is_refused_with_everything_that_is_wrong() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("robot.toml");
+    let check = |text: &str, words: &[&str]| {
+        std::fs::write(&path, text).unwrap();
+        let mut run = Program::start(&["run", path.to_str().unwrap()]);
+        assert_eq!(run.finish(), Some(3), "{}", run.log());
+        for words in words {
+            assert!(run.log().contains(words), "{}", run.log());
+        }
+    };
+    check(
+        "",
+        &[
+            "there is none; a map needs at least one [[port]]",
+            "nothing moves left_shoulder_yaw",
+        ],
+    );
+    check("prt = 1", &["unknown field `prt`"]);
+    check("urdf = \"nowhere.urdf\"", &["nowhere.urdf"]);
+}
+
+#[test]
+fn completions_and_pages_are_made() {
+    let mut completions = Program::start(&["completions", "bash"]);
+    assert_eq!(completions.finish(), Some(0));
+    assert!(completions.printed().contains("atas-robot"));
+    let folder = tempfile::TempDir::new().unwrap();
+    let mut man = Program::start(&["man", folder.path().to_str().unwrap()]);
+    assert_eq!(man.finish(), Some(0));
+    assert!(folder.path().join("atas-robot-run.1").exists());
+}

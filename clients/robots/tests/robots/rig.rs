@@ -1,0 +1,318 @@
+//! Two chains of servos that are played, the real program, and a daemon's place on a bus of its own.
+
+use std::fs::File;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use atas_robots::emulator::{Chain, Planned};
+use atas_robots::joints;
+use atas_robots::map::file::{MapFile, PortEntry, ServoEntry};
+use rustix::process::{Pid, Signal, kill_process};
+use shm_bus::{Bus, FreshBus, Publisher, Realtime, Subscriber, now_ns};
+use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
+use shm_schemas::{JointCommand, JointState};
+use tempfile::TempDir;
+
+/// How long to wait for something that must happen, before the test fails instead of hanging.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Joints of one hand, each with a servo: left Dynamixel, right Feetech.
+pub(crate) const HAND: usize = 11;
+/// Longest time for which a command may be valid, ns.
+pub(crate) const VALID_NS: u64 = 100_000_000;
+/// A step of the encoders, rad.
+pub(crate) const STEP_RAD: f64 = core::f64::consts::TAU / 4096.0;
+
+/// Where the servos stand at the start: in the middle of their joints' travel, rad.
+pub(crate) fn middle_rad() -> Vec<f64> {
+    let joints = joints::of(joints::BUILT_IN).unwrap();
+    let middle = joints
+        .iter()
+        .map(|joint| 0.5 * (joint.lower_rad + joint.upper_rad));
+    middle.collect()
+}
+
+/// A map of the two-hand arm; every second shaft turns against its joint.
+pub(crate) fn two_hands() -> MapFile {
+    let joints = joints::of(joints::BUILT_IN).unwrap();
+    let servo = |(index, joint): (usize, &joints::Joint)| {
+        let is_left = index < HAND;
+        ServoEntry {
+            joint: joint.name.clone(),
+            id: (index % HAND) as u8 + 1,
+            model: if is_left { "xm430-w350" } else { "sts3215" }.to_owned(),
+            direction: if index % 2 == 0 { 1 } else { -1 },
+            zero_rad: core::f64::consts::PI,
+            gear: 1.0,
+            current_limit_a: is_left.then_some(0.8),
+            torque_limit_percent: (!is_left).then_some(30.0),
+            torque_per_current_n_m_a: Some(1.5),
+            temperature_limit_c: None,
+        }
+    };
+    let servos: Vec<ServoEntry> = joints.iter().enumerate().map(servo).collect();
+    let port = |driver: &str, servos: &[ServoEntry]| PortEntry {
+        device: format!("/dev/{driver}"),
+        driver: driver.to_owned(),
+        baud: 1_000_000,
+        rate_hz: 500.0,
+        // A busy machine lets the played servos wait for longer than a wire would.
+        answer_within_ms: 300.0,
+        servos: servos.to_vec(),
+    };
+    MapFile {
+        urdf: joints::BUILT_IN.to_owned(),
+        ports: vec![
+            port("dynamixel", &servos[..HAND]),
+            port("feetech", &servos[HAND..]),
+        ],
+    }
+}
+
+/// The angle of the shaft of a servo of that map.
+pub(crate) fn shaft_rad(joint: usize, joint_rad: f64) -> f64 {
+    let direction = if joint % 2 == 0 { 1.0 } else { -1.0 };
+    core::f64::consts::PI + direction * joint_rad
+}
+
+/// Plays the servos of a map where they stand, and puts their terminals into it.
+pub(crate) fn play(map: &mut MapFile, standing_rad: &[f64]) -> Vec<Chain> {
+    let mut joint = 0;
+    let chains = map.ports.iter_mut().map(|port| {
+        let planned: Vec<Planned> = port
+            .servos
+            .iter()
+            .map(|servo| {
+                joint += 1;
+                Planned {
+                    id: servo.id,
+                    model: servo.model.clone(),
+                    position_rad: shaft_rad(joint - 1, standing_rad[joint - 1]),
+                }
+            })
+            .collect();
+        let chain = Chain::start(&port.driver, &planned, None).unwrap();
+        port.device = chain.path().display().to_string();
+        chain
+    });
+    chains.collect()
+}
+
+/// A running `atas-robot`. Killed if the test forgets it; its log is shown if the test failed.
+pub(crate) struct Program {
+    child: Child,
+    folder: TempDir,
+}
+
+impl Program {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
+        let folder = TempDir::new().unwrap();
+        let output = |name: &str| File::create(folder.path().join(name)).unwrap();
+        let child = Command::new(env!("CARGO_BIN_EXE_atas-robot"))
+            .args(arguments)
+            .env_remove("ATAS_BUS")
+            .env("RUST_LOG", "info")
+            .stdin(Stdio::piped())
+            .stdout(output("out"))
+            .stderr(output("log"))
+            .spawn()
+            .unwrap();
+        Self { child, folder }
+    }
+
+    pub(crate) fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.child), signal).unwrap();
+    }
+
+    /// Presses Enter.
+    pub(crate) fn enter(&mut self) {
+        self.child.stdin.as_mut().unwrap().write_all(b"\n").unwrap();
+    }
+
+    /// Waits for the end, without more input: the exit code.
+    pub(crate) fn finish(&mut self) -> Option<i32> {
+        drop(self.child.stdin.take());
+        let mut status = None;
+        wait_until("the end of the program", || {
+            status = self.child.try_wait().unwrap();
+            status.is_some()
+        });
+        status.unwrap().code()
+    }
+
+    /// What it has said to people so far.
+    pub(crate) fn log(&self) -> String {
+        self.read("log")
+    }
+
+    /// What it has printed so far.
+    pub(crate) fn printed(&self) -> String {
+        self.read("out")
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.folder.path().join(name)).unwrap()
+    }
+
+    pub(crate) fn wait_for(&self, words: &str) {
+        wait_until(words, || self.log().contains(words));
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // It may have ended already; both calls then have nothing to do.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        if std::thread::panicking() {
+            let _ = writeln!(std::io::stderr(), "log of atas-robot:\n{}", self.log());
+        }
+    }
+}
+
+/// Waits until something holds.
+pub(crate) fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
+    let deadline = Instant::now() + PATIENCE;
+    while !holds() {
+        assert!(Instant::now() < deadline, "{what} never came");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Everything together; the test is the daemon.
+pub(crate) struct Rig {
+    pub(crate) chains: Vec<Chain>,
+    pub(crate) program: Program,
+    pub(crate) state: JointState,
+    pub(crate) command: JointCommand,
+    pub(crate) map: PathBuf,
+    bus: FreshBus,
+    states: Subscriber<JointState>,
+    commands: Publisher<JointCommand>,
+    _folder: TempDir,
+}
+
+impl Rig {
+    /// Servos in the middle of their travel, taken over.
+    pub(crate) fn start() -> Self {
+        let (bus, folder) = (FreshBus::new("robot"), TempDir::new().unwrap());
+        let node = Bus::open(&bus, "test", Realtime::No).unwrap();
+        let mut map = two_hands();
+        let chains = play(&mut map, &middle_rad());
+        let path = folder.path().join("robot.toml");
+        std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
+        let mut rig = Self {
+            program: Self::run(&path, &bus),
+            states: node.subscriber(JOINT_STATE).unwrap(),
+            commands: node.publisher(JOINT_COMMAND).unwrap(),
+            state: JointState::default(),
+            command: JointCommand::default(),
+            map: path,
+            chains,
+            bus,
+            _folder: folder,
+        };
+        rig.next_state();
+        rig.begin_commands(7);
+        rig
+    }
+
+    fn run(map: &std::path::Path, bus: &FreshBus) -> Program {
+        Program::start(&["run", map.to_str().unwrap(), "--bus", bus.as_str()])
+    }
+
+    pub(crate) fn bus(&self) -> &str {
+        self.bus.as_str()
+    }
+
+    /// The program dies and is started again.
+    pub(crate) fn restart(&mut self) {
+        self.program.signal(Signal::KILL);
+        self.program.finish();
+        self.program = Self::run(&self.map, &self.bus);
+    }
+
+    /// A daemon that goes on from where the robot is commanded to.
+    pub(crate) fn begin_commands(&mut self, writer_epoch: u64) {
+        self.command = JointCommand {
+            joint_count: self.state.joint_count,
+            position_rad: self.state.commanded_rad,
+            ..JointCommand::default()
+        };
+        self.command.stamp.writer_epoch = writer_epoch;
+    }
+
+    /// Whether a state came since the last look.
+    pub(crate) fn has_new_state(&mut self) -> bool {
+        self.states.newest(&mut self.state).unwrap()
+    }
+
+    /// Waits for a state.
+    pub(crate) fn next_state(&mut self) {
+        wait_until("a joint state", || {
+            self.states.newest(&mut self.state).unwrap()
+        });
+        assert!(self.state.is_intact());
+    }
+
+    /// Sends the command as it stands, valid for a while.
+    pub(crate) fn send(&mut self) {
+        self.command.stamp.sequence += 1;
+        self.command.stamp.captured_ns = now_ns();
+        self.command.valid_until_ns = now_ns() + VALID_NS - 1_000_000;
+        self.command.seal();
+        self.send_as_it_is();
+    }
+
+    /// Sends the command with all that a test has made of it.
+    pub(crate) fn send_as_it_is(&self) {
+        self.commands.send(&self.command).unwrap();
+    }
+
+    /// Moves a joint slowly to a position, rad, and waits until its servo was told.
+    pub(crate) fn move_to(&mut self, joint: usize, position_rad: f64) {
+        let from_rad = self.command.position_rad[joint];
+        for step in 1..=100 {
+            let share = f64::from(step) / 100.0;
+            self.command.position_rad[joint] = from_rad + share * (position_rad - from_rad);
+            self.send();
+            std::thread::sleep(Duration::from_millis(3));
+        }
+        let wanted_rad = shaft_rad(joint, position_rad);
+        wait_until("the goal", || {
+            self.send();
+            (self.servo(joint, |servo| servo.goal_rad()) - wanted_rad).abs() <= STEP_RAD
+        });
+    }
+
+    /// Looks at the servo of a joint, or does something to it.
+    pub(crate) fn servo<T>(
+        &self,
+        joint: usize,
+        act: impl FnOnce(&mut atas_robots::emulator::Servo) -> T,
+    ) -> T {
+        self.chains[joint / HAND].servo((joint % HAND) as u8 + 1, act)
+    }
+
+    /// Goals of all servos, rad of their shafts.
+    pub(crate) fn goals_rad(&self) -> Vec<f64> {
+        (0..2 * HAND)
+            .map(|joint| self.servo(joint, |servo| servo.goal_rad()))
+            .collect()
+    }
+
+    /// Forgets how fast the servos were.
+    pub(crate) fn forget_speeds(&self) {
+        (0..2 * HAND).for_each(|joint| {
+            self.servo(joint, |servo| servo.fastest_rad_s());
+        });
+    }
+
+    /// The fastest of all servos since then, rad/s.
+    pub(crate) fn fastest_rad_s(&self) -> f64 {
+        (0..2 * HAND)
+            .map(|joint| self.servo(joint, |servo| servo.fastest_rad_s()))
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,154 @@
+//! The robot without ports: what is told, what is obeyed, and what trouble does.
+
+use std::sync::OnceLock;
+
+use atas_robots::joints::{self, Joint};
+use atas_robots::map::JointReading;
+use atas_robots::port::Report;
+use atas_robots::robot::{Change, Robot};
+use proptest::prelude::*;
+use shm_schemas::JointCommand;
+use shm_schemas::capacity::JOINTS;
+
+const MS_NS: u64 = 1_000_000;
+
+/// Read once: the properties ask for it often.
+fn joints() -> &'static [Joint] {
+    static JOINTS: OnceLock<Vec<Joint>> = OnceLock::new();
+    JOINTS.get_or_init(|| joints::of(joints::BUILT_IN).unwrap())
+}
+
+fn held_rad(joint: usize) -> f64 {
+    0.5 * (joints()[joint].lower_rad + joints()[joint].upper_rad)
+}
+
+fn holding(life: u32, joints: core::ops::Range<usize>) -> Report {
+    Report::Holding {
+        life,
+        held_rad: joints.map(|joint| (joint, held_rad(joint))).collect(),
+    }
+}
+
+fn read(captured_ns: u64, joints: core::ops::Range<usize>) -> Report {
+    let reading = |joint| JointReading {
+        position_rad: held_rad(joint),
+        ..JointReading::default()
+    };
+    Report::Read {
+        captured_ns,
+        joints: joints.map(|joint| (joint, reading(joint))).collect(),
+    }
+}
+
+/// Two ports that hold.
+fn whole() -> Robot {
+    let mut robot = Robot::new(joints().to_vec(), 2, || 5);
+    assert_eq!(robot.report(0, holding(1, 0..11)), Change::None);
+    assert_eq!(robot.report(1, holding(1, 11..22)), Change::Whole);
+    robot
+}
+
+fn command(sequence: u64) -> JointCommand {
+    let mut command = JointCommand {
+        joint_count: 22,
+        valid_until_ns: 50 * MS_NS,
+        ..JointCommand::default()
+    };
+    (0..22).for_each(|joint| command.position_rad[joint] = held_rad(joint));
+    (command.stamp.sequence, command.stamp.writer_epoch) = (sequence, 7);
+    command.seal();
+    command
+}
+
+#[test]
+fn a_state_says_that_every_port_was_read_and_is_as_old_as_the_oldest() {
+    let mut robot = whole();
+    assert!(robot.state().is_none());
+    robot.report(0, read(3, 0..11));
+    robot.report(0, read(6, 0..11));
+    assert!(robot.state().is_none(), "one port is missing");
+    robot.report(1, read(4, 11..22));
+    let state = robot.state().unwrap();
+    assert!(state.is_intact());
+    assert_eq!((state.stamp.captured_ns, state.stamp.sequence), (4, 0));
+    assert_eq!((state.joint_count, state.commanded_count), (22, 22));
+    assert!(robot.state().is_none(), "nothing is told twice");
+}
+
+#[test]
+fn trouble_ends_states_and_obedience_and_the_next_life_is_another_robot() {
+    let mut robot = whole();
+    assert!(robot.command(&command(1), 0));
+    assert_eq!(robot.orders(1).map(|(life, _)| life), Some(1));
+    let why = "it rains".to_owned();
+    assert_eq!(
+        robot.report(1, Report::Trouble(why.clone())),
+        Change::Broken(why.clone())
+    );
+    assert_eq!(robot.report(1, Report::Trouble(why)), Change::None, "known");
+    assert_eq!(
+        robot.report(1, Report::Trouble("it snows".to_owned())),
+        Change::StillBroken("it snows".to_owned())
+    );
+    robot.report(0, read(1, 0..11));
+    robot.report(1, read(1, 11..22));
+    assert!(robot.state().is_none() && robot.orders(0).is_none());
+    assert!(!robot.command(&command(2), MS_NS));
+
+    assert_eq!(robot.report(1, holding(2, 11..22)), Change::Whole);
+    assert!(
+        robot.orders(1).is_none(),
+        "nobody has ordered anything in this life"
+    );
+    assert!(
+        robot.command(&command(1), 2 * MS_NS),
+        "any writer may begin"
+    );
+    assert_eq!(robot.orders(1).map(|(life, _)| life), Some(2));
+}
+
+#[test]
+fn commands_for_no_joints_are_not_counted_as_refused() {
+    let mut robot = whole();
+    let mut answer = JointCommand::default();
+    answer.seal();
+    assert!(!robot.command(&answer, 0));
+    assert_eq!(robot.refused(), 0);
+}
+
+proptest! {
+    /// Whatever is sent, what the servos are told is finite, within the limits, and no farther than the joints can go.
+    #[test]
+    fn nothing_outside_the_limits_is_ordered(
+        steps in proptest::collection::vec((0..22_usize, -20.0..20.0_f64, 0..4_u8, 0..200_u64), 1..60),
+    ) {
+        let (mut robot, known) = (whole(), joints());
+        let mut last_rad: [f64; JOINTS] = core::array::from_fn(|joint| if joint < 22 { held_rad(joint) } else { 0.0 });
+        let (mut next, mut now_ns, mut obeyed_ns) = (command(0), 0, None);
+        for (joint, by_rad, odd, later_ms) in steps {
+            now_ns += later_ms * MS_NS;
+            next.stamp.sequence += 1;
+            next.valid_until_ns = now_ns + 50 * MS_NS;
+            next.position_rad = last_rad;
+            next.position_rad[joint] += match odd {
+                0 => by_rad,
+                1 => 0.001 * by_rad,
+                2 => f64::NAN,
+                _ => f64::INFINITY * by_rad,
+            };
+            next.seal();
+            if robot.command(&next, now_ns) {
+                let (_, ordered_rad) = robot.orders(0).unwrap();
+                let since_s = obeyed_ns.map_or(0.0, |then: u64| (now_ns - then) as f64 * 1e-9);
+                for (index, limits) in known.iter().enumerate() {
+                    let q_rad = ordered_rad[index];
+                    prop_assert!(q_rad >= limits.lower_rad - 1e-5 && q_rad <= limits.upper_rad + 1e-5);
+                    let farthest_rad = 1.05 * limits.speed_max_rad_s * (0.008 + since_s.min(0.1));
+                    prop_assert!((q_rad - last_rad[index]).abs() <= farthest_rad + 1e-9);
+                }
+                last_rad = *ordered_rad;
+                obeyed_ns = Some(now_ns);
+            }
+        }
+    }
+}
