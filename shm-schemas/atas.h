@@ -69,12 +69,13 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_JOINT_COMMAND "atas/v1/joint-command"
 #define ATAS_SERVICE_GOAL "atas/v2/goal"
 #define ATAS_SERVICE_CONTROL "atas/v1/control"
+#define ATAS_SERVICE_GRASP_TARGET "atas/v1/grasp-target"
 #define ATAS_SERVICE_STATUS "atas/v3/status"
 #define ATAS_SERVICE_TICK_REPORT "atas/v1/tick-report"
 #define ATAS_SERVICE_VIEW "atas/v1/view"
 #define ATAS_SERVICE_MODULE_EVENT "atas/v1/module-event"
 #define ATAS_SERVICE_RUN_HEADER "atas/v1/run-header"
-#define ATAS_SERVICE_TICK_INPUTS "atas/v4/tick-inputs"
+#define ATAS_SERVICE_TICK_INPUTS "atas/v5/tick-inputs"
 #define ATAS_SERVICE_SENSOR_STATUS "atas/v1/sensor-status"
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
@@ -122,6 +123,10 @@ enum atas_goal_kind {
     ATAS_GOAL_KIND_RELEASE = 5,
     // A user's own task, by GoalRequest::task.
     ATAS_GOAL_KIND_CUSTOM = 6,
+    // The acting hand follows the targets that this goal's client streams (GraspTarget).
+    ATAS_GOAL_KIND_FOLLOW = 7,
+    // Both hands do.
+    ATAS_GOAL_KIND_FOLLOW_BOTH = 8,
 };
 
 // What happens to a goal when its client goes away.
@@ -156,6 +161,15 @@ enum atas_turn {
     ATAS_TURN_CLOCKWISE = 0,
     // Closes a left-hand thread, opens a right-hand one.
     ATAS_TURN_ANTICLOCKWISE = 1,
+};
+
+// What the fingers shall do.
+enum atas_grip_order {
+    // Go to opening_m. Fingertips that meet something on their way take hold of it, and hold it as gently as touch
+    // allows, until a wider opening is wanted.
+    ATAS_GRIP_ORDER_WIDTH = 0,
+    // Close until the fingertips touch, and hold what is there.
+    ATAS_GRIP_ORDER_HOLD = 1,
 };
 
 // What is asked.
@@ -248,6 +262,8 @@ enum atas_module_id {
     ATAS_MODULE_ID_LOAD_TEST = 12,
     // Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
     ATAS_MODULE_ID_SLIP_REACTION = 13,
+    // Leads the hand after streamed targets, within limits of speed, acceleration and jerk.
+    ATAS_MODULE_ID_FOLLOW = 14,
 };
 
 // What went wrong.
@@ -352,6 +368,22 @@ enum atas_cause {
     ATAS_CAUSE_SLIPPED_IN_HAND = 53,
     // The ways of the task are too long, or those of both hands together too many, to be checked.
     ATAS_CAUSE_TASK_TOO_LONG = 60,
+    // The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
+    ATAS_CAUSE_TARGETS_STOPPED = 70,
+    // A target failed its checksum.
+    ATAS_CAUSE_TARGET_CORRUPT = 71,
+    // A target comes from another writer than the one whose goal opened the stream.
+    ATAS_CAUSE_TARGET_FOREIGN = 72,
+    // A target is older than the one before, was made before its goal began or ahead of time, or has expired.
+    ATAS_CAUSE_TARGET_STALE = 73,
+    // A target names a hand that its goal does not have, or an order that this version does not know.
+    ATAS_CAUSE_TARGET_UNKNOWN = 74,
+    // A value of a target is not finite.
+    ATAS_CAUSE_TARGET_NOT_FINITE = 75,
+    // A value of a target is out of its range.
+    ATAS_CAUSE_TARGET_OUT_OF_RANGE = 76,
+    // An arm stands across the middle, which both keep clear of while a client leads them.
+    ATAS_CAUSE_ACROSS_THE_MIDDLE = 77,
 };
 
 // What a tick was told by the daemon's supervisor.
@@ -674,6 +706,52 @@ _Static_assert(offsetof(atas_goal_update, progress) == 44, "atas_goal_update.pro
 _Static_assert(offsetof(atas_goal_update, reason) == 48, "atas_goal_update.reason");
 _Static_assert(offsetof(atas_goal_update, step) == 80, "atas_goal_update.step");
 _Static_assert(offsetof(atas_goal_update, figures) == 96, "atas_goal_update.figures");
+
+// Where a hand shall be: one target of the stream that a goal follow has opened. Frame: base of the robot (x forward,
+// y left, z up, origin on the table top under the torso); the hand points straight down.
+//
+// The newest target counts. The hand follows it within limits of its own; how hard it holds is not the client's to say.
+typedef struct atas_grasp_target {
+    // writer_epoch is that of the goal's request, sequence rises, captured_ns is when the target was made.
+    atas_stamp stamp;
+    // The hand stops and keeps what it holds if nothing newer has come by then, nanoseconds of the clock of the daemon's
+    // stamps. At most two seconds ahead count.
+    uint64_t valid_until_ns;
+    // Which hand.
+    uint32_t hand; // enum atas_hand
+    // What its fingers shall do.
+    uint32_t grip; // enum atas_grip_order
+    // Point between the fingertips, m.
+    double centre_m[3];
+    // Direction of the closing axis, rad from +x towards +y. A half turn more or less is the same grasp: the hand takes
+    // the one that is nearer.
+    double closing_yaw_rad;
+    // Distance between the fingertips' surfaces, m; not used by HOLD.
+    double opening_m;
+    // Written as zero.
+    uint32_t pad;
+    // CRC-32 (IEEE) of every byte before this field.
+    uint32_t crc32;
+} atas_grasp_target;
+#define ATAS_GRASP_TARGET_TYPE "atas.GraspTarget.v1"
+_Static_assert(sizeof(atas_grasp_target) == 88, "atas_grasp_target");
+_Static_assert(_Alignof(atas_grasp_target) == 8, "atas_grasp_target");
+_Static_assert(offsetof(atas_grasp_target, stamp) == 0, "atas_grasp_target.stamp");
+_Static_assert(offsetof(atas_grasp_target, valid_until_ns) == 24, "atas_grasp_target.valid_until_ns");
+_Static_assert(offsetof(atas_grasp_target, hand) == 32, "atas_grasp_target.hand");
+_Static_assert(offsetof(atas_grasp_target, grip) == 36, "atas_grasp_target.grip");
+_Static_assert(offsetof(atas_grasp_target, centre_m) == 40, "atas_grasp_target.centre_m");
+_Static_assert(offsetof(atas_grasp_target, closing_yaw_rad) == 64, "atas_grasp_target.closing_yaw_rad");
+_Static_assert(offsetof(atas_grasp_target, opening_m) == 72, "atas_grasp_target.opening_m");
+_Static_assert(offsetof(atas_grasp_target, pad) == 80, "atas_grasp_target.pad");
+_Static_assert(offsetof(atas_grasp_target, crc32) == 84, "atas_grasp_target.crc32");
+// Call last, after every other field is final.
+static inline void atas_grasp_target_seal(atas_grasp_target *payload) {
+    payload->crc32 = atas_crc32(payload, offsetof(atas_grasp_target, crc32));
+}
+static inline int atas_grasp_target_is_intact(const atas_grasp_target *payload) {
+    return payload->crc32 == atas_crc32(payload, offsetof(atas_grasp_target, crc32));
+}
 
 // One request.
 typedef struct atas_control_request {
@@ -1277,8 +1355,8 @@ _Static_assert(offsetof(atas_order_record, goal) == 56, "atas_order_record.goal"
 _Static_assert(offsetof(atas_order_record, task) == 232, "atas_order_record.task");
 _Static_assert(offsetof(atas_order_record, settings) == 3336, "atas_order_record.settings");
 
-// What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
-// several parts, one after the other.
+// What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
+// than one target, is told in several parts, one after the other.
 typedef struct atas_tick_inputs {
     // sequence counts the parts of all ticks since the start, from 0; captured_ns is the tick's time.
     atas_stamp stamp;
@@ -1292,19 +1370,21 @@ typedef struct atas_tick_inputs {
     uint32_t has_frame[2];
     // 1 if a joint state arrived.
     uint32_t has_joints;
-    // Written as zero.
-    uint32_t pad;
+    // 1 if this part has a target.
+    uint32_t has_target;
     // Frame number part of each hand, as it came, unchecked.
     atas_hand_frame frames[2];
     // The newest joint state, as it came, unchecked.
     atas_joint_state joints;
+    // Target number part, as it came, unchecked.
+    atas_grasp_target target;
     // The order that was taken.
     atas_order_record order;
     // The command that was published.
     atas_joint_command command;
 } atas_tick_inputs;
-#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v4"
-_Static_assert(sizeof(atas_tick_inputs) == 12144, "atas_tick_inputs");
+#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v5"
+_Static_assert(sizeof(atas_tick_inputs) == 12232, "atas_tick_inputs");
 _Static_assert(_Alignof(atas_tick_inputs) == 8, "atas_tick_inputs");
 _Static_assert(offsetof(atas_tick_inputs, stamp) == 0, "atas_tick_inputs.stamp");
 _Static_assert(offsetof(atas_tick_inputs, tick) == 24, "atas_tick_inputs.tick");
@@ -1312,11 +1392,12 @@ _Static_assert(offsetof(atas_tick_inputs, part) == 32, "atas_tick_inputs.part");
 _Static_assert(offsetof(atas_tick_inputs, parts) == 36, "atas_tick_inputs.parts");
 _Static_assert(offsetof(atas_tick_inputs, has_frame) == 40, "atas_tick_inputs.has_frame");
 _Static_assert(offsetof(atas_tick_inputs, has_joints) == 48, "atas_tick_inputs.has_joints");
-_Static_assert(offsetof(atas_tick_inputs, pad) == 52, "atas_tick_inputs.pad");
+_Static_assert(offsetof(atas_tick_inputs, has_target) == 52, "atas_tick_inputs.has_target");
 _Static_assert(offsetof(atas_tick_inputs, frames) == 56, "atas_tick_inputs.frames");
 _Static_assert(offsetof(atas_tick_inputs, joints) == 6360, "atas_tick_inputs.joints");
-_Static_assert(offsetof(atas_tick_inputs, order) == 7448, "atas_tick_inputs.order");
-_Static_assert(offsetof(atas_tick_inputs, command) == 11568, "atas_tick_inputs.command");
+_Static_assert(offsetof(atas_tick_inputs, target) == 7448, "atas_tick_inputs.target");
+_Static_assert(offsetof(atas_tick_inputs, order) == 7536, "atas_tick_inputs.order");
+_Static_assert(offsetof(atas_tick_inputs, command) == 11656, "atas_tick_inputs.command");
 
 // One hand's sensor, as the controller is wired to it.
 typedef struct atas_hand_wiring_record {

@@ -52,6 +52,8 @@ pub struct Config {
     pub place: settings::Place,
     /// Modules 0 and 4: screwing.
     pub screw: settings::Screw,
+    /// Following a client's targets.
+    pub follow: settings::Follow,
     /// How the hand moves.
     pub motion: settings::Motion,
     /// The last gate.
@@ -212,6 +214,7 @@ impl Config {
             place: self.place,
             screw: self.screw,
             motion: self.motion,
+            follow: self.follow,
             safety: self.safety,
         }
     }
@@ -225,6 +228,7 @@ impl Config {
             grasp: settings.grasp,
             place: settings.place,
             screw: settings.screw,
+            follow: settings.follow,
             motion: settings.motion,
             safety: settings.safety,
             ..self.clone()

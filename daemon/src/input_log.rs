@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use atas_core::{Inputs, record};
 use rtrb::{Consumer, Producer, RingBuffer};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
+use shm_schemas::{GraspTarget, HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
 
 /// Boxes of 12 KiB, locked memory: the supervisor may fall behind by an eighth of a second at 1 kHz, thirty of its rounds.
 /// Ours.
@@ -69,7 +69,11 @@ impl LogWriter {
     /// Keeps what a tick took in, and the command that it gave out.
     pub fn keep(&mut self, inputs: &Inputs<'_>, command: &JointCommand) {
         let frames = inputs.frames.iter().map(|frames| frames.len());
-        let parts = frames.max().unwrap_or(0).max(1);
+        let parts = frames
+            .chain([inputs.targets.len()])
+            .max()
+            .unwrap_or(0)
+            .max(1);
         let first = self.sequence;
         self.sequence += parts as u64;
         for part in 0..parts {
@@ -136,6 +140,12 @@ fn fill(blank: &mut TickInputs, inputs: &Inputs<'_>, part: usize, command: &Join
         None => {}
     }
     blank.has_joints = u32::from(inputs.joints.is_some());
+    match inputs.targets.get(part) {
+        Some(target) => blank.target = *target,
+        None if blank.has_target != 0 => blank.target = GraspTarget::default(),
+        None => {}
+    }
+    blank.has_target = u32::from(part < inputs.targets.len());
     if inputs.order.is_some() || blank.order.kind != OrderKind::NONE {
         blank.order = record::write_order(inputs.order);
     }
@@ -155,6 +165,7 @@ mod tests {
             },
             frames: [frames, &[]],
             joints: None,
+            targets: &[],
             order,
         }
     }

@@ -55,7 +55,10 @@ impl Pacer {
     pub fn take_in(&self, ports: &mut InputPorts) {
         match self {
             Self::Free(_) => ports.look(),
-            Self::LockStep(_) => ports.look_for_frames(),
+            Self::LockStep(_) => {
+                ports.look_for_frames();
+                ports.look_for_targets();
+            }
         }
     }
 

@@ -1,9 +1,10 @@
-//! What comes in on the tick: both hands' frames and the newest joint state, in memory that was set aside at the start.
+//! What comes in on the tick: both hands' frames, the newest joint state, a client's targets, in memory that was set aside at the start.
 
+use atas_core::io::TARGETS_PER_TICK;
 use atas_core::{Inputs, Order, Tick};
 use shm_bus::{Bus, BusError, Subscriber};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{HandFrame, JointState, View, service};
+use shm_schemas::{GraspTarget, HandFrame, JointState, View, service};
 
 /// Most frames of one hand that one tick takes in. More wait for the next tick, which makes the drain bounded.
 pub const FRAMES_PER_TICK: usize = 64;
@@ -16,6 +17,9 @@ pub const STREAMS: usize = HANDS + 1;
 pub struct InputPorts {
     hands: [HandPort; HANDS],
     joints: Subscriber<JointState>,
+    stream: Subscriber<GraspTarget>,
+    targets: Box<[GraspTarget; TARGETS_PER_TICK]>,
+    target_count: usize,
     newest: JointState,
     has_news: bool,
     failures: u64,
@@ -41,6 +45,9 @@ impl InputPorts {
         Ok(Self {
             hands: [HandPort::open(bus, left)?, HandPort::open(bus, right)?],
             joints: bus.subscriber(service::JOINT_STATE)?,
+            stream: bus.subscriber(service::GRASP_TARGET)?,
+            targets: Box::default(),
+            target_count: 0,
             newest: JointState::default(),
             has_news: false,
             failures: 0,
@@ -51,13 +58,15 @@ impl InputPorts {
     pub fn begin(&mut self) {
         self.hands.iter_mut().for_each(|hand| hand.count = 0);
         self.has_news = false;
+        self.target_count = 0;
     }
 
-    /// Takes in what has come since the last look, hands before joints, as they are sent. At most [`FRAMES_PER_TICK`]
+    /// Takes in what has come since the last look, hands before joints, as they are sent, and then what clients want. At most [`FRAMES_PER_TICK`]
     /// frames of each hand fit between two calls of [`InputPorts::begin`].
     pub fn look(&mut self) {
         self.look_for_frames();
         self.look_for_joints();
+        self.look_for_targets();
     }
 
     /// Takes in the frames alone.
@@ -65,6 +74,22 @@ impl InputPorts {
         for hand in &mut self.hands {
             self.failures += u64::from(hand.take().is_err());
         }
+    }
+
+    /// Takes in the targets of a client that leads a hand; what finds no room waits for the next tick.
+    pub fn look_for_targets(&mut self) {
+        let Self {
+            stream,
+            targets,
+            target_count,
+            failures,
+            ..
+        } = self;
+        let taken = stream.drain(TARGETS_PER_TICK - *target_count, |target| {
+            targets[*target_count] = *target;
+            *target_count += 1;
+        });
+        *failures += u64::from(taken.is_err());
     }
 
     /// Whether something waits in each of these streams. Asked in the reverse of the order in which they are sent, so that
@@ -128,6 +153,7 @@ impl InputPorts {
             tick,
             frames: self.hands.each_ref().map(|hand| &hand.frames[..hand.count]),
             joints: self.has_news.then_some(&self.newest),
+            targets: &self.targets[..self.target_count],
             order,
         }
     }

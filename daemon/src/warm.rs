@@ -7,7 +7,7 @@
 //! * **In:** the controller, and the inputs of the last tick. **Out:** nothing but warm caches.
 //! * **Invariants:** the controller itself is only read. No allocation, no system call. A copy that panics is not stepped
 //!   again: the tick itself will find out why.
-//! * **Absent on purpose:** orders. What they bring is rare and may be cold.
+//! * **Absent on purpose:** orders and targets. What they bring is rare and may be cold.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -59,6 +59,7 @@ impl DryTick {
                 }
             }),
             joints: self.has_joints.then_some(&*self.joints),
+            targets: &[],
             order: None,
         };
         let copy = &mut *self.controller;

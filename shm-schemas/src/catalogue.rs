@@ -5,7 +5,7 @@
 
 use crate::schema::{CodeType, PayloadType};
 use crate::{control, event, frame, goal, joints, module, reason, record, stamp, status, stop};
-use crate::{swarm, tick, truth, view};
+use crate::{swarm, target, tick, truth, view};
 
 /// Every code.
 pub const CODES: &[&CodeType] = &[
@@ -15,6 +15,7 @@ pub const CODES: &[&CodeType] = &[
     &goal::GoalPolicy::CODE,
     &goal::GoalState::CODE,
     &goal::Turn::CODE,
+    &target::GripOrder::CODE,
     &control::ControlOp::CODE,
     &control::ControlOutcome::CODE,
     &stop::StopOutcome::CODE,
@@ -34,6 +35,7 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &goal::GraspFigures::PAYLOAD,
     &reason::Reason::PAYLOAD,
     &goal::GoalUpdate::PAYLOAD,
+    &target::GraspTarget::PAYLOAD,
     &control::ControlRequest::PAYLOAD,
     &control::ControlReply::PAYLOAD,
     &stop::StopRequest::PAYLOAD,

@@ -23,6 +23,10 @@ code! {
         RELEASE = 5, "release";
         /// A user's own task, by [`GoalRequest::task`].
         CUSTOM = 6, "custom";
+        /// The acting hand follows the targets that this goal's client streams ([`crate::GraspTarget`]).
+        FOLLOW = 7, "follow";
+        /// Both hands do.
+        FOLLOW_BOTH = 8, "follow-both";
     }
 }
 
@@ -75,6 +79,14 @@ code! {
         FAILED = 6, "failed";
         /// Ended by the client.
         CANCELLED = 7, "cancelled";
+    }
+}
+
+impl GoalKind {
+    /// Whether its client leads the hand by a stream of targets.
+    #[must_use]
+    pub fn is_stream(self) -> bool {
+        matches!(self, Self::FOLLOW | Self::FOLLOW_BOTH)
     }
 }
 

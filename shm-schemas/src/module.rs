@@ -34,5 +34,7 @@ code! {
         LOAD_TEST = 12, "load test";
         /// Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
         SLIP_REACTION = 13, "slip reaction";
+        /// Leads the hand after streamed targets, within limits of speed, acceleration and jerk.
+        FOLLOW = 14, "follow";
     }
 }

@@ -108,6 +108,22 @@ code! {
         SLIPPED_IN_HAND = 53, "slipped-in-hand";
         /// The ways of the task are too long, or those of both hands together too many, to be checked.
         TASK_TOO_LONG = 60, "task-too-long";
+        /// The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
+        TARGETS_STOPPED = 70, "targets-stopped";
+        /// A target failed its checksum.
+        TARGET_CORRUPT = 71, "target-corrupt";
+        /// A target comes from another writer than the one whose goal opened the stream.
+        TARGET_FOREIGN = 72, "target-foreign";
+        /// A target is older than the one before, was made before its goal began or ahead of time, or has expired.
+        TARGET_STALE = 73, "target-stale";
+        /// A target names a hand that its goal does not have, or an order that this version does not know.
+        TARGET_UNKNOWN = 74, "target-unknown";
+        /// A value of a target is not finite.
+        TARGET_NOT_FINITE = 75, "target-not-finite";
+        /// A value of a target is out of its range.
+        TARGET_OUT_OF_RANGE = 76, "target-out-of-range";
+        /// An arm stands across the middle, which both keep clear of while a client leads them.
+        ACROSS_THE_MIDDLE = 77, "across-the-middle";
     }
 }
 

@@ -11,6 +11,7 @@ use crate::joints::{JointCommand, JointState};
 use crate::payload::payload;
 use crate::reason::Reason;
 use crate::stamp::Stamp;
+use crate::target::GraspTarget;
 use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
@@ -123,9 +124,9 @@ payload! {
 }
 
 payload! {
-    /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
-    /// several parts, one after the other.
-    TickInputs as "atas.TickInputs.v4" {
+    /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
+    /// than one target, is told in several parts, one after the other.
+    TickInputs as "atas.TickInputs.v5" {
         /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
         pub stamp: Stamp,
         /// Index of the tick; a gap means missed ticks.
@@ -138,12 +139,14 @@ payload! {
         pub has_frame: [u32; HANDS],
         /// 1 if a joint state arrived.
         pub has_joints: u32,
-        /// Written as zero.
-        pub pad: u32,
+        /// 1 if this part has a target.
+        pub has_target: u32,
         /// Frame number `part` of each hand, as it came, unchecked.
         pub frames: [HandFrame; HANDS],
         /// The newest joint state, as it came, unchecked.
         pub joints: JointState,
+        /// Target number `part`, as it came, unchecked.
+        pub target: GraspTarget,
         /// The order that was taken.
         pub order: OrderRecord,
         /// The command that was published.

@@ -1,7 +1,7 @@
 //! A [`Reason`] as one sentence: could not X because Y was A, needs B; do C.
 
 use crate::body::BodyPair;
-use crate::goal::GoalRequest;
+use crate::goal::{GoalKind, GoalRequest};
 use crate::joints::Mode;
 use crate::module::ModuleId;
 use crate::reason::{Cause, Reason};
@@ -15,6 +15,7 @@ impl fmt::Display for Reason {
             10..=19 | 29 | 50..=59 => self.write_task(f),
             20..=29 => self.write_frames(f),
             30..=39 => self.write_joints(f),
+            70..=79 => self.write_target(f),
             _ => self.write_daemon(f),
         }?;
         if self.module != ModuleId::NONE {
@@ -80,6 +81,11 @@ impl Reason {
             Cause::UNKNOWN_GOAL => write!(
                 f,
                 "field {index} of the goal has the unknown code {value}; update the client"
+            ),
+            Cause::BUSY if GoalKind(value as u32).is_known() => write!(
+                f,
+                "the goal `{}` is active; wait for it or cancel it",
+                GoalKind(value as u32)
             ),
             Cause::BUSY => f.write_str("another goal is active; wait for it or cancel it"),
             Cause::NOT_READY => write!(
@@ -357,7 +363,7 @@ impl Reason {
         }
     }
 
-    fn write_unknown(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    pub(crate) fn write_unknown(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
             cause,
             value,

@@ -12,6 +12,8 @@ pub const JOINT_COMMAND: &str = "atas/v1/joint-command";
 pub const GOAL: &str = "atas/v2/goal";
 /// Request-response: [`crate::ControlRequest`] answered by one [`crate::ControlReply`].
 pub const CONTROL: &str = "atas/v1/control";
+/// Publish-subscribe: [`crate::GraspTarget`], one publisher (the client of a goal `follow`), 1 to 1,000 Hz for each hand.
+pub const GRASP_TARGET: &str = "atas/v1/grasp-target";
 /// Publish-subscribe: [`crate::Status`], 50 Hz, from the daemon's non-real-time side.
 pub const STATUS: &str = "atas/v3/status";
 /// Publish-subscribe: [`crate::TickReport`], one per tick, from the daemon's non-real-time side.
@@ -23,7 +25,7 @@ pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
 pub const RUN_HEADER: &str = "atas/v1/run-header";
 /// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
-pub const TICK_INPUTS: &str = "atas/v4/tick-inputs";
+pub const TICK_INPUTS: &str = "atas/v5/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.
@@ -34,13 +36,14 @@ pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
 
 /// Every service by its name here.
-pub const NAMES: [(&str, &str); 16] = [
+pub const NAMES: [(&str, &str); 17] = [
     ("HAND_FRAME_LEFT", HAND_FRAME[0]),
     ("HAND_FRAME_RIGHT", HAND_FRAME[1]),
     ("JOINT_STATE", JOINT_STATE),
     ("JOINT_COMMAND", JOINT_COMMAND),
     ("GOAL", GOAL),
     ("CONTROL", CONTROL),
+    ("GRASP_TARGET", GRASP_TARGET),
     ("STATUS", STATUS),
     ("TICK_REPORT", TICK_REPORT),
     ("VIEW", VIEW),

@@ -83,6 +83,8 @@ pub(crate) struct Contact {
     pub(crate) normal_n: f64,
     /// Distance slid since the present grasp's first touch, weighted by normal force, m.
     pub(crate) slip_m: f64,
+    /// Share of the normal force under bristles that slide now, 0 to 1: 1 when the fingertip slips as a whole.
+    pub(crate) sliding_share: f64,
 }
 
 impl Contact {
@@ -96,6 +98,7 @@ impl Contact {
             free_s: 0.0,
             normal_n: 0.0,
             slip_m: 0.0,
+            sliding_share: 0.0,
         }
     }
 
@@ -111,6 +114,7 @@ impl Contact {
         self.free_s += dt_s;
         self.compression.recover(dt_s);
         self.normal_n = 0.0;
+        self.sliding_share = 0.0;
     }
 
     /// One step of `dt_s` against a surface; returns the wrench on the object.
@@ -186,7 +190,7 @@ impl Contact {
         let skin_n_m = bristle_n_m * self.touches.len() as f64;
         let damping_s = SKIN_DAMPING_S.min(DAMPING_SHARE * surface.mass_kg / (dt_s * skin_n_m));
         let mut sum = Wrench::default();
-        let (mut normal_n, mut slid_n_m) = (0.0, 0.0);
+        let (mut normal_n, mut slid_n_m, mut sliding_n) = (0.0, 0.0, 0.0);
         for touch in &mut self.touches {
             let (velocity, leaving_m_s) = approach.velocity_at(touch);
             let pressing_n = (bristle_n_m * (touch.depth_m - damping_s * leaving_m_s)).max(0.0);
@@ -209,12 +213,14 @@ impl Contact {
             touch.force_n = rubbed.force_n - touch.normal * pressing_n;
             normal_n += pressing_n;
             slid_n_m += pressing_n * rubbed.slid_m;
+            sliding_n += if rubbed.slid_m > 0.0 { pressing_n } else { 0.0 };
             sum.force_n += touch.force_n;
             sum.moment_n_m += touch.point_m.cross(&touch.force_n);
         }
         self.normal_n = normal_n;
         if normal_n > 0.0 {
             self.slip_m += slid_n_m / normal_n;
+            self.sliding_share = sliding_n / normal_n;
         }
         sum
     }

@@ -191,6 +191,14 @@ impl World {
         truth
     }
 
+    /// Share of a fingertip's normal force under skin that slides now, 0 to 1: 1 when it slips as a whole. Hand 0 is left.
+    #[must_use]
+    pub fn sliding_share(&self, hand: usize, finger: usize) -> f64 {
+        let hand = self.hands.get(hand);
+        let contact = hand.and_then(|hand| hand.contacts.get(finger));
+        contact.map_or(0.0, |contact| contact.sliding_share)
+    }
+
     /// Time of the present instant, ns.
     #[must_use]
     pub fn now_ns(&self) -> u64 {

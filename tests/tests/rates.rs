@@ -85,6 +85,7 @@ impl<'a> Fast<'a> {
             },
             frames: [&frames[0], &frames[1]],
             joints,
+            targets: &[],
             order: self.order.take().as_ref(),
         });
         self.index += 1;

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  atas_console::arguments ─▶ main ─┬─ goals ─▶ send ────▶ a goal, followed to its end
+//!                                   ├─ follow ──────────▶ a stream of targets, by keys or from a file
 //!                                   ├─ estop ───────────▶ a stop, on a way of its own
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
@@ -20,6 +21,7 @@ mod doctor;
 mod estop;
 mod events;
 mod explain;
+mod follow;
 mod goals;
 mod latency;
 mod manual;
@@ -49,6 +51,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Assemble(arguments) => goals::assemble(arguments, interrupt, output),
         Command::Task(arguments) => goals::task(arguments, interrupt, output),
         Command::Release(arguments) => goals::release(arguments, interrupt, output),
+        Command::Follow(arguments) => follow::follow(arguments, interrupt, output),
         Command::Estop(bus) => estop::estop(&bus.bus, output),
         Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),

@@ -3,6 +3,7 @@
 //! ```text
 //!  Session ─┬─ watch_status, control: one answer
 //!           ├─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
+//!           ├─ Leader: a goal that opens a stream of targets, and the stream
 //!           └─ Watch: looking on
 //!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
 //!  standstill: whether the ticks still come
@@ -21,6 +22,7 @@ pub mod goal;
 pub mod histogram;
 pub mod json;
 pub mod layouts;
+mod leader;
 pub mod percentiles;
 mod progress;
 mod pursuit;
@@ -31,6 +33,7 @@ mod watch;
 pub mod words;
 
 pub use error::ClientError;
+pub use leader::{Leader, Led, Wanted};
 pub use progress::GoalProgress;
 pub use pursuit::{Cancelled, Pursuit};
 pub use session::{POLL, Session};

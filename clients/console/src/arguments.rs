@@ -20,6 +20,7 @@ mod demos;
 mod evals;
 mod examples;
 mod exports;
+mod follows;
 mod goals;
 mod plots;
 mod records;
@@ -30,9 +31,12 @@ pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
 pub use dashboards::Dashboard;
 pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
-pub use evals::{Eval, Evaluation, RecordedEvaluation, Summary, TaskName, Tuning};
+pub use evals::{
+    Eval, Evaluation, RecordedEvaluation, ReflexEvaluation, Summary, TaskName, Tuning,
+};
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
+pub use follows::Follow;
 pub use goals::{
     Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,
 };
@@ -91,6 +95,8 @@ pub enum Command {
     Assemble(Assemble),
     /// Run a task of your own, which the daemon's configuration defines; Ctrl-C cancels
     Task(UserTask),
+    /// Lead a hand: by keys in a terminal, or along a file of targets; touch decides how hard it holds
+    Follow(Follow),
     /// Open a hand where it is and bring it home; Ctrl-C cancels
     Release(Release),
     /// Stop now: the robot keeps its place and its grip until `atas recover`

@@ -8,6 +8,8 @@
 //!             ├─▶ TrialRow: one row per trial
 //!             └─▶ figures: the same run, tick by tick, as SVG
 //!
+//!  a clumsy policy ─▶ reflex: the same targets with a reflex beneath and without it
+//!
 //!  recordings of real fingertips ─▶ recorded: production perception, judged by labels
 //! ```
 //!
@@ -30,6 +32,7 @@ mod physics;
 mod plan;
 mod policy;
 pub mod recorded;
+mod reflex;
 pub mod replay;
 mod report;
 mod rows;
@@ -47,6 +50,7 @@ pub use markdown::{errors_table, table};
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::Plan;
 pub use policy::GripPolicy;
+pub use reflex::{ReflexPlan, ReflexReport, Script};
 pub use report::{Baseline, Family, Report, Row};
 pub use rows::TrialRow;
 pub use statistics::{median, wilson};

@@ -8,7 +8,8 @@ use atas_core::tasks::Task;
 use atas_core::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::{
-    GoalRequest, GoalState, GoalUpdate, Hand, HandFrame, JointCommand, Mode, Reason, WorldTruth,
+    GoalRequest, GoalState, GoalUpdate, GraspTarget, Hand, HandFrame, JointCommand, Mode, Reason,
+    WorldTruth,
 };
 use sim_backend::{GraspHint, Scene, SceneError, Sensed, TICK_NS, World};
 
@@ -24,6 +25,8 @@ pub struct OfflineRun {
     command: JointCommand,
     index: u64,
     task: Option<Task>,
+    /// What a client streams to the coming tick.
+    targets: Vec<GraspTarget>,
 }
 
 /// What became of one goal.
@@ -82,12 +85,18 @@ impl OfflineRun {
             command: JointCommand::default(),
             index: 0,
             task: None,
+            targets: Vec::new(),
         })
     }
 
     /// Makes a task known besides the built-in ones, for goals that name it.
     pub fn teach(&mut self, task: Option<Task>) {
         self.task = task;
+    }
+
+    /// Streams a target to the coming tick, as the client of a goal `follow` does.
+    pub fn lead(&mut self, target: GraspTarget) {
+        self.targets.push(target);
     }
 
     /// One tick: sense, decide, move.
@@ -115,8 +124,10 @@ impl OfflineRun {
             tick,
             frames,
             joints: Some(&self.sensed.joints),
+            targets: &self.targets,
             order,
         });
+        self.targets.clear();
         self.command = outputs.command;
         self.world.advance(Some(&self.command));
         self.index += 1;

@@ -17,6 +17,7 @@ use shm_schemas::{
 
 use crate::errors::{AtasError, of_bus};
 use crate::goal::Goal;
+use crate::leader::Leader;
 use crate::reader::Reader;
 use crate::robot::Robot;
 use crate::sensor::Sensor;
@@ -216,6 +217,12 @@ impl Bus {
             ..goal::pick_place(&target(at, yaw, width), hand_of(hand)?, to, lift)
         };
         self.send(goal, attached)
+    }
+
+    /// Leads a hand ("left", "right" or "both") by a stream of targets, from now on until `Leader.end`. One client at a time may.
+    #[pyo3(signature = (hand = "right"))]
+    fn follow(&self, py: Python<'_>, hand: &str) -> PyResult<Leader> {
+        Leader::open(py, &self.session, hand)
     }
 
     /// Opens a hand where it is and moves it home.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  rows       payloads as NumPy arrays: the array's type is made from the schema
-//!  bus        Bus ─▶ Reader (arrays), Sensor (frames), Robot (joints, commands), Goal; requests
+//!  bus        Bus ─▶ Reader (arrays), Sensor (frames), Robot (joints, commands), Goal, Leader (targets); requests
 //!  simulation the simulator with the production controller, tick by tick
 //!  recording  recordings as arrays, replayed by the production controller
 //!  learning   environments, one or many
@@ -11,12 +11,13 @@
 //! * **In, out:** what the docstrings say. **Invariants:** the bus's rules (seals, sequences, epochs, lock-step, which commands are
 //!   obeyed) are kept here and cannot be broken from Python; what is received is copied once, from shared memory into the
 //!   array; whatever waits or computes lets other Python threads run.
-//! * **Absent on purpose:** streams of targets (the daemon takes goals only), and what is not Rust: enumerations, environments'
+//! * **Absent on purpose:** what is not Rust: enumerations, environments'
 //!   spaces and wrappers are Python (`python/atas`).
 
 mod bus;
 mod errors;
 mod goal;
+mod leader;
 mod learning;
 mod reader;
 mod recording;
@@ -36,6 +37,8 @@ mod _native {
     use super::errors::{AtasError, BusError};
     #[pymodule_export]
     use super::goal::Goal;
+    #[pymodule_export]
+    use super::leader::Leader;
     #[pymodule_export]
     use super::learning::{Batch, Environment, parts};
     #[pymodule_export]

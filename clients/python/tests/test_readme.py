@@ -48,6 +48,7 @@ SAYS = {
     "feel.py": "taxels of the right hand: (2, 41, 3)",
     "grasp.py": "SUCCEEDED",
     "look.py": "frame age",
+    "follow.py": "carry F_n",
     "sensor.py": "",
     "robot.py": "SUCCEEDED",
     "replay.py": ", 0 commands differ",

@@ -1,8 +1,8 @@
 //! What is recorded: the bus's payloads as their plain bytes, each on a channel whose schema describes the layout.
 
 use shm_schemas::{
-    FingerReport, GoalRequest, HandFrame, HandReport, HandWiringRecord, JointCommand, JointState,
-    ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SensorStatus,
+    FingerReport, GoalRequest, GraspTarget, HandFrame, HandReport, HandWiringRecord, JointCommand,
+    JointState, ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SensorStatus,
     SettingsRecord, Stamp, Status, StepRecord, TaskRecord, TickInputs, TickReport, TrackRecord,
     service,
 };
@@ -43,7 +43,7 @@ macro_rules! recorded {
 
 recorded! {
     RunHeader at service::RUN_HEADER, with HandWiringRecord SettingsRecord;
-    TickInputs at service::TICK_INPUTS, with HandFrame JointState OrderRecord Reason GoalRequest TaskRecord TrackRecord StepRecord SettingsRecord JointCommand;
+    TickInputs at service::TICK_INPUTS, with HandFrame JointState GraspTarget OrderRecord Reason GoalRequest TaskRecord TrackRecord StepRecord SettingsRecord JointCommand;
     TickReport at service::TICK_REPORT, with HandReport FingerReport;
     ModuleEvent at service::MODULE_EVENT, with Reason;
     Status at service::STATUS, with Percentiles Reason;

@@ -5,6 +5,7 @@ mod goals;
 mod modes;
 
 use crate::check::Circumstances;
+use crate::follow::TargetIntake;
 use crate::goal::ActiveGoal;
 use crate::hand::HandControl;
 use crate::io::{Events, Inputs, Order, Outputs};
@@ -37,6 +38,7 @@ pub struct Controller {
     gate: Gate,
     goal: Option<ActiveGoal>,
     last_goal: Option<ActiveGoal>,
+    targets: TargetIntake,
     tick: Tick,
     stall_watch: StallWatch,
     stall: Reason,
@@ -65,6 +67,7 @@ impl Controller {
             gate: Gate::new(robot, wiring.writer_epoch),
             goal: None,
             last_goal: None,
+            targets: TargetIntake::default(),
             tick: Tick::default(),
             stall_watch: StallWatch::new(wiring.tick_s),
             stall: Reason::default(),
@@ -97,6 +100,7 @@ impl Controller {
         self.joints
             .take(inputs.joints, self.tick, &self.settings.intake);
         self.apply(inputs.order);
+        self.listen(inputs.targets);
         passed(Stage::Intake);
         for (hand, frames) in self.hands.iter_mut().zip(inputs.frames) {
             hand.update(frames, self.tick, &self.settings, &mut self.outputs.events);

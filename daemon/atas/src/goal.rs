@@ -136,9 +136,9 @@ impl ActiveGoal {
         side == self.side || self.both_hands
     }
 
-    /// Whether the goal ends when its client goes away.
+    /// Whether the goal ends when its client goes away. Nobody else can lead a hand that a client leads.
     #[must_use]
     pub fn is_attached(&self) -> bool {
-        self.request.policy == GoalPolicy::ATTACHED
+        self.request.policy == GoalPolicy::ATTACHED || self.request.kind.is_stream()
     }
 }

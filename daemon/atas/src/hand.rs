@@ -1,6 +1,7 @@
 //! One hand: everything between its frames and its joint positions, in the order in which data flows.
 
 use crate::arbitration::{Arbiter, Intent};
+use crate::follow::{CheckedTarget, Lead};
 use crate::goal::Goal;
 use crate::intake::FrameIntake;
 use crate::io::Events;
@@ -163,6 +164,14 @@ impl HandControl {
         Some(reason)
     }
 
+    /// Takes in what the client that leads the hand wants, if one does.
+    pub(crate) fn receive_target(&mut self, target: Option<&CheckedTarget>) {
+        if let (Some(runner), Some(servo)) = (self.runner.as_mut(), self.servo.as_ref()) {
+            let lead = target.map(|target| Lead::of(&self.model, servo.frame(), target));
+            runner.receive_lead(lead);
+        }
+    }
+
     /// One tick of the task: modules in parallel, arbitration, kinematics, and what became of it.
     pub(crate) fn act(
         &mut self,
@@ -221,7 +230,10 @@ impl HandControl {
             Some(intent) if moves => {
                 servo.follow(&self.model, &intent, self.perception.percept(), step_s)
             }
-            _ => servo.rest(),
+            _ => {
+                self.modules.halt();
+                servo.rest()
+            }
         }
     }
 

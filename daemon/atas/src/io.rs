@@ -5,7 +5,7 @@ use crate::settings::Settings;
 use crate::tick::Tick;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
-    GoalUpdate, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,
+    GoalUpdate, GraspTarget, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,
 };
 
 /// Everything that one tick is a function of, besides the controller's own state. Recording these replays the run.
@@ -17,6 +17,8 @@ pub struct Inputs<'a> {
     pub frames: [&'a [HandFrame]; HANDS],
     /// The newest joint state, if one arrived since the tick before (nothing checked).
     pub joints: Option<&'a JointState>,
+    /// The targets that arrived since the tick before, oldest first, as they came (nothing checked).
+    pub targets: &'a [GraspTarget],
     /// What the supervisor asks, if anything.
     pub order: Option<&'a Order>,
 }
@@ -61,6 +63,9 @@ pub enum Order {
         hand: usize,
     },
 }
+
+/// Most targets that one tick can take in; more wait for the next tick, which makes the drain bounded.
+pub const TARGETS_PER_TICK: usize = 16;
 
 /// Events that one tick can raise; more than this in one tick are counted, not kept.
 pub const EVENTS_PER_TICK: usize = 24;

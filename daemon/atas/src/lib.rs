@@ -21,6 +21,7 @@
 pub mod arbitration;
 pub mod check;
 mod controller;
+pub mod follow;
 pub mod goal;
 mod hand;
 pub mod intake;

@@ -288,6 +288,21 @@ settings! {
         /// Deepest closing beyond the expected surface before the approach gives up, m, per finger.
         search_m = 0.012 in 0.001..0.03;
     }
+    /// How a hand follows a client's stream of targets (ours). The highest acceleration is the speed over `speed_up_s`, the highest jerk twice that over `smooth_s`.
+    follow: Follow {
+        /// Highest speed along each axis, m/s.
+        move_m_s = 0.15 in 0.005..0.5;
+        /// The same with something in the hand, m/s.
+        carry_m_s = 0.06 in 0.001..0.5;
+        /// Highest turning speed, rad/s.
+        turn_rad_s = 0.8 in 0.05..3.0;
+        /// Highest speed of each finger on its way to a width, m/s. Too fast: it presses before touch can stop it.
+        finger_m_s = 0.02 in 0.001..0.07;
+        /// Time from rest to the highest speed, s.
+        speed_up_s = 0.25 in 0.02..2.0;
+        /// Time constant of the low-pass that bounds the jerk, s.
+        smooth_s = 0.04 in 0.005..0.5;
+    }
     /// The last gate (ours, bounds from the fault catalogue).
     safety: Safety {
         /// Normal force of one finger that is never exceeded on purpose, N.

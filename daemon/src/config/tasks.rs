@@ -8,7 +8,7 @@ mod words;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use atas_core::tasks::{BUILT_IN, Fault, Part, Step, Task, Track, Transition};
+use atas_core::tasks::{BUILT_IN, Fault, Motion, Part, Step, Task, Track, Transition};
 use serde::{Deserialize, Deserializer, de};
 use toml::{Table, Value};
 
@@ -56,11 +56,12 @@ impl Tasks {
         text
     }
 
-    /// The built-in tasks as TOML of a user's own.
+    /// The built-in tasks as TOML of a user's own; not those that follow a client, which nobody can write.
     #[must_use]
     pub fn built_in_text() -> String {
         let mut text = String::new();
-        for task in BUILT_IN {
+        let follows = |task: &Task| task.acting.iter().any(|s| s.motion == Motion::Follow);
+        for task in BUILT_IN.into_iter().filter(|task| !follows(task)) {
             write_task(&mut text, &format!("{OWN}{}", task.name), task);
         }
         text

@@ -41,8 +41,13 @@ fn goal(goal_id: u64, task: &str) -> GoalRequest {
 fn printed_built_in_tasks_read_back_as_equal_tables() {
     let (_folder, source) = source(&[&Tasks::built_in_text()], &[]);
     let config = source.load().expect("valid");
-    assert_eq!(config.tasks.as_slice().len(), BUILT_IN.len());
-    for task in BUILT_IN {
+    // What a client leads is no task that anybody could write.
+    let written: Vec<_> = BUILT_IN
+        .into_iter()
+        .filter(|task| !task.name.starts_with("follow"))
+        .collect();
+    assert_eq!(config.tasks.as_slice().len(), written.len());
+    for task in written {
         let own = format!("my-{}", task.name);
         let read = config
             .tasks

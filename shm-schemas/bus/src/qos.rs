@@ -8,8 +8,8 @@ use std::mem::size_of;
 
 use shm_schemas::service as at;
 use shm_schemas::{
-    AgentSensors, HandFrame, JointCommand, JointState, ModuleEvent, Payload, RunHeader,
-    SensorStatus, Status, TickInputs, TickReport, View, WheelCommands, WorldTruth,
+    AgentSensors, GraspTarget, HandFrame, JointCommand, JointState, ModuleEvent, Payload,
+    RunHeader, SensorStatus, Status, TickInputs, TickReport, View, WheelCommands, WorldTruth,
 };
 
 /// How one publish-subscribe service is carried.
@@ -58,14 +58,16 @@ const fn stream<T: Payload>(
 /// Every stream: service, `[buffer, history]`, `[publishers, subscribers]`.
 ///
 /// Frames wait 256 deep, so that a reader that was not scheduled for a quarter of a second sees every frame; commands 4
-/// deep, because an old command is worth nothing; reports 256 deep, for readers that wake a few times a second; events 1024
+/// deep, because an old command is worth nothing; targets 16 deep and not kept, because a reader that comes later has no use for
+/// them; reports 256 deep, for readers that wake a few times a second; events 1024
 /// deep and kept, so that a reader that comes when a task has ended sees the whole of it;
 /// recorded inputs 288 deep for one recorder, which looks every millisecond, because a replay needs every one of them.
-pub const STREAMS: [Stream; 14] = [
+pub const STREAMS: [Stream; 15] = [
     stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
     stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
     stream::<JointState>(at::JOINT_STATE, [16, 1], [1, 4]),
     stream::<JointCommand>(at::JOINT_COMMAND, [4, 1], [1, 4]),
+    stream::<GraspTarget>(at::GRASP_TARGET, [16, 0], [1, 4]),
     stream::<Status>(at::STATUS, [2, 1], [1, 16]),
     stream::<TickReport>(at::TICK_REPORT, [256, 1], [1, 8]),
     stream::<View>(at::VIEW, [2, 1], [1, 16]),
@@ -136,6 +138,7 @@ mod tests {
             at::HAND_FRAME[1],
             at::JOINT_STATE,
             at::JOINT_COMMAND,
+            at::GRASP_TARGET,
         ] {
             let line = STREAMS
                 .iter()

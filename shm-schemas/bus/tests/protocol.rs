@@ -93,13 +93,14 @@ fn payload(text: &mut String, payload: &PayloadType) {
 }
 
 /// What travels on the tick's path, in goals and in requests; the C header has all.
-const SHOWN: [&str; 15] = [
+const SHOWN: [&str; 16] = [
     "Stamp",
     "HandFrame",
     "JointState",
     "JointCommand",
     "GoalRequest",
     "GoalUpdate",
+    "GraspTarget",
     "Reason",
     "GraspFigures",
     "ControlRequest",

@@ -28,7 +28,7 @@ macro_rules! check {
 
 #[test]
 fn every_code_round_trips_and_unknown_values_print() {
-    check! { Hand Mode Cause ModuleId EventKind GoalKind GoalPolicy GoalState ControlOp ControlOutcome OrderKind }
+    check! { Hand Mode Cause ModuleId EventKind GoalKind GoalPolicy GoalState ControlOp ControlOutcome OrderKind GripOrder }
 }
 
 #[test]

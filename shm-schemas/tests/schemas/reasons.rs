@@ -1,6 +1,6 @@
 //! Reasons print as one clear sentence each.
 
-use shm_schemas::{Body, BodyPair, Cause, Mode, ModuleId, Reason};
+use shm_schemas::{Body, BodyPair, Cause, GoalKind, Mode, ModuleId, Reason};
 
 /// One row per cause: a reason and its sentence.
 fn table() -> Vec<(Reason, &'static str)> {
@@ -41,6 +41,45 @@ fn table() -> Vec<(Reason, &'static str)> {
         (
             limit(Cause::BUSY, 0.0, 0.0, 0),
             "another goal is active; wait for it or cancel it",
+        ),
+        (
+            limit(Cause::BUSY, f64::from(GoalKind::FOLLOW.0), 0.0, 0),
+            "the goal `follow` is active; wait for it or cancel it",
+        ),
+        (
+            limit(Cause::TARGETS_STOPPED, 0.0, 0.0, 1),
+            "the last target of the right hand has expired; the hand stands and keeps what it holds until the next one",
+        ),
+        (
+            limit(Cause::TARGET_CORRUPT, 0.0, 0.0, 0),
+            "a target failed its checksum; seal it last",
+        ),
+        (
+            limit(Cause::TARGET_FOREIGN, 0.0, 0.0, 0),
+            "a target comes from another writer than the client whose goal opened the stream; send the epoch of the goal's \
+             request",
+        ),
+        (
+            limit(Cause::TARGET_STALE, 2.5e6, 0.0, 0),
+            "a target came 2.5 ms too late, or out of turn; stamp it with CLOCK_MONOTONIC, count its sequence up, and let \
+             valid_until_ns lie ahead",
+        ),
+        (
+            limit(Cause::TARGET_UNKNOWN, 7.0, 0.0, 0),
+            "a target names a hand or a grip order (7) that its goal does not have; see the goal's kind and hand",
+        ),
+        (
+            limit(Cause::TARGET_NOT_FINITE, 0.0, 0.0, 4),
+            "opening of a target is not finite; send finite numbers",
+        ),
+        (
+            limit(Cause::TARGET_OUT_OF_RANGE, 0.5, 0.4, 0),
+            "x of a target is 0.5000, the limit is 0.4000; the hand keeps to the target before",
+        ),
+        (
+            limit(Cause::ACROSS_THE_MIDDLE, -0.0093, 0.003, 1),
+            "the right arm comes within -9.3 mm of the middle between the arms, needs 3.0 mm while a client leads a hand; \
+             bring it home with `atas release --hand right`",
         ),
         (
             limit(Cause::NOT_READY, f64::from(Mode::SAFE_STOP.0), 0.0, 0),

@@ -72,6 +72,7 @@ impl Rig {
             },
             frames: [left.as_slice(), right.as_slice()],
             joints: Some(&self.sensed.joints),
+            targets: &[],
             order,
         });
         self.world.advance(Some(&outputs.command));

@@ -5,6 +5,7 @@ mod dashboard;
 mod determinism;
 mod explain;
 mod faults;
+mod follow;
 mod imports;
 mod optoforce;
 mod readme;

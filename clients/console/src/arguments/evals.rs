@@ -22,6 +22,9 @@ pub enum Eval {
     All(Summary),
     /// What each error costs in every task, one at a time and all at once. About as long
     Errors(Summary),
+    /// A reflex beneath a policy: one that closes too weakly or too hard and moves with jerks, ten times a second and 50 ms late,
+    /// with the daemon's touch beneath it and without
+    Reflex(ReflexEvaluation),
     /// The baselines' forces, tried on the seeds that are for tuning
     Tune(Tuning),
     /// Production perception on a recording of real fingertips, judged by labels
@@ -49,6 +52,20 @@ pub struct Summary {
     /// Leave out the baselines
     #[arg(long)]
     pub no_baselines: bool,
+    /// Threads; 0 for one per core. The numbers do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// How the reflex is evaluated.
+#[derive(Args, Clone, Debug)]
+pub struct ReflexEvaluation {
+    /// Trials, dealt in turn to the objects that can be held; each with the reflex and without
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: u64,
+    /// Number of the first seed of each object. 1 to 20000 are for tuning, all others for judging [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

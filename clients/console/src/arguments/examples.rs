@@ -77,6 +77,14 @@ const HELPS: &[Help] = &[
         &["atas eval errors --trials 24 --tasks grasp --no-baselines"],
         "one such object per task as `atas eval TASK` prints",
     ),
+    Help(
+        "eval reflex",
+        &[
+            "atas eval reflex",
+            "atas eval reflex --trials 40 --first-seed 1",
+        ],
+        "one object: with{trials, success, crushed, failures}, without{…}, slip_to_command_ms{count, p50, p99, max}",
+    ),
     Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
     Help(
         "calibrate guide",
@@ -125,6 +133,15 @@ const HELPS: &[Help] = &[
             "atas grasp --at 0.32,0.15,0.0345 --width 50 --hand left --lift 20",
         ],
         GOAL,
+    ),
+    Help(
+        "follow",
+        &[
+            "atas follow",
+            "atas follow --hand left --step 2",
+            "atas follow targets.csv",
+        ],
+        "one object at the end: goal_id, state, step, reason, figures, targets",
     ),
     Help(
         "pick-place",

@@ -1,6 +1,7 @@
 //! `atas eval`: from arguments to plans, with a bar while they run.
 
 mod recording;
+mod reflex;
 mod rows;
 mod summary;
 mod table;
@@ -31,6 +32,7 @@ pub(crate) fn evaluate(
         Eval::Recording(arguments) => recording::judge_recording(arguments, output),
         Eval::All(summary) => summary::all(summary, interrupt, output),
         Eval::Errors(summary) => summary::errors(summary, interrupt, output),
+        Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),
     }
 }

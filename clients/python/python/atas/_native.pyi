@@ -20,6 +20,7 @@ __all__ = [
     "BusError",
     "Environment",
     "Goal",
+    "Leader",
     "Reader",
     "Recording",
     "Robot",
@@ -112,6 +113,7 @@ class Bus:
         hold: float = ...,
         attached: bool = False,
     ) -> Goal: ...
+    def follow(self, hand: str = "right") -> Leader: ...
     def release(self, hand: str = "right", *, attached: bool = False) -> Goal: ...
     def estop(self, reason: str = "asked from Python") -> bool: ...
     def recover(self) -> None: ...
@@ -171,6 +173,23 @@ class Goal:
     def cancel(self) -> None: ...
     def __iter__(self) -> Iterator[np.void]: ...
     def __next__(self) -> np.void: ...
+
+@final
+class Leader:
+    @property
+    def report(self) -> np.void: ...
+    @property
+    def result(self) -> Result: ...
+    def lead(
+        self,
+        at: Vector,
+        opening: float | None,
+        *,
+        yaw: float = ...,
+        hand: str | None = None,
+        valid: float = 0.4,
+    ) -> None: ...
+    def end(self) -> None: ...
 
 @final
 class Simulation:

@@ -30,6 +30,8 @@ class GoalKind(IntEnum):
     ASSEMBLE = 4
     RELEASE = 5
     CUSTOM = 6
+    FOLLOW = 7
+    FOLLOW_BOTH = 8
 
 
 class GoalPolicy(IntEnum):
@@ -56,6 +58,13 @@ class Turn(IntEnum):
 
     CLOCKWISE = 0
     ANTICLOCKWISE = 1
+
+
+class GripOrder(IntEnum):
+    """What the fingers shall do."""
+
+    WIDTH = 0
+    HOLD = 1
 
 
 class ControlOp(IntEnum):
@@ -117,6 +126,7 @@ class ModuleId(IntEnum):
     CONTACT_GUARD = 11
     LOAD_TEST = 12
     SLIP_REACTION = 13
+    FOLLOW = 14
 
 
 class Cause(IntEnum):
@@ -172,6 +182,14 @@ class Cause(IntEnum):
     TURNED_IN_HAND = 52
     SLIPPED_IN_HAND = 53
     TASK_TOO_LONG = 60
+    TARGETS_STOPPED = 70
+    TARGET_CORRUPT = 71
+    TARGET_FOREIGN = 72
+    TARGET_STALE = 73
+    TARGET_UNKNOWN = 74
+    TARGET_NOT_FINITE = 75
+    TARGET_OUT_OF_RANGE = 76
+    ACROSS_THE_MIDDLE = 77
 
 
 class OrderKind(IntEnum):

@@ -10,7 +10,9 @@ mod fields;
 
 pub use circumstances::Circumstances;
 
+use crate::follow::{FollowSpace, across_the_middle};
 use crate::goal::Goal;
+use crate::kinematics::frame_of;
 use clearance::check_paths;
 use core::f64::consts::TAU;
 use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, TO_X, TO_YAW, WIDTH};
@@ -50,8 +52,29 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
         let [least_m, most_m] = Workspace::TWO_HAND_ARM.opening_m;
         check_range(request.helper_width_m, (least_m, most_m), HELPER_WIDTH)?;
     }
+    if request.kind.is_stream() {
+        check_sides(&goal, now)?;
+    }
     check_paths(&goal, now)?;
     Ok(goal)
+}
+
+/// Where a client will lead the hands is not known: each arm must be on its own side of the table, each led hand in its box.
+fn check_sides(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
+    for side in Side::BOTH {
+        let (hand, q_rad) = (now.robot.hand(side), now.hand_rad(side));
+        if let Some(reason) = across_the_middle(hand, &q_rad) {
+            return Err(reason);
+        }
+        let led = side == goal.side() || goal.demands().both_hands;
+        let centre_m = frame_of(hand, &hand.forward(&q_rad)).centre_m;
+        let [_, [least_m, most_m], _] = FollowSpace::of(side).centre_m;
+        if led && !(least_m..=most_m).contains(&centre_m.y) {
+            let (inner_m, y_m) = (least_m.abs().min(most_m.abs()), centre_m.y.abs());
+            return Err(Reason::limit(Cause::ACROSS_THE_MIDDLE, y_m, inner_m).about(side.index()));
+        }
+    }
+    Ok(())
 }
 
 fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(), Reason> {

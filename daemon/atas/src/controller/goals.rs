@@ -6,7 +6,7 @@ use crate::hand::HandControl;
 use crate::runner::Outcome;
 use robot_model::Side;
 use shm_schemas::{
-    Cause, EventKind, GoalState, GoalUpdate, Mode, ModuleEvent, Reason, Stamp, Text,
+    Cause, EventKind, GoalState, GoalUpdate, GraspTarget, Mode, ModuleEvent, Reason, Stamp, Text,
 };
 
 /// Time between two progress updates of a goal that has no other news, s (ours).
@@ -27,6 +27,7 @@ impl Controller {
         }
         self.goal = Some(goal);
         self.last_goal = None;
+        self.targets.follow(self.goal.as_ref(), self.tick);
         self.news(GoalState::ACCEPTED, Reason::default());
         let hand = &self.hands[goal.side.index()];
         if let Some(runner) = hand.runner() {
@@ -41,7 +42,8 @@ impl Controller {
             return Some(Reason::limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
         }
         if self.goal.is_some() {
-            return Some(Reason::of(Cause::BUSY));
+            let kind = self.goal.map_or(0, |goal| goal.request.kind.0);
+            return Some(Reason::limit(Cause::BUSY, f64::from(kind), 0.0));
         }
         let demands = goal.demands();
         let full = Side::BOTH.into_iter().find(|side| {
@@ -53,6 +55,17 @@ impl Controller {
             must_be_empty && self.hands[side.index()].grips()
         });
         full.map(|side| Reason::of(Cause::HAND_FULL).about(side.index()))
+    }
+
+    /// Takes in the targets of the client that leads a hand, if one does.
+    pub(super) fn listen(&mut self, targets: &[GraspTarget]) {
+        let finding = self.targets.take(targets, self.tick);
+        if finding.is_some() {
+            self.warn(finding);
+        }
+        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+            hand.receive_target(self.targets.of(side));
+        }
     }
 
     /// Ends the goal with this id; `attached_only` leaves detached goals alone.
@@ -177,6 +190,7 @@ impl Controller {
     fn finish(&mut self, state: GoalState, reason: Reason) {
         self.news(state, reason);
         self.last_goal = self.goal.take();
+        self.targets.follow(None, self.tick);
     }
 
     /// Tells the client and the event log where the goal stands.

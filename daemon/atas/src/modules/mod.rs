@@ -22,12 +22,14 @@
 //! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
 //! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
+//! | `follow` | leads the hand after a client's targets | ours |
 //! | `slip_reaction` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
 
 mod carry;
 mod contact_guard;
 mod fall;
 mod first_touch;
+mod follow;
 mod force_limit;
 mod list;
 mod load_test;
@@ -62,4 +64,19 @@ list::modules! {
     contact_guard::ContactGuard,
     load_test::LoadTest,
     slip_reaction::SlipReaction,
+    follow::Follow,
+}
+
+impl Modules {
+    /// The hand was stopped: what leads it begins from rest.
+    pub fn halt(&mut self) {
+        self.follow = follow::Follow::default();
+    }
+
+    /// Forgets the present object; what leads the hand goes on.
+    pub fn let_go(&mut self) {
+        let follow = core::mem::take(&mut self.follow);
+        self.reset();
+        self.follow = follow;
+    }
 }

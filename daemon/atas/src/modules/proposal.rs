@@ -1,5 +1,6 @@
 //! What a module is: what it may know, what it may propose, and what the rules of tasks must know of it.
 
+use crate::follow::Lead;
 use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
@@ -39,6 +40,8 @@ pub struct Context<'a> {
     pub turning: f64,
     /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
+    /// What a client that leads the hand wants of it in this step; `None` to brake, and in every task that nobody leads.
+    pub lead: Option<&'a Lead>,
     /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
     pub base_from_tip: &'a [Matrix3<f64>],
 }

@@ -32,7 +32,9 @@ pub(crate) fn path_of(
         Path::gripping(*now, waypoints.pose(waypoint, now), &speeds)
     };
     match motion {
-        Motion::Stay | Motion::Lower | Motion::Square => Path::stay(*now),
+        Motion::Stay | Motion::Lower | Motion::Square | Motion::Follow | Motion::Brake => {
+            Path::stay(*now)
+        }
         Motion::Reach(waypoint) => Path::free(*now, waypoints.pose(waypoint, now), &free),
         Motion::Withdraw => Path::free(*now, before.at(0.0), &free),
         Motion::Carry(waypoint) => gripping(waypoint, speeds.lift_m_s),

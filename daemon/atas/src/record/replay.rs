@@ -2,10 +2,10 @@
 
 use super::{Unreadable, read_order};
 use crate::controller::Controller;
-use crate::io::{Inputs, Outputs};
+use crate::io::{Inputs, Outputs, TARGETS_PER_TICK};
 use crate::tick::Tick;
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{HandFrame, Mode, TickInputs};
+use shm_schemas::{GraspTarget, HandFrame, Mode, TickInputs};
 use zerocopy::IntoBytes;
 
 /// Why a replay cannot go on.
@@ -28,7 +28,7 @@ pub enum ReplayError {
         /// First tick without the controller.
         tick: u64,
     },
-    /// A tick has more frames than the storage of the replay, or its parts contradict each other.
+    /// A tick has more frames or targets than the storage of the replay, or its parts contradict each other.
     Malformed {
         /// The tick.
         tick: u64,
@@ -90,6 +90,8 @@ pub struct Replay<F> {
     controller: Controller,
     frames: [F; HANDS],
     counts: [usize; HANDS],
+    targets: [GraspTarget; TARGETS_PER_TICK],
+    target_count: usize,
     next_sequence: u64,
     next_part: u32,
 }
@@ -109,6 +111,8 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
             controller,
             frames,
             counts: [0; HANDS],
+            targets: [GraspTarget::default(); TARGETS_PER_TICK],
+            target_count: 0,
             next_sequence,
             next_part: 0,
         }
@@ -146,9 +150,10 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
                 &right.as_ref()[..self.counts[1]],
             ],
             joints: (part.has_joints != 0).then_some(&part.joints),
+            targets: &self.targets[..self.target_count],
             order: order.as_ref(),
         });
-        (self.counts, self.next_part) = ([0; HANDS], 0);
+        (self.counts, self.target_count, self.next_part) = ([0; HANDS], 0, 0);
         Ok(Some(Replayed {
             is_equal: outputs.command.as_bytes() == part.command.as_bytes(),
             outputs,
@@ -182,6 +187,11 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
             let slot = self.frames[hand].as_mut().get_mut(*count);
             *slot.ok_or(ReplayError::Malformed { tick: part.tick })? = part.frames[hand];
             *count += 1;
+        }
+        if part.has_target != 0 {
+            let slot = self.targets.get_mut(self.target_count);
+            *slot.ok_or(ReplayError::Malformed { tick: part.tick })? = part.target;
+            self.target_count += 1;
         }
         Ok(())
     }

@@ -1,14 +1,18 @@
 //! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
 
 mod in_hand;
+mod led;
 
 use self::in_hand::InHand;
+use crate::follow::Lead;
 use crate::modules::{Context, Finding, Modules, RELEASE_SHARE, Verdict, force_range_n};
 use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
-use crate::tasks::{BACK_OUT, KEEP, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW};
+use crate::tasks::{
+    BACK_OUT, KEEP, Motion, RAISE, STAND, STAND_LED, Step, Track, Transition, WITHDRAW,
+};
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
@@ -86,6 +90,10 @@ pub struct Runner {
     found: bool,
     reached: u8,
     peer_reached: u8,
+    /// What the client that leads the hand wants now.
+    lead: Option<Lead>,
+    /// Opening at which a led hand began to take hold, and then the one at which every finger touched, m.
+    touched_opening_m: f64,
     retreat: Option<(Retreat, Reason)>,
 }
 
@@ -136,6 +144,8 @@ impl Runner {
             found: false,
             reached: 0,
             peer_reached: 0,
+            lead: None,
+            touched_opening_m: 0.0,
             retreat: None,
         };
         runner.path = runner.plan(now, settings);
@@ -248,7 +258,15 @@ impl Runner {
             frame: motion.frame,
             base_from_tip: motion.base_from_tip,
             turning: self.waypoints.turning(),
-            lowering_m: (self.step().motion == Motion::Lower).then(|| self.waypoints.lowering_m()),
+            lowering_m: match self.step().motion {
+                Motion::Lower => Some(self.waypoints.lowering_m()),
+                Motion::Follow => self.led_down_m(motion.frame),
+                _ => None,
+            },
+            lead: self
+                .lead
+                .as_ref()
+                .filter(|_| self.step().motion == Motion::Follow),
         }
     }
 
@@ -274,7 +292,8 @@ impl Runner {
             0.0
         };
         let carries = self.holds && self.lifted_from_m.is_some() && !self.found;
-        if carries && self.step().motion != Motion::Lower {
+        // Whoever leads a hand may set down what it holds at any time.
+        if carries && self.step().motion != Motion::Lower && !self.is_led() {
             let facts = (finding, self.hangs);
             self.in_hand.follow(percept, down_n, self.carried_m, facts);
         }
@@ -293,6 +312,7 @@ impl Runner {
         if touching && !self.all_touched && self.step().transition == Transition::AllTouched {
             self.all_touched = true;
             self.touched_at_m = gap_m;
+            self.touched_opening_m = now.half_opening_m.iter().sum();
         }
         self.closing_m = self.touched_at_m - gap_m;
         if let Some(from_m) = self.lifted_from_m {
@@ -363,6 +383,10 @@ impl Runner {
         if let Some(reason) = self.out_of_force(percept) {
             return self.give_up(Retreat::PutBack, reason, now, settings, modules);
         }
+        if self.wants_opening() || self.found_nothing(now) {
+            self.begin_again(now, settings, modules);
+            return Outcome::NextStep;
+        }
         if let Some(reason) = self.failure(percept, now, settings) {
             self.holds &= reason.cause != Cause::LOST_OBJECT;
             return Outcome::Failed(reason);
@@ -377,14 +401,14 @@ impl Runner {
             let reason = reason.by(ModuleId::TRANSFER);
             return self.give_up(Retreat::Raise, reason, now, settings, modules);
         }
-        if self.is_done(arrived, done, percept) {
+        if self.is_done(arrived, done, percept, now) {
             self.advance(now, settings, modules)
         } else {
             Outcome::Running
         }
     }
 
-    fn is_done(&self, arrived: bool, concluded: bool, percept: &Percept) -> bool {
+    fn is_done(&self, arrived: bool, concluded: bool, percept: &Percept, now: &GraspFrame) -> bool {
         match self.step().transition {
             Transition::Arrived => arrived,
             Transition::AllTouched => self.all_touched,
@@ -396,6 +420,9 @@ impl Runner {
             Transition::Held => self.step_s >= self.hold_s,
             Transition::Concluded => concluded,
             Transition::Met(point) => self.peer_reached >= point,
+            Transition::GripWanted => self.wants_grip(percept, now),
+            // Not from here on to the next step, but back to the first.
+            Transition::OpeningWanted => false,
         }
     }
 
@@ -433,6 +460,10 @@ impl Runner {
         match self.step().motion {
             Motion::Carry(_) if self.retreat.is_none() => self.lifted_from_m = Some(now.centre_m),
             Motion::Open | Motion::LetGo | Motion::Square => self.holds = false,
+            Motion::Follow if self.holds => self.lifted_from_m = Some(now.centre_m),
+            Motion::Brake if self.step().transition == Transition::AllTouched => {
+                self.touched_opening_m = now.half_opening_m.iter().sum();
+            }
             _ => {}
         }
     }
@@ -483,6 +514,9 @@ impl Runner {
         settings: &Settings,
         modules: &mut Modules,
     ) -> Outcome {
+        if self.is_led() {
+            return Outcome::Failed(reason);
+        }
         self.retreat = Some((retreat, reason));
         self.track = match retreat {
             Retreat::PutBack => BACK_OUT,
@@ -529,7 +563,7 @@ impl Runner {
     /// Goes on with nothing but holding: for a goal that ends while the hand has an object.
     pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
         if self.step().transition != Transition::Held {
-            self.track = STAND;
+            self.track = if self.is_led() { STAND_LED } else { STAND };
             self.enter(0, now, settings, modules);
         }
         self.retreat = None;

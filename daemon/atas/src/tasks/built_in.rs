@@ -1,6 +1,7 @@
 //! The list of the built-in tasks: what a kind of goal makes the hands do.
 
 use super::assemble::ASSEMBLE;
+use super::follow::{FOLLOW, FOLLOW_BOTH};
 use super::grasp::{GRASP, RELEASE};
 use super::pick_place::PICK_PLACE;
 use super::screw::SCREW;
@@ -8,7 +9,15 @@ use super::track::Task;
 use shm_schemas::GoalKind;
 
 /// The built-in tasks.
-pub static BUILT_IN: [&Task; 5] = [&GRASP, &PICK_PLACE, &SCREW, &ASSEMBLE, &RELEASE];
+pub static BUILT_IN: [&Task; 7] = [
+    &GRASP,
+    &PICK_PLACE,
+    &SCREW,
+    &ASSEMBLE,
+    &RELEASE,
+    &FOLLOW,
+    &FOLLOW_BOTH,
+];
 
 /// The built-in task of a kind of goal; `None` for [`GoalKind::CUSTOM`] and for an unknown kind.
 #[must_use]

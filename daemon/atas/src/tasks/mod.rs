@@ -10,6 +10,7 @@
 //! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
 //! | assembly | all | `assemble` |
+//! | follow (ours) | 1, 2, 3 beneath a client's stream | `follow` |
 //!
 //! A new built-in task is a file here and its line in the list in `built_in`: `atas task NAME` runs it. A verb of its own
 //! is its [`GoalKind`](shm_schemas::GoalKind) and a line of the command line; `CONTRIBUTING.md` shows one.
@@ -21,6 +22,7 @@
 mod assemble;
 mod built_in;
 mod demands;
+mod follow;
 mod grasp;
 mod name;
 mod pick_place;
@@ -33,6 +35,7 @@ mod words;
 pub use assemble::ASSEMBLE;
 pub use built_in::{BUILT_IN, named, of};
 pub use demands::Demands;
+pub use follow::{FOLLOW, FOLLOW_BOTH, STAND_LED};
 pub use grasp::{BACK_OUT, GRASP, KEEP, RELEASE, STAND, WITHDRAW};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE};

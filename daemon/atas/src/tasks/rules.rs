@@ -68,6 +68,8 @@ pub enum Rule {
     LetsGo,
     /// The motion is only for turning back from an obstacle.
     OnlyInRetreat,
+    /// The motion, or the end of the step, is only for hands that a client leads.
+    OnlyLed,
     /// A step waits for a hand that has nothing to do.
     Alone,
     /// Meeting points do not count up from 1.
@@ -118,6 +120,7 @@ impl fmt::Display for Rule {
                 "would let go of the object on the way; carry or convey it, or open the hand before",
             ),
             Self::OnlyInRetreat => f.write_str("is a motion that only the daemon itself begins"),
+            Self::OnlyLed => f.write_str("follows a client, which only the built-in tasks do; leave it out"),
             Self::Alone => f.write_str("waits for the other hand, which has no steps"),
             Self::PointsCountUp => f.write_str("needs a meeting point above the one before, from 1"),
             Self::NeverMet(point) => write!(
@@ -237,6 +240,7 @@ fn check_mover(step: &Step) -> Result<(), Rule> {
         Motion::Convey(_) | Motion::Lower => Some(ModuleId::TRANSFER),
         Motion::Square => Some(ModuleId::TRAJECTORY),
         Motion::Withdraw => return Err(Rule::OnlyInRetreat),
+        Motion::Follow | Motion::Brake => return Err(Rule::OnlyLed),
     };
     let has = |id: &ModuleId| step.modules.contains(*id);
     if let Some(id) = needed.filter(|id| !has(id)) {
@@ -264,6 +268,7 @@ fn check_end(step: &Step) -> Result<(), Rule> {
             Err(Rule::NoEnd(ModuleId::TERMINATE_SCREW))
         }
         (Motion::Stay, Transition::Arrived) => Err(Rule::NeverArrives),
+        (_, Transition::GripWanted | Transition::OpeningWanted) => Err(Rule::OnlyLed),
         (_, Transition::AllTouched | Transition::Gripped) => needs(ModuleId::FIRST_TOUCH),
         (_, Transition::StiffnessKnown) => needs(ModuleId::PROBE),
         (_, Transition::Concluded) if !has_end => Err(Rule::NoModule(ModuleId::RELEASE_PLACED)),

@@ -62,6 +62,10 @@ pub enum Motion {
     LetGo,
     /// Freely back to where the step before began.
     Withdraw,
+    /// After the targets of the goal's client.
+    Follow,
+    /// Brakes from following, and stays.
+    Brake,
 }
 
 /// When a step is done.
@@ -82,6 +86,10 @@ pub enum Transition {
     Concluded,
     /// Both hands have come to this meeting point; points count up along a track.
     Met(u8),
+    /// The client that leads the hand wants something held, or has closed the fingers on it.
+    GripWanted,
+    /// The client that leads the hand wants it wider than what it holds.
+    OpeningWanted,
 }
 
 /// A named pose.

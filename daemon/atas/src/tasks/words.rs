@@ -7,7 +7,7 @@ use crate::modules::{IDS, Selection};
 use shm_schemas::ModuleId;
 
 /// The motions. A motion that goes to a waypoint stands here with any waypoint.
-pub const MOTIONS: [Motion; 9] = [
+pub const MOTIONS: [Motion; 11] = [
     Motion::Stay,
     Motion::Reach(Waypoint::Home),
     Motion::Carry(Waypoint::Home),
@@ -17,6 +17,8 @@ pub const MOTIONS: [Motion; 9] = [
     Motion::Open,
     Motion::LetGo,
     Motion::Withdraw,
+    Motion::Follow,
+    Motion::Brake,
 ];
 
 /// The waypoints.
@@ -33,7 +35,7 @@ pub const WAYPOINTS: [Waypoint; 9] = [
 ];
 
 /// The ends of a step. Meeting stands here with any point.
-pub const TRANSITIONS: [Transition; 7] = [
+pub const TRANSITIONS: [Transition; 9] = [
     Transition::Arrived,
     Transition::AllTouched,
     Transition::StiffnessKnown,
@@ -41,6 +43,8 @@ pub const TRANSITIONS: [Transition; 7] = [
     Transition::Held,
     Transition::Concluded,
     Transition::Met(1),
+    Transition::GripWanted,
+    Transition::OpeningWanted,
 ];
 
 impl Motion {
@@ -57,6 +61,8 @@ impl Motion {
             Self::Open => "open",
             Self::LetGo => "let-go",
             Self::Withdraw => "withdraw",
+            Self::Follow => "follow",
+            Self::Brake => "brake",
         }
     }
 
@@ -67,9 +73,7 @@ impl Motion {
             Self::Reach(waypoint) | Self::Carry(waypoint) | Self::Convey(waypoint) => {
                 Some(waypoint)
             }
-            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::LetGo | Self::Withdraw => {
-                None
-            }
+            _ => None,
         }
     }
 
@@ -80,9 +84,7 @@ impl Motion {
             Self::Reach(_) => Self::Reach(waypoint),
             Self::Carry(_) => Self::Carry(waypoint),
             Self::Convey(_) => Self::Convey(waypoint),
-            Self::Stay | Self::Lower | Self::Square | Self::Open | Self::LetGo | Self::Withdraw => {
-                self
-            }
+            _ => self,
         }
     }
 
@@ -126,13 +128,18 @@ impl Transition {
             Self::Held => "held",
             Self::Concluded => "concluded",
             Self::Met(_) => "met",
+            Self::GripWanted => "grip-wanted",
+            Self::OpeningWanted => "opening-wanted",
         }
     }
 
-    /// Whether something else than the hand decides how long it takes: the goal or the other hand.
+    /// Whether something else than the hand decides how long it takes: the goal, its client or the other hand.
     #[must_use]
     pub const fn is_open_ended(self) -> bool {
-        matches!(self, Self::Held | Self::Met(_))
+        matches!(
+            self,
+            Self::Held | Self::Met(_) | Self::GripWanted | Self::OpeningWanted
+        )
     }
 }
 

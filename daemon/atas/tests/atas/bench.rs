@@ -81,6 +81,7 @@ impl Bench {
             frame: &self.frame,
             turning: -1.0,
             lowering_m: self.lowering_m,
+            lead: None,
             base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::VIRTUAL_FINGERS],
         };
         let proposals = self

@@ -202,6 +202,7 @@ proptest! {
                 tick: Tick { index: world.ms, now_ns },
                 frames: [&frames[0], &frames[1]],
                 joints: state.as_ref(),
+                targets: &[],
                 order: heard.order.as_ref(),
             };
             let outputs = *world.controller.step(&inputs);

@@ -203,6 +203,7 @@ fn bursts_of_frames_are_taken_in_order() {
             },
             frames: [&frames[0], &frames[1]],
             joints: Some(&state),
+            targets: &[],
             order: None,
         });
         let report = &outputs.report.hands[0];

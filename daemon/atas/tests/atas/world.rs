@@ -5,7 +5,7 @@ use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring
 use nalgebra::Vector3;
 use robot_model::{RobotVector, Side, VIRTUAL_FINGERS};
 use shm_schemas::{
-    GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, HandFrame, JointState, Mode,
+    GoalKind, GoalPolicy, GoalRequest, GoalState, GraspTarget, Hand, HandFrame, JointState, Mode,
 };
 use std::sync::LazyLock;
 
@@ -36,8 +36,12 @@ pub(crate) struct World {
     /// What happens to every frame of the right hand on its way.
     pub(crate) frame_fault: Option<fn(&mut HandFrame)>,
     pub(crate) has_object: bool,
+    /// Where the object stands, m.
+    pub(crate) object_m: [f64; 3],
     /// Something presses on the second fingertip of the right hand.
     pub(crate) obstructed: bool,
+    /// What a client streams to the next tick.
+    pub(crate) targets: Vec<GraspTarget>,
     /// What the controller heard, if that is kept.
     pub(crate) log: Option<Vec<Logged>>,
 }
@@ -48,6 +52,7 @@ pub(crate) struct Logged {
     tick: Tick,
     pub(crate) frames: [Vec<HandFrame>; 2],
     joints: Option<JointState>,
+    targets: Vec<GraspTarget>,
     order: Option<Order>,
 }
 
@@ -58,6 +63,7 @@ impl Logged {
             tick: self.tick,
             frames: [&self.frames[0], &self.frames[1]],
             joints: self.joints.as_ref(),
+            targets: &self.targets,
             order: self.order.as_ref(),
         }
     }
@@ -74,7 +80,9 @@ impl World {
             joint_fault: None,
             frame_fault: None,
             has_object: false,
+            object_m: OBJECT_M,
             obstructed: false,
+            targets: Vec::new(),
             log: None,
         }
     }
@@ -187,6 +195,7 @@ impl World {
             },
             frames: [muted(left, 0), muted(right, 1)],
             joints: (!self.mute[2]).then_some(state),
+            targets: core::mem::take(&mut self.targets),
             order: order.copied(),
         };
         let outputs = *self.controller.step(&heard.inputs());
@@ -214,11 +223,11 @@ impl World {
         let hand = robot().hand(side);
         let pose = hand.forward(&hand_of(&self.q_rad, side));
         let centre_m = (pose.tip_m(0) + pose.tip_m(1)) / 2.0;
-        let away_m = (centre_m - Vector3::from(OBJECT_M)).xy().norm();
+        let away_m = (centre_m - Vector3::from(self.object_m)).xy().norm();
         let across = (pose.tip_m(0) - pose.tip_m(1)).normalize();
         for finger in 0..VIRTUAL_FINGERS {
             let out = if finger == 0 { across } else { -across };
-            let reach_m = (pose.tip_m(finger) - Vector3::from(OBJECT_M)).dot(&out)
+            let reach_m = (pose.tip_m(finger) - Vector3::from(self.object_m)).dot(&out)
                 - hand.dome_radius_m()[finger];
             let pressed_m = WIDTH_M / 2.0 - reach_m;
             if pressed_m <= 0.0 || away_m > ABOUT_M {
@@ -228,7 +237,7 @@ impl World {
             let bends_m =
                 |f: f64| tip.tip_compression_m * f.powf(tip.tip_exponent) + f / OBJECT_N_M;
             let normal_n = solve(bends_m, pressed_m, 50.0);
-            let wanted_n = (LOADING_N_M * (centre_m.z - OBJECT_M[2])).clamp(0.0, LOAD_N / 2.0);
+            let wanted_n = (LOADING_N_M * (centre_m.z - self.object_m[2])).clamp(0.0, LOAD_N / 2.0);
             let base_from_tip = pose.base_from_tip()[finger].rotation;
             let down = base_from_tip.transpose() * -Vector3::z();
             press(&mut frame, finger, sheared(normal_n, wanted_n, down));

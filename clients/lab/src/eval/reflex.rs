@@ -1,0 +1,79 @@
+//! `atas eval reflex`: a clumsy policy with the reflex beneath it and without.
+
+use atas_console::arguments::ReflexEvaluation;
+use atas_console::{Ended, Exit, Interrupt, Output, number, table};
+use atas_evaluation::{ReflexPlan, ReflexReport, seeds};
+use comfy_table::Cell;
+
+/// Runs the plan behind a bar and prints what became of it.
+pub(super) fn reflex(
+    arguments: &ReflexEvaluation,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let plan = ReflexPlan {
+        trials: arguments.trials,
+        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        threads: arguments.threads,
+        settings: atas_core::Settings::default(),
+    };
+    let bar = super::bar(plan.trials);
+    let report = plan.run(interrupt.flag(), || bar.inc(1))?;
+    let done = bar.position();
+    bar.finish_and_clear();
+    let report = report.ok_or_else(|| {
+        let sentence = format!(
+            "interrupted after {done} of {} trials; nothing was reported",
+            plan.trials
+        );
+        Ended::with(Exit::Interrupted, sentence)
+    })?;
+    if output.is_json() {
+        return output.json(&report);
+    }
+    print(&report, output)
+}
+
+fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
+    let mut lines = table(&[
+        "policy",
+        "trials",
+        "success",
+        "closing weakly",
+        "closing hard",
+        "crushed",
+        "otherwise",
+    ]);
+    for (name, side) in [("with reflex", &report.with), ("without", &report.without)] {
+        let of = |[trials, successes]: [u64; 2]| format!("{successes} of {trials}");
+        let otherwise = side.failures.iter().filter(|(key, _)| *key != "crushed");
+        let otherwise: Vec<String> = otherwise
+            .map(|(key, count)| format!("{count} {key}"))
+            .collect();
+        lines.add_row(vec![
+            Cell::new(name),
+            Cell::new(side.trials),
+            Cell::new(super::table::percent(side.success)),
+            Cell::new(of(side.weakly)),
+            Cell::new(of(side.hard)),
+            Cell::new(side.crushed),
+            Cell::new(otherwise.join(", ")),
+        ]);
+    }
+    output.table(lines)?;
+    let slip = &report.slip_to_command_ms;
+    let ms = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| number(ms, 0));
+    output.line(format!(
+        "slip onset to command: p50 {} ms, p99 {} ms, max {} ms over {} slips; {} more at F_2; {} ended unanswered",
+        ms(slip.p50),
+        ms(slip.p99),
+        ms(slip.max),
+        slip.count,
+        slip.at_f2,
+        slip.unanswered,
+    ))?;
+    output.line(format!(
+        "seeds from {} on of each object, for {}",
+        report.first_seed, report.purpose
+    ))
+}

@@ -1,0 +1,122 @@
+//! The follower: every coordinate of a [`GraspFrame`] after its own target.
+
+use super::axis::{Axis, Bounds};
+use robot_model::{FINGERS, GraspFrame};
+
+/// Coordinates of a pose: three of the centre, three angles, three of each finger.
+const AXES: usize = TURNS + 3 + 3 * FINGERS;
+/// Where the angles begin: yaw, pitch, roots. The azimuth follows from where the hand is.
+const TURNS: usize = 3;
+/// Where the fingers' coordinates begin: openings, tangential offsets, heights.
+const FIRST_FINGER: usize = TURNS + 3;
+
+/// Highest speed of each kind of coordinate, and how soon it is reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speeds {
+    /// Of each coordinate of the centre, m/s.
+    pub move_m_s: f64,
+    /// Of each angle, rad/s.
+    pub turn_rad_s: f64,
+    /// Of each finger, m/s.
+    pub finger_m_s: f64,
+    /// Time from rest to the highest speed, s.
+    pub speed_up_s: f64,
+    /// Time constant of the low-pass after it, s.
+    pub smooth_s: f64,
+}
+
+impl Speeds {
+    /// The bounds of a coordinate at a share of its highest speed, 0 to 1. Its acceleration stays.
+    fn bounds(&self, axis: usize, share: f64) -> Bounds {
+        let speed = match axis {
+            0..TURNS => self.move_m_s,
+            TURNS..FIRST_FINGER => self.turn_rad_s,
+            _ => self.finger_m_s,
+        };
+        Bounds {
+            speed: speed * share,
+            acceleration: speed / self.speed_up_s,
+            smooth_s: self.smooth_s,
+        }
+    }
+}
+
+/// A hand that is led.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Follower {
+    axes: [Axis; AXES],
+    azimuth_rad: f64,
+}
+
+impl Follower {
+    /// A hand at rest in a pose.
+    #[must_use]
+    pub fn at(frame: &GraspFrame) -> Self {
+        Self {
+            axes: coordinates(frame).map(Axis::at),
+            azimuth_rad: frame.hand_azimuth_rad,
+        }
+    }
+
+    /// The fingers stand as others have moved them.
+    pub fn take_fingers(&mut self, frame: &GraspFrame) {
+        let now = coordinates(frame);
+        for (axis, now) in self.axes.iter_mut().zip(now).skip(FIRST_FINGER) {
+            *axis = Axis::at(now);
+        }
+    }
+
+    /// One tick towards a pose, or to rest if there is none, at a share of the highest speed of hand and wrist, 0 to 1.
+    pub fn towards(
+        &mut self,
+        wanted: Option<&GraspFrame>,
+        speeds: &Speeds,
+        share: f64,
+        step_s: f64,
+    ) -> GraspFrame {
+        let targets = wanted.map(coordinates);
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let share = if index < FIRST_FINGER { share } else { 1.0 };
+            let target = targets.map(|targets| targets[index]);
+            axis.towards(target, &speeds.bounds(index, share), step_s);
+        }
+        if let Some(wanted) = wanted {
+            self.azimuth_rad = wanted.hand_azimuth_rad;
+        }
+        self.frame()
+    }
+
+    /// Where the hand is.
+    #[must_use]
+    pub fn frame(&self) -> GraspFrame {
+        let at = |index: usize| self.axes[index].position();
+        let of_finger =
+            |kind: usize| core::array::from_fn(|finger| at(FIRST_FINGER + kind * FINGERS + finger));
+        GraspFrame {
+            centre_m: [at(0), at(1), at(2)].into(),
+            closing_yaw_rad: at(TURNS),
+            hand_azimuth_rad: self.azimuth_rad,
+            hand_pitch_rad: at(TURNS + 1),
+            root_rad: at(TURNS + 2),
+            half_opening_m: of_finger(0),
+            tangential_m: of_finger(1),
+            up_m: of_finger(2),
+        }
+    }
+}
+
+fn coordinates(frame: &GraspFrame) -> [f64; AXES] {
+    let mut all = [0.0; AXES];
+    all[..TURNS].copy_from_slice(frame.centre_m.as_slice());
+    all[TURNS..FIRST_FINGER].copy_from_slice(&[
+        frame.closing_yaw_rad,
+        frame.hand_pitch_rad,
+        frame.root_rad,
+    ]);
+    let kinds = [frame.half_opening_m, frame.tangential_m, frame.up_m];
+    for (slot, value) in all[FIRST_FINGER..].iter_mut().zip(kinds.as_flattened()) {
+        *slot = *value;
+    }
+    all
+}

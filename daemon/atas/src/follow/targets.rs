@@ -1,0 +1,193 @@
+//! The intake of targets: what a client streams becomes [`CheckedTarget`]s, or nothing.
+
+use super::bounds::FollowSpace;
+use crate::goal::ActiveGoal;
+use crate::tick::{Tick, nanoseconds};
+use core::f64::consts::TAU;
+use robot_model::Side;
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{Cause, GraspTarget, GripOrder, Reason};
+
+/// Longest time that a target may be followed without a newer one, s (ours: twice the period of the slowest stream, 1 Hz).
+const VALID_MAX_S: f64 = 2.0;
+/// How far ahead of the tick a target may have been made, s (ours: a client that paces itself by the daemon's reports sees
+/// them late, never early; clocks of one machine agree).
+const AHEAD_S: f64 = 0.01;
+/// Time between two warnings about the same stream, s (ours: a bad stream of 1 kHz must not fill the event log).
+const WARN_EVERY_S: f64 = 1.0;
+
+/// A target that was believed; only the intake makes one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CheckedTarget {
+    target: GraspTarget,
+    valid_until_ns: u64,
+}
+
+impl CheckedTarget {
+    /// Point between the fingertips, m.
+    #[must_use]
+    pub fn centre_m(&self) -> [f64; 3] {
+        self.target.centre_m
+    }
+
+    /// Direction of the closing axis, rad.
+    #[must_use]
+    pub fn closing_yaw_rad(&self) -> f64 {
+        self.target.closing_yaw_rad
+    }
+
+    /// Distance between the fingertips, m; without meaning if something shall be held.
+    #[must_use]
+    pub fn opening_m(&self) -> f64 {
+        self.target.opening_m
+    }
+
+    /// What the fingers shall do.
+    #[must_use]
+    pub fn grip(&self) -> GripOrder {
+        self.target.grip
+    }
+}
+
+/// The stream that a goal has opened, if one has.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TargetIntake {
+    stream: Option<Stream>,
+    newest: [Option<CheckedTarget>; HANDS],
+    warned_ns: Option<u64>,
+}
+
+/// Whom to listen to.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Stream {
+    writer_epoch: u64,
+    opened_ns: u64,
+    led: [bool; HANDS],
+    next_sequence: u64,
+}
+
+impl TargetIntake {
+    /// Listens to the client of this goal from now on, or to nobody.
+    pub fn follow(&mut self, goal: Option<&ActiveGoal>, tick: Tick) {
+        let stream = goal.filter(|goal| goal.request.kind.is_stream());
+        self.newest = [None; HANDS];
+        self.warned_ns = None;
+        self.stream = stream.map(|goal| Stream {
+            writer_epoch: goal.request.stamp.writer_epoch,
+            opened_ns: tick.now_ns,
+            led: Side::BOTH.map(|side| goal.involves(side)),
+            next_sequence: 0,
+        });
+    }
+
+    /// Takes in this tick's targets, oldest first; what to warn of, if anything.
+    pub fn take(&mut self, targets: &[GraspTarget], tick: Tick) -> Reason {
+        let mut finding = Reason::default();
+        let Some(stream) = self.stream.as_mut() else {
+            // Nobody asked for them: a goal that has just ended leaves some behind.
+            return finding;
+        };
+        for target in targets {
+            match stream.check(target, tick) {
+                Ok((hand, checked)) => self.newest[hand] = Some(checked),
+                Err(reason) => finding = reason,
+            }
+        }
+        for (hand, newest) in self.newest.iter_mut().enumerate() {
+            if newest.is_some_and(|target| target.valid_until_ns < tick.now_ns) {
+                *newest = None;
+                finding = Reason::of(Cause::TARGETS_STOPPED).about(hand);
+            }
+        }
+        self.rarely(finding, tick)
+    }
+
+    /// The target of a hand, as long as it is valid.
+    #[must_use]
+    pub fn of(&self, side: Side) -> Option<&CheckedTarget> {
+        self.newest[side.index()].as_ref()
+    }
+
+    /// The finding, unless there was a warning lately.
+    fn rarely(&mut self, finding: Reason, tick: Tick) -> Reason {
+        let again_ns = self.warned_ns.map_or(0, |warned_ns| {
+            warned_ns.saturating_add(nanoseconds(WARN_EVERY_S))
+        });
+        if !finding.is_some() || tick.now_ns < again_ns {
+            return Reason::default();
+        }
+        self.warned_ns = Some(tick.now_ns);
+        finding
+    }
+}
+
+impl Stream {
+    /// Its hand and what was believed. Every check that reads numbers comes after those that say whose they are.
+    fn check(
+        &mut self,
+        target: &GraspTarget,
+        tick: Tick,
+    ) -> Result<(usize, CheckedTarget), Reason> {
+        if !target.is_intact() {
+            return Err(Reason::of(Cause::TARGET_CORRUPT));
+        }
+        if target.stamp.writer_epoch != self.writer_epoch {
+            return Err(Reason::of(Cause::TARGET_FOREIGN));
+        }
+        let valid_until_ns = self.fresh(target, tick)?;
+        let unknown = |code: u32| Reason::limit(Cause::TARGET_UNKNOWN, f64::from(code), 0.0);
+        let hand = target.hand.index().filter(|hand| self.led[*hand]);
+        let hand = hand.ok_or(unknown(target.hand.0))?;
+        if !target.grip.is_known() {
+            return Err(unknown(target.grip.0));
+        }
+        check_values(target, Side::BOTH[hand])?;
+        self.next_sequence = target.stamp.sequence.saturating_add(1);
+        let target = *target;
+        Ok((
+            hand,
+            CheckedTarget {
+                target,
+                valid_until_ns,
+            },
+        ))
+    }
+
+    /// Until when the target counts, ns.
+    fn fresh(&self, target: &GraspTarget, tick: Tick) -> Result<u64, Reason> {
+        let (made_ns, until_ns) = (target.stamp.captured_ns, target.valid_until_ns);
+        let late_ns = tick.now_ns.saturating_sub(until_ns);
+        let ahead = made_ns > tick.now_ns.saturating_add(nanoseconds(AHEAD_S));
+        let before_goal = made_ns.saturating_add(nanoseconds(AHEAD_S)) < self.opened_ns;
+        let out_of_turn = target.stamp.sequence < self.next_sequence;
+        if late_ns > 0 || ahead || before_goal || out_of_turn {
+            return Err(Reason::limit(Cause::TARGET_STALE, late_ns as f64, 0.0));
+        }
+        Ok(until_ns.min(tick.now_ns.saturating_add(nanoseconds(VALID_MAX_S))))
+    }
+}
+
+/// Every number finite, and where the hand may be led.
+fn check_values(target: &GraspTarget, side: Side) -> Result<(), Reason> {
+    let values = target.values();
+    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        return Err(Reason::of(Cause::TARGET_NOT_FINITE).about(index));
+    }
+    let space = FollowSpace::of(side);
+    let [x_m, y_m, z_m] = space.centre_m;
+    let opening_m = match target.grip {
+        GripOrder::HOLD => [f64::NEG_INFINITY, f64::INFINITY],
+        _ => space.opening_m,
+    };
+    let ranges = [x_m, y_m, z_m, [-TAU, TAU], opening_m];
+    for (index, (value, [lower, upper])) in values.into_iter().zip(ranges).enumerate() {
+        if value < lower || value > upper {
+            let limit = if value < lower { lower } else { upper };
+            return Err(Reason::limit(Cause::TARGET_OUT_OF_RANGE, value, limit).about(index));
+        }
+    }
+    Ok(())
+}
