@@ -33,7 +33,7 @@ pub fn of(urdf: &str) -> Result<Vec<Joint>, String> {
         .map_err(|error| error.to_string())?
         .joints()
         .map(|joint| Joint {
-            name: joint.name.to_owned(),
+            name: joint.name.to_string(),
             lower_rad: joint.lower_rad,
             upper_rad: joint.upper_rad,
             speed_max_rad_s: joint.velocity_max_rad_s,
