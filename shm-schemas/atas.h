@@ -74,7 +74,7 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_VIEW "atas/v1/view"
 #define ATAS_SERVICE_MODULE_EVENT "atas/v1/module-event"
 #define ATAS_SERVICE_RUN_HEADER "atas/v1/run-header"
-#define ATAS_SERVICE_TICK_INPUTS "atas/v4/tick-inputs"
+#define ATAS_SERVICE_TICK_INPUTS "atas/v5/tick-inputs"
 #define ATAS_SERVICE_SENSOR_STATUS "atas/v1/sensor-status"
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
@@ -248,6 +248,8 @@ enum atas_module_id {
     ATAS_MODULE_ID_LOAD_TEST = 12,
     // Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
     ATAS_MODULE_ID_SLIP_REACTION = 13,
+    // Reads fingers and hand off the task's behaviour table (paper section III).
+    ATAS_MODULE_ID_BEHAVIOUR_TABLE = 14,
 };
 
 // What went wrong.
@@ -376,6 +378,24 @@ enum atas_order_kind {
     ATAS_ORDER_KIND_BIAS = 8,
     // Hold in this tick for reason.
     ATAS_ORDER_KIND_HOLD = 9,
+};
+
+// One sensor bit of a behaviour table that feels: true or false in every tick (paper Table 1, S1 to S5).
+enum atas_sensor_bit {
+    // No bit.
+    ATAS_SENSOR_BIT_NONE = 0,
+    // Every finger touches.
+    ATAS_SENSOR_BIT_TOUCHING = 1,
+    // The weakest finger presses more than F_1: what Module 1 asks.
+    ATAS_SENSOR_BIT_ABOVE_F1 = 2,
+    // A finger has nearly used up its friction, or slips: what Module 2 asks.
+    ATAS_SENSOR_BIT_SLIPPING = 3,
+    // The strongest finger presses more than F_2: what Module 3 asks.
+    ATAS_SENSOR_BIT_ABOVE_F2 = 4,
+    // The hand has carried its object for more than 3 mm.
+    ATAS_SENSOR_BIT_LIFTED = 5,
+    // Every finger has had friction to spare for 100 ms.
+    ATAS_SENSOR_BIT_SPARE = 6,
 };
 
 // Who wrote a payload, when, and as which in its series.
@@ -1230,6 +1250,34 @@ _Static_assert(offsetof(atas_track_record, count) == 0, "atas_track_record.count
 _Static_assert(offsetof(atas_track_record, pad) == 4, "atas_track_record.pad");
 _Static_assert(offsetof(atas_track_record, steps) == 8, "atas_track_record.steps");
 
+// The behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level per actuator and row.
+typedef struct atas_table_record {
+    // FNV-1a over all other fields; 0 with no bits: the task has no table.
+    uint64_t hash;
+    // Sensor bits that are used, at most SENSOR_BITS; the first is the lowest of the row's number.
+    uint32_t count;
+    // Which bits.
+    uint32_t bits[6]; // enum atas_sensor_bit
+    // Written as zero.
+    uint32_t pad;
+    // Closing speed of the fingers per level, m/s, negative opens.
+    double fingers_m_s[4];
+    // Factor on the hand's speed along its path per level, −1 (back) to 1.
+    double hand[4];
+    // Four bits per row, row 0 lowest: level of the fingers, then level of the hand times four.
+    uint64_t rows[4];
+} atas_table_record;
+#define ATAS_TABLE_RECORD_TYPE "atas.TableRecord.v1"
+_Static_assert(sizeof(atas_table_record) == 136, "atas_table_record");
+_Static_assert(_Alignof(atas_table_record) == 8, "atas_table_record");
+_Static_assert(offsetof(atas_table_record, hash) == 0, "atas_table_record.hash");
+_Static_assert(offsetof(atas_table_record, count) == 8, "atas_table_record.count");
+_Static_assert(offsetof(atas_table_record, bits) == 12, "atas_table_record.bits");
+_Static_assert(offsetof(atas_table_record, pad) == 36, "atas_table_record.pad");
+_Static_assert(offsetof(atas_table_record, fingers_m_s) == 40, "atas_table_record.fingers_m_s");
+_Static_assert(offsetof(atas_table_record, hand) == 72, "atas_table_record.hand");
+_Static_assert(offsetof(atas_table_record, rows) == 104, "atas_table_record.rows");
+
 // What a goal made the hands do: a built-in task or a user's own.
 typedef struct atas_task_record {
     // Name, as users see it.
@@ -1238,13 +1286,16 @@ typedef struct atas_task_record {
     atas_track_record acting;
     // The other hand.
     atas_track_record helping;
+    // What the module "behaviour table" reads.
+    atas_table_record table;
 } atas_task_record;
-#define ATAS_TASK_RECORD_TYPE "atas.TaskRecord.v1"
-_Static_assert(sizeof(atas_task_record) == 3104, "atas_task_record");
+#define ATAS_TASK_RECORD_TYPE "atas.TaskRecord.v2"
+_Static_assert(sizeof(atas_task_record) == 3240, "atas_task_record");
 _Static_assert(_Alignof(atas_task_record) == 8, "atas_task_record");
 _Static_assert(offsetof(atas_task_record, name) == 0, "atas_task_record.name");
 _Static_assert(offsetof(atas_task_record, acting) == 16, "atas_task_record.acting");
 _Static_assert(offsetof(atas_task_record, helping) == 1560, "atas_task_record.helping");
+_Static_assert(offsetof(atas_task_record, table) == 3104, "atas_task_record.table");
 
 // One order; only what its kind names is used, the rest is zero.
 typedef struct atas_order_record {
@@ -1265,8 +1316,8 @@ typedef struct atas_order_record {
     // All settings.
     atas_settings_record settings;
 } atas_order_record;
-#define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v3"
-_Static_assert(sizeof(atas_order_record) == 4120, "atas_order_record");
+#define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v4"
+_Static_assert(sizeof(atas_order_record) == 4256, "atas_order_record");
 _Static_assert(_Alignof(atas_order_record) == 8, "atas_order_record");
 _Static_assert(offsetof(atas_order_record, kind) == 0, "atas_order_record.kind");
 _Static_assert(offsetof(atas_order_record, index) == 4, "atas_order_record.index");
@@ -1275,7 +1326,7 @@ _Static_assert(offsetof(atas_order_record, value) == 16, "atas_order_record.valu
 _Static_assert(offsetof(atas_order_record, reason) == 24, "atas_order_record.reason");
 _Static_assert(offsetof(atas_order_record, goal) == 56, "atas_order_record.goal");
 _Static_assert(offsetof(atas_order_record, task) == 232, "atas_order_record.task");
-_Static_assert(offsetof(atas_order_record, settings) == 3336, "atas_order_record.settings");
+_Static_assert(offsetof(atas_order_record, settings) == 3472, "atas_order_record.settings");
 
 // What one tick took in, and the command that came out. A tick that took more than one frame of a hand is told in
 // several parts, one after the other.
@@ -1303,8 +1354,8 @@ typedef struct atas_tick_inputs {
     // The command that was published.
     atas_joint_command command;
 } atas_tick_inputs;
-#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v4"
-_Static_assert(sizeof(atas_tick_inputs) == 12144, "atas_tick_inputs");
+#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v5"
+_Static_assert(sizeof(atas_tick_inputs) == 12280, "atas_tick_inputs");
 _Static_assert(_Alignof(atas_tick_inputs) == 8, "atas_tick_inputs");
 _Static_assert(offsetof(atas_tick_inputs, stamp) == 0, "atas_tick_inputs.stamp");
 _Static_assert(offsetof(atas_tick_inputs, tick) == 24, "atas_tick_inputs.tick");
@@ -1316,7 +1367,7 @@ _Static_assert(offsetof(atas_tick_inputs, pad) == 52, "atas_tick_inputs.pad");
 _Static_assert(offsetof(atas_tick_inputs, frames) == 56, "atas_tick_inputs.frames");
 _Static_assert(offsetof(atas_tick_inputs, joints) == 6360, "atas_tick_inputs.joints");
 _Static_assert(offsetof(atas_tick_inputs, order) == 7448, "atas_tick_inputs.order");
-_Static_assert(offsetof(atas_tick_inputs, command) == 11568, "atas_tick_inputs.command");
+_Static_assert(offsetof(atas_tick_inputs, command) == 11704, "atas_tick_inputs.command");
 
 // One hand's sensor, as the controller is wired to it.
 typedef struct atas_hand_wiring_record {

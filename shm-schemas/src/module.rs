@@ -34,5 +34,7 @@ code! {
         LOAD_TEST = 12, "load test";
         /// Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
         SLIP_REACTION = 13, "slip reaction";
+        /// Reads fingers and hand off the task's behaviour table (paper section III).
+        BEHAVIOUR_TABLE = 14, "behaviour table";
     }
 }

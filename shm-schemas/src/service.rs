@@ -23,7 +23,7 @@ pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
 pub const RUN_HEADER: &str = "atas/v1/run-header";
 /// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
-pub const TICK_INPUTS: &str = "atas/v4/tick-inputs";
+pub const TICK_INPUTS: &str = "atas/v5/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.

@@ -22,8 +22,10 @@
 //! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
 //! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
+//! | `behaviour_table` | fingers and hand as the row of the task's table says | III |
 //! | `slip_reaction` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
 
+mod behaviour_table;
 mod carry;
 mod contact_guard;
 mod fall;
@@ -62,4 +64,5 @@ list::modules! {
     contact_guard::ContactGuard,
     load_test::LoadTest,
     slip_reaction::SlipReaction,
+    behaviour_table::BehaviourTable,
 }

@@ -8,7 +8,9 @@ use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
-use crate::tasks::{BACK_OUT, KEEP, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW};
+use crate::tasks::{
+    BACK_OUT, BehaviourTable, KEEP, Motion, RAISE, STAND, Step, Track, Transition, WITHDRAW,
+};
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
 use robot_model::{FINGERS, GraspFrame};
@@ -60,6 +62,7 @@ pub enum Outcome {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Runner {
     track: Track,
+    table: Option<BehaviourTable>,
     index: usize,
     step_s: f64,
     path: Path,
@@ -113,6 +116,7 @@ impl Runner {
     ) -> Self {
         let mut runner = Self {
             track,
+            table: None,
             index: 0,
             step_s: 0.0,
             path: Path::stay(*now),
@@ -141,6 +145,12 @@ impl Runner {
         runner.path = runner.plan(now, settings);
         runner.arrive();
         runner
+    }
+
+    /// The same with what the module "behaviour table" reads.
+    #[must_use]
+    pub fn with_table(self, table: Option<BehaviourTable>) -> Self {
+        Self { table, ..self }
     }
 
     /// Goes on with what the hand was found gripping. How much it bears is not known: a little more than it bears now.
@@ -242,6 +252,7 @@ impl Runner {
             closing_m: self.closing_m,
             carried_m: self.carried_m,
             hangs: self.hangs || !self.step().modules.contains(ModuleId::LOAD_TEST),
+            table: self.table.as_ref(),
             path: &self.path,
             carry_scale: motion.carry_scale,
             closing_m_s: motion.closing_m_s,
