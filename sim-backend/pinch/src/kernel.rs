@@ -82,12 +82,9 @@ impl<'a, const N: usize> Batch<'a, N> {
         let zero = Lanes::splat(0.0);
         // Lanes without a trial repeat the first; nobody asks what becomes of them.
         let of = |lane: usize| &trials[if lane < trials.len() { lane } else { 0 }];
-        let mut noise = Noise([0; N]);
-        let mut rows = [[0; 4]; N];
-        for lane in 0..N {
-            noise.0[lane] = of(lane).seed.wrapping_mul(0x9e37_79b9) | 1;
-            rows[lane] = of(lane).rows;
-        }
+        let seed = |lane: usize| of(lane).seed.wrapping_mul(0x9e37_79b9) | 1;
+        let mut noise = Noise::<N>(core::array::from_fn(seed));
+        let rows = core::array::from_fn(|lane| of(lane).rows);
         let _warm = [noise.next(), noise.next(), noise.next()];
         let found = noise.next() * PROBE_SCATTER + (1.0 + PROBE_BIAS);
         let thresholds = |which: usize| {
@@ -163,8 +160,8 @@ impl<'a, const N: usize> Batch<'a, N> {
             }
         }
         let (mut fingers_m_s, mut hand) = (Lanes::splat(0.0), Lanes::splat(0.0));
-        for lane in 0..N {
-            let number = row[lane] as usize % 64;
+        for (lane, row) in row.into_iter().enumerate() {
+            let number = row as usize % 64;
             let levels = (self.rows[lane][number / 16] >> (number % 16 * 4)) as usize;
             fingers_m_s.0[lane] = self.interface.fingers_m_s[levels % 4];
             hand.0[lane] = self.interface.hand[levels / 4 % 4];

@@ -16,13 +16,13 @@ pub(crate) struct Lanes<const N: usize>(pub(crate) [f32; N]);
 pub(crate) struct Mask<const N: usize>(pub(crate) [u32; N]);
 
 macro_rules! lanewise {
-    ($($trait:ident $method:ident $operator:tt;)*) => {$(
+    ($($trait:ident $method:ident $assign:tt;)*) => {$(
         impl<const N: usize> $trait for Lanes<N> {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
                 for (a, b) in self.0.iter_mut().zip(other.0) {
-                    *a = *a $operator b;
+                    *a $assign b;
                 }
                 self
             }
@@ -33,7 +33,7 @@ macro_rules! lanewise {
             #[inline(always)]
             fn $method(mut self, other: f32) -> Self {
                 for a in &mut self.0 {
-                    *a = *a $operator other;
+                    *a $assign other;
                 }
                 self
             }
@@ -42,10 +42,10 @@ macro_rules! lanewise {
 }
 
 lanewise! {
-    Add add +;
-    Sub sub -;
-    Mul mul *;
-    Div div /;
+    Add add +=;
+    Sub sub -=;
+    Mul mul *=;
+    Div div /=;
 }
 
 impl<const N: usize> Lanes<N> {
@@ -144,13 +144,13 @@ impl<const N: usize> Mask<N> {
 }
 
 macro_rules! maskwise {
-    ($($trait:ident $method:ident $operator:tt;)*) => {$(
+    ($($trait:ident $method:ident $assign:tt;)*) => {$(
         impl<const N: usize> $trait for Mask<N> {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
                 for (a, b) in self.0.iter_mut().zip(other.0) {
-                    *a = *a $operator b;
+                    *a $assign b;
                 }
                 self
             }
@@ -159,8 +159,8 @@ macro_rules! maskwise {
 }
 
 maskwise! {
-    BitAnd bitand &;
-    BitOr bitor |;
+    BitAnd bitand &=;
+    BitOr bitor |=;
 }
 
 impl<const N: usize> Not for Mask<N> {

@@ -99,20 +99,20 @@ impl<const N: usize> Percept<N> {
     ) {
         let zero = Lanes::splat(0.0);
         let (mut sum_n, mut sum_t) = (zero, zero);
-        for ring in 0..RINGS {
-            let n = &mut self.normal_by_ring_n[ring];
-            let t = &mut self.shear_by_ring_n[ring];
-            *n = n.towards(normal_n[ring], FORCE_SHARE);
-            *t = t.towards(shear_n[ring], FORCE_SHARE);
-            sum_n = sum_n + *n;
-            sum_t = sum_t + *t;
+        for (felt, normal_n) in self.normal_by_ring_n.iter_mut().zip(normal_n) {
+            *felt = felt.towards(*normal_n, FORCE_SHARE);
+            sum_n = sum_n + *felt;
+        }
+        for (felt, shear_n) in self.shear_by_ring_n.iter_mut().zip(shear_n) {
+            *felt = felt.towards(*shear_n, FORCE_SHARE);
+            sum_t = sum_t + *felt;
         }
         self.normal_n = sum_n + noise[0] * NOISE_N;
         self.tangential_n = (sum_t + noise[1] * NOISE_N).abs();
         self.touching =
             self.normal_n.above(TOUCH_ON_N) | (self.touching & self.normal_n.above(TOUCH_OFF_N));
         self.use_friction();
-        if tick % SAMPLE_TICKS == 0 {
+        if tick.is_multiple_of(SAMPLE_TICKS) {
             self.window_n[self.oldest] = self.tangential_n;
             self.oldest = (self.oldest + 1) % SAMPLES;
         }
@@ -123,13 +123,11 @@ impl<const N: usize> Percept<N> {
     fn use_friction(&mut self) {
         let zero = Lanes::splat(0.0);
         let (mut top, mut pressed) = (zero, Mask::NONE);
-        for ring in 1..RINGS {
-            let (n, t) = (
-                self.normal_by_ring_n[ring],
-                self.shear_by_ring_n[ring].abs(),
-            );
-            let presses = n.above(ELEMENT_FLOOR_N * ELEMENTS[ring]);
-            let element_n = n * (1.0 / ELEMENTS[ring]);
+        let rings = self.normal_by_ring_n.iter().zip(&self.shear_by_ring_n);
+        for ((n, t), elements) in rings.zip(ELEMENTS).skip(1) {
+            let (n, t) = (*n, t.abs());
+            let presses = n.above(ELEMENT_FLOOR_N * elements);
+            let element_n = n * (1.0 / elements);
             let ratio = t / (n + f32::MIN_POSITIVE) * TOP_SHARE
                 + Lanes::splat(TOP_NOISE_N) / (element_n + ELEMENT_FLOOR_N);
             top = presses.select(ratio.greater(top), top);

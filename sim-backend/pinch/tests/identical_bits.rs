@@ -71,7 +71,7 @@ fn engines_company_and_order_change_no_bit() {
     };
     let trial = |seed: u32| Trial {
         object: OBJECTS[seed as usize % OBJECTS.len()],
-        rows: if seed % 3 == 0 {
+        rows: if seed.is_multiple_of(3) {
             rows(modules)
         } else {
             any(seed.into())

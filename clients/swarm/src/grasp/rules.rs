@@ -87,9 +87,8 @@ impl Rules {
         let tells = |bit: SensorBit| holds(row, bit);
         let full = tells(SensorBit::ABOVE_F2) && self.force_limit;
         let slips = tells(SensorBit::SLIPPING);
-        if !tells(SensorBit::TOUCHING) {
-            [CLOSE, STAND]
-        } else if self.first_touch && !tells(SensorBit::ABOVE_F1) {
+        let weak = self.first_touch && !tells(SensorBit::ABOVE_F1);
+        if weak || !tells(SensorBit::TOUCHING) {
             [CLOSE, STAND]
         } else if slips && tells(SensorBit::ABOVE_F2) && self.refuse {
             [HOLD, BACK]
