@@ -410,6 +410,24 @@ enum atas_order_kind {
     ATAS_ORDER_KIND_HOLD = 9,
 };
 
+// One sensor bit of a behaviour table that feels: true or false in every tick (paper Table 1, S1 to S5).
+enum atas_sensor_bit {
+    // No bit.
+    ATAS_SENSOR_BIT_NONE = 0,
+    // Every finger touches.
+    ATAS_SENSOR_BIT_TOUCHING = 1,
+    // The weakest finger presses more than F_1: what Module 1 asks.
+    ATAS_SENSOR_BIT_ABOVE_F1 = 2,
+    // A finger has nearly used up its friction, or slips: what Module 2 asks.
+    ATAS_SENSOR_BIT_SLIPPING = 3,
+    // The strongest finger presses more than F_2: what Module 3 asks.
+    ATAS_SENSOR_BIT_ABOVE_F2 = 4,
+    // The hand has carried its object for more than 3 mm.
+    ATAS_SENSOR_BIT_LIFTED = 5,
+    // Every finger has had friction to spare for 100 ms.
+    ATAS_SENSOR_BIT_SPARE = 6,
+};
+
 // Who wrote a payload, when, and as which in its series.
 typedef struct atas_stamp {
     // Counts the payloads of this writer, from 0, without gaps: a gap means that payloads were lost.
@@ -1308,6 +1326,34 @@ _Static_assert(offsetof(atas_track_record, count) == 0, "atas_track_record.count
 _Static_assert(offsetof(atas_track_record, pad) == 4, "atas_track_record.pad");
 _Static_assert(offsetof(atas_track_record, steps) == 8, "atas_track_record.steps");
 
+// The behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level per actuator and row.
+typedef struct atas_table_record {
+    // FNV-1a over all other fields; 0 with no bits: the task has no table.
+    uint64_t hash;
+    // Sensor bits that are used, at most SENSOR_BITS; the first is the lowest of the row's number.
+    uint32_t count;
+    // Which bits.
+    uint32_t bits[6]; // enum atas_sensor_bit
+    // Written as zero.
+    uint32_t pad;
+    // Closing speed of the fingers per level, m/s, negative opens.
+    double fingers_m_s[4];
+    // Factor on the hand's speed along its path per level, −1 (back) to 1.
+    double hand[4];
+    // Four bits per row, row 0 lowest: level of the fingers, then level of the hand times four.
+    uint64_t rows[4];
+} atas_table_record;
+#define ATAS_TABLE_RECORD_TYPE "atas.TableRecord.v1"
+_Static_assert(sizeof(atas_table_record) == 136, "atas_table_record");
+_Static_assert(_Alignof(atas_table_record) == 8, "atas_table_record");
+_Static_assert(offsetof(atas_table_record, hash) == 0, "atas_table_record.hash");
+_Static_assert(offsetof(atas_table_record, count) == 8, "atas_table_record.count");
+_Static_assert(offsetof(atas_table_record, bits) == 12, "atas_table_record.bits");
+_Static_assert(offsetof(atas_table_record, pad) == 36, "atas_table_record.pad");
+_Static_assert(offsetof(atas_table_record, fingers_m_s) == 40, "atas_table_record.fingers_m_s");
+_Static_assert(offsetof(atas_table_record, hand) == 72, "atas_table_record.hand");
+_Static_assert(offsetof(atas_table_record, rows) == 104, "atas_table_record.rows");
+
 // What a goal made the hands do: a built-in task or a user's own.
 typedef struct atas_task_record {
     // Name, as users see it.
@@ -1316,13 +1362,16 @@ typedef struct atas_task_record {
     atas_track_record acting;
     // The other hand.
     atas_track_record helping;
+    // What the module "behaviour table" reads.
+    atas_table_record table;
 } atas_task_record;
-#define ATAS_TASK_RECORD_TYPE "atas.TaskRecord.v1"
-_Static_assert(sizeof(atas_task_record) == 3104, "atas_task_record");
+#define ATAS_TASK_RECORD_TYPE "atas.TaskRecord.v2"
+_Static_assert(sizeof(atas_task_record) == 3240, "atas_task_record");
 _Static_assert(_Alignof(atas_task_record) == 8, "atas_task_record");
 _Static_assert(offsetof(atas_task_record, name) == 0, "atas_task_record.name");
 _Static_assert(offsetof(atas_task_record, acting) == 16, "atas_task_record.acting");
 _Static_assert(offsetof(atas_task_record, helping) == 1560, "atas_task_record.helping");
+_Static_assert(offsetof(atas_task_record, table) == 3104, "atas_task_record.table");
 
 // One order; only what its kind names is used, the rest is zero.
 typedef struct atas_order_record {
@@ -1343,8 +1392,8 @@ typedef struct atas_order_record {
     // All settings.
     atas_settings_record settings;
 } atas_order_record;
-#define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v3"
-_Static_assert(sizeof(atas_order_record) == 4120, "atas_order_record");
+#define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v4"
+_Static_assert(sizeof(atas_order_record) == 4256, "atas_order_record");
 _Static_assert(_Alignof(atas_order_record) == 8, "atas_order_record");
 _Static_assert(offsetof(atas_order_record, kind) == 0, "atas_order_record.kind");
 _Static_assert(offsetof(atas_order_record, index) == 4, "atas_order_record.index");
@@ -1353,7 +1402,7 @@ _Static_assert(offsetof(atas_order_record, value) == 16, "atas_order_record.valu
 _Static_assert(offsetof(atas_order_record, reason) == 24, "atas_order_record.reason");
 _Static_assert(offsetof(atas_order_record, goal) == 56, "atas_order_record.goal");
 _Static_assert(offsetof(atas_order_record, task) == 232, "atas_order_record.task");
-_Static_assert(offsetof(atas_order_record, settings) == 3336, "atas_order_record.settings");
+_Static_assert(offsetof(atas_order_record, settings) == 3472, "atas_order_record.settings");
 
 // What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
 // than one target, is told in several parts, one after the other.

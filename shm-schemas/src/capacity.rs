@@ -16,3 +16,9 @@ pub const STAGES: usize = 8;
 pub const SETTINGS: usize = 96;
 /// Steps of one hand's task; the longest built-in task has 18.
 pub const STEPS: usize = 32;
+/// Sensor bits of a behaviour table; the paper's has five.
+pub const SENSOR_BITS: usize = 6;
+/// Levels of one actuator of a behaviour table: the paper's two bits.
+pub const LEVELS: usize = 4;
+/// Words of 64 bits that a behaviour table's rows take, four bits per row.
+pub const TABLE_WORDS: usize = 4;

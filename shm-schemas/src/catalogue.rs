@@ -4,8 +4,8 @@
 //! from it, and cannot say anything else than the compiler does.
 
 use crate::schema::{CodeType, PayloadType};
-use crate::{control, event, frame, goal, joints, module, reason, record, stamp, status, stop};
-use crate::{swarm, target, tick, truth, view};
+use crate::{control, event, frame, goal, joints, module, reason, record, sensor_bit};
+use crate::{stamp, status, stop, swarm, target, tick, truth, view};
 
 /// Every code.
 pub const CODES: &[&CodeType] = &[
@@ -23,6 +23,7 @@ pub const CODES: &[&CodeType] = &[
     &module::ModuleId::CODE,
     &reason::Cause::CODE,
     &record::OrderKind::CODE,
+    &sensor_bit::SensorBit::CODE,
 ];
 
 /// Every payload; one that is part of another stands before it.
@@ -53,6 +54,7 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &record::SettingsRecord::PAYLOAD,
     &record::StepRecord::PAYLOAD,
     &record::TrackRecord::PAYLOAD,
+    &record::TableRecord::PAYLOAD,
     &record::TaskRecord::PAYLOAD,
     &record::OrderRecord::PAYLOAD,
     &record::TickInputs::PAYLOAD,

@@ -37,6 +37,7 @@ mod payload;
 mod reason;
 mod record;
 pub mod schema;
+mod sensor_bit;
 mod sentence;
 pub mod service;
 mod stamp;
@@ -62,9 +63,10 @@ pub use obedience::{Accepted, Obedience, Orders};
 pub use payload::Payload;
 pub use reason::{Cause, Reason};
 pub use record::{
-    HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, StepRecord, TaskRecord,
-    TickInputs, TrackRecord,
+    HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, StepRecord, TableRecord,
+    TaskRecord, TickInputs, TrackRecord,
 };
+pub use sensor_bit::SensorBit;
 pub use stamp::{Hand, Stamp};
 pub use status::{HandStatus, JointStatus, Percentiles, SensorStatus, Status, StatusFlags};
 pub use stop::{StopAnswer, StopOutcome, StopRequest};

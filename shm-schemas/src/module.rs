@@ -36,5 +36,7 @@ code! {
         SLIP_REACTION = 13, "slip reaction";
         /// Leads the hand after streamed targets, within limits of speed, acceleration and jerk.
         FOLLOW = 14, "follow";
+        /// Reads fingers and hand off the task's behaviour table (paper section III).
+        BEHAVIOUR_TABLE = 15, "behaviour table";
     }
 }

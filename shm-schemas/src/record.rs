@@ -3,13 +3,14 @@
 //! The daemon publishes these only when it was started with recording switched on, because a replay begins with the
 //! controller's first tick. A recorder that joins later misses the beginning, sees that by the sequence, and must say so.
 
-use crate::capacity::{ELEMENTS, HANDS, JOINTS, SETTINGS, STEPS};
+use crate::capacity::{ELEMENTS, HANDS, JOINTS, LEVELS, SENSOR_BITS, SETTINGS, STEPS, TABLE_WORDS};
 use crate::code::code;
 use crate::frame::HandFrame;
 use crate::goal::GoalRequest;
 use crate::joints::{JointCommand, JointState};
 use crate::payload::payload;
 use crate::reason::Reason;
+use crate::sensor_bit::SensorBit;
 use crate::stamp::Stamp;
 use crate::target::GraspTarget;
 use crate::text::Text;
@@ -90,20 +91,42 @@ payload! {
 }
 
 payload! {
+    /// The behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level per actuator and row.
+    TableRecord as "atas.TableRecord.v1" {
+        /// FNV-1a over all other fields; 0 with no bits: the task has no table.
+        pub hash: u64,
+        /// Sensor bits that are used, at most [`SENSOR_BITS`]; the first is the lowest of the row's number.
+        pub count: u32,
+        /// Which bits.
+        pub bits: [SensorBit; SENSOR_BITS],
+        /// Written as zero.
+        pub pad: u32,
+        /// Closing speed of the fingers per level, m/s, negative opens.
+        pub fingers_m_s: [f64; LEVELS],
+        /// Factor on the hand's speed along its path per level, −1 (back) to 1.
+        pub hand: [f64; LEVELS],
+        /// Four bits per row, row 0 lowest: level of the fingers, then level of the hand times four.
+        pub rows: [u64; TABLE_WORDS],
+    }
+}
+
+payload! {
     /// What a goal made the hands do: a built-in task or a user's own.
-    TaskRecord as "atas.TaskRecord.v1" {
+    TaskRecord as "atas.TaskRecord.v2" {
         /// Name, as users see it.
         pub name: Text<16>,
         /// The hand that the goal names.
         pub acting: TrackRecord,
         /// The other hand.
         pub helping: TrackRecord,
+        /// What the module "behaviour table" reads.
+        pub table: TableRecord,
     }
 }
 
 payload! {
     /// One order; only what its kind names is used, the rest is zero.
-    OrderRecord as "atas.OrderRecord.v3" {
+    OrderRecord as "atas.OrderRecord.v4" {
         /// What is ordered.
         pub kind: OrderKind,
         /// Index of a parameter or of a hand.

@@ -10,7 +10,7 @@
 
 use atas_core::Settings;
 use atas_core::modules::Selection;
-use atas_core::tasks::{self, Name, Step, Task, Track, Transition};
+use atas_core::tasks::{self, BehaviourTable, Motion, Name, Step, Task, Track, Transition};
 use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
 /// What the built-in tasks govern the grip with, and a baseline does without.
@@ -22,6 +22,9 @@ const OURS: [ModuleId; 4] = [
 ];
 /// Share of F_2 that F_1 never exceeds ([`atas_core::thresholds::Thresholds`]).
 const F1_BELOW_F2: f64 = 0.8;
+/// Longest time of a step that a table governs, s (ours: several times a lift): one that leaves the hand standing is no better
+/// for being waited for.
+const READ_OFF_S: f64 = 20.0;
 /// Fixed forces that are tried, N: up to what the hand may press.
 const FIXED_N: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 /// Forces from which the slip-reactive baseline is tried, N.
@@ -43,6 +46,15 @@ pub enum GripPolicy {
         start_n: f64,
         /// Up to this one, N.
         ceiling_n: f64,
+    },
+    /// Ours without one of its modules: what is it worth?
+    Without(ModuleId),
+    /// A behaviour table (paper section III) governs fingers and lift once the stiffness is known.
+    Table {
+        /// The table.
+        table: BehaviourTable,
+        /// Whether Module 3 stands beside it, as a user's own task must have it.
+        force_limit: bool,
     },
 }
 
@@ -74,6 +86,8 @@ impl GripPolicy {
             Self::Ours => "ours",
             Self::FixedForce(_) => "fixed_force",
             Self::SlipReactive { .. } => "slip_reactive",
+            Self::Without(_) => "without",
+            Self::Table { .. } => "table",
         }
     }
 
@@ -84,13 +98,15 @@ impl GripPolicy {
             Self::Ours => String::new(),
             Self::FixedForce(force_n) => format!("{force_n} N"),
             Self::SlipReactive { start_n, ceiling_n } => format!("{start_n} to {ceiling_n} N"),
+            Self::Without(module) => module.to_string(),
+            Self::Table { table, .. } => format!("{:016x}", table.hash()),
         }
     }
 
-    /// The module that governs the grip instead of ours; `None` for ours.
+    /// The module that governs the grip instead of ours; `None` for what is made of ours.
     fn module(self) -> Option<ModuleId> {
         match self {
-            Self::Ours => None,
+            Self::Ours | Self::Without(_) | Self::Table { .. } => None,
             Self::FixedForce(_) => Some(ModuleId::FIRST_TOUCH),
             Self::SlipReactive { .. } => Some(ModuleId::SLIP_REACTION),
         }
@@ -101,7 +117,7 @@ impl GripPolicy {
     pub fn settings(self, ours: &Settings) -> Settings {
         let mut settings = *ours;
         let (f1_n, f2_n) = match self {
-            Self::Ours => return settings,
+            Self::Ours | Self::Without(_) | Self::Table { .. } => return settings,
             Self::FixedForce(force_n) => (force_n, force_n / F1_BELOW_F2),
             Self::SlipReactive { start_n, ceiling_n } => (start_n, ceiling_n),
         };
@@ -114,8 +130,8 @@ impl GripPolicy {
     /// The goal under this law: for a baseline, the same with a task of its own.
     #[must_use]
     pub fn goal(self, goal: &GoalRequest) -> (GoalRequest, Option<Task>) {
-        let task = tasks::of(goal.kind);
-        let Some((task, module)) = task.zip(self.module()) else {
+        let own = tasks::of(goal.kind).and_then(|task| self.task(task));
+        let Some(task) = own else {
             return (*goal, None);
         };
         let goal = GoalRequest {
@@ -123,13 +139,69 @@ impl GripPolicy {
             task: Text::new(self.name()),
             ..*goal
         };
-        let task = Task {
-            name: Name::new(self.name()),
-            acting: governed(&task.acting, module),
-            helping: task.helping.map(|track| governed(&track, module)),
-        };
         (goal, Some(task))
     }
+
+    /// A task that moves as a built-in one does and grips by this law; `None` for ours.
+    fn task(self, built_in: &Task) -> Option<Task> {
+        let govern = |track: &Track| match self {
+            Self::Ours => None,
+            Self::Without(module) => Some(without(track, module)),
+            Self::Table { force_limit, .. } => Some(read_off(track, force_limit)),
+            Self::FixedForce(_) | Self::SlipReactive { .. } => {
+                self.module().map(|module| governed(track, module))
+            }
+        };
+        Some(Task {
+            name: Name::new(self.name()),
+            acting: govern(&built_in.acting)?,
+            helping: built_in.helping.as_ref().and_then(govern),
+            table: match self {
+                Self::Table { table, .. } => Some(table),
+                _ => None,
+            },
+        })
+    }
+}
+
+/// The same steps without a module.
+fn without(track: &Track, module: ModuleId) -> Track {
+    let kept = |step: &Step| {
+        let kept: Vec<ModuleId> = step.modules.ids().filter(|id| *id != module).collect();
+        Step {
+            modules: Selection::of(&kept),
+            ..*step
+        }
+    };
+    let steps: Vec<Step> = track.iter().map(kept).collect();
+    Track::checked(&steps).unwrap_or(*track)
+}
+
+/// The same steps up to the probe; then a table grips, lifts and holds, and the probe goes on listening.
+fn read_off(track: &Track, force_limit: bool) -> Track {
+    let beside: &[ModuleId] = if force_limit {
+        &[ModuleId::FORCE_LIMIT]
+    } else {
+        &[]
+    };
+    let table = Selection::of(&[ModuleId::BEHAVIOUR_TABLE, ModuleId::PROBE]);
+    let table = table.and(Selection::of(beside));
+    let grips = |step: &&Step| step.transition != Transition::Gripped;
+    let steps: Vec<Step> = track
+        .iter()
+        .filter(grips)
+        .map(|step| Step {
+            modules: match step.motion {
+                _ if !step.modules.contains(ModuleId::FORCE_LIMIT) => step.modules,
+                Motion::Carry(_) => table.and(Selection::of(&[ModuleId::CARRY])),
+                _ => table,
+            },
+            timeout_s: step.timeout_s.min(READ_OFF_S),
+            ..*step
+        })
+        .collect();
+    // It has fewer steps than before.
+    Track::checked(&steps).unwrap_or(*track)
 }
 
 /// The same steps with another module for the grip, without those that feel stiffness.

@@ -3,8 +3,8 @@
 use shm_schemas::{
     FingerReport, GoalRequest, GraspTarget, HandFrame, HandReport, HandWiringRecord, JointCommand,
     JointState, ModuleEvent, OrderRecord, Payload, Percentiles, Reason, RunHeader, SensorStatus,
-    SettingsRecord, Stamp, Status, StepRecord, TaskRecord, TickInputs, TickReport, TrackRecord,
-    service,
+    SettingsRecord, Stamp, Status, StepRecord, TableRecord, TaskRecord, TickInputs, TickReport,
+    TrackRecord, service,
 };
 
 /// Encoding of messages and schemas: the bytes of a `#[repr(C)]` payload, described as text.
@@ -43,7 +43,7 @@ macro_rules! recorded {
 
 recorded! {
     RunHeader at service::RUN_HEADER, with HandWiringRecord SettingsRecord;
-    TickInputs at service::TICK_INPUTS, with HandFrame JointState GraspTarget OrderRecord Reason GoalRequest TaskRecord TrackRecord StepRecord SettingsRecord JointCommand;
+    TickInputs at service::TICK_INPUTS, with HandFrame JointState GraspTarget OrderRecord Reason GoalRequest TaskRecord TrackRecord StepRecord TableRecord SettingsRecord JointCommand;
     TickReport at service::TICK_REPORT, with HandReport FingerReport;
     ModuleEvent at service::MODULE_EVENT, with Reason;
     Status at service::STATUS, with Percentiles Reason;

@@ -30,6 +30,7 @@ pub mod experiment;
 pub mod files;
 pub mod ga;
 pub mod genome;
+pub mod grasp;
 pub mod islands;
 pub mod plot;
 pub mod replay;

@@ -261,7 +261,8 @@ impl HandControl {
         self.modules.reset();
         self.arbiter.rest();
         let wishes = (width_m, request.hold_s);
-        self.runner = Some(Runner::start(track, waypoints, &now, wishes, settings));
+        let runner = Runner::start(track, waypoints, &now, wishes, settings);
+        self.runner = Some(runner.with_table(task.table));
     }
 
     /// The meeting point that this hand has come to; a hand without a task keeps nobody waiting.

@@ -3,6 +3,7 @@
 //! Read by hand rather than derived, so that whatever is wrong is said with the task, the step and what was probably
 //! meant. [`Tasks::text`] writes what [`read`] reads; the built-in tables are written the same way, to start from.
 
+mod table;
 mod words;
 
 use std::collections::BTreeMap;
@@ -15,7 +16,7 @@ use toml::{Table, Value};
 /// Put before the name of a built-in task when it is printed, because a user's own must be called otherwise.
 const OWN: &str = "my-";
 /// Keys of a task and of a step.
-const TASK_KEYS: [&str; 2] = ["acting", "helping"];
+const TASK_KEYS: [&str; 3] = ["acting", "helping", "table"];
 const STEP_KEYS: [&str; 7] = [
     "step",
     "motion",
@@ -102,7 +103,12 @@ pub(super) fn read(name: &str, value: &Value) -> Result<Task, TaskProblem> {
         .get("helping")
         .map(|steps| read_steps(Some(steps), Part::Helping))
         .transpose()?;
-    Task::checked(name, &acting, helping.as_deref()).map_err(|fault| {
+    let table = table.get("table").map(table::read).transpose();
+    let table = table.map_err(|why| TaskProblem {
+        at: "table".to_owned(),
+        why,
+    })?;
+    Task::checked_with_table(name, &acting, helping.as_deref(), table).map_err(|fault| {
         let steps = match fault.part {
             Part::Acting => &acting[..],
             Part::Helping => helping.as_deref().unwrap_or_default(),
@@ -193,6 +199,9 @@ fn write_task(text: &mut String, name: &str, task: &Task) {
     write_track(text, "acting", &task.acting);
     if let Some(helping) = &task.helping {
         write_track(text, "helping", helping);
+    }
+    if let Some(table) = &task.table {
+        let _ = writeln!(text, "table = {}", table::written(table));
     }
 }
 

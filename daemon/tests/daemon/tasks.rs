@@ -226,6 +226,55 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     );
 }
 
+/// A task that reads a behaviour table of two bits.
+fn read_off(table: &str) -> String {
+    format!(
+        "[tasks.own]\nacting = [{{ step = \"lift\", motion = \"carry\", waypoint = \"lifted\", modules = [\"carry\", \
+         \"force limit\", \"behaviour table\"], transition = \"arrived\", timeout_s = 20.0 }}]\ntable = {{ {table} }}"
+    )
+}
+
+#[test]
+fn a_behaviour_table_reads_back_or_is_refused_by_name() {
+    let bits = "bits = [\"slipping\", \"above-f2\"]";
+    let levels = "fingers_m_s = [0.0, 0.002], hand = [0.0, -0.1, 0.1, 1]";
+    let rows = "rows = \"03 12 00 01\"";
+    let whole = format!("{bits}, {levels}, {rows}");
+    let (_folder, source) = source(&[&read_off(&whole)], &[]);
+    let config = source.load().expect("valid");
+    let table = config.tasks.as_slice()[0].table.expect("it has one");
+    assert_eq!(table.levels(1), [1, 2]);
+    let (_folder, again) = crate::config::source(&[&config.text()], &[]);
+    assert_eq!(again.load().expect("valid"), config);
+    let check = |table: String, wanted: &str| {
+        let wanted = format!("0.toml:1: tasks.own: table: {wanted}");
+        check_refused(&[&read_off(&table)], &[], &wanted);
+    };
+    check(
+        format!("bits = [\"slipping\", \"above-f3\"], {levels}, {rows}"),
+        "\"above-f3\" is no sensor bit; did you mean \"above-f2\"?",
+    );
+    check(
+        format!("bits = [\"slipping\"], {levels}, {rows}"),
+        "has 4 rows, needs 2: one per combination of its sensor bits",
+    );
+    check(
+        format!("{bits}, {levels}, rows = \"03 12 00 21\""),
+        "names in row 3 a level that there is not",
+    );
+    check(
+        format!("{bits}, fingers_m_s = [0.5], hand = [1.0], rows = \"00 00 00 00\""),
+        "has the level 0.5 for fingers_m_s, needs a number from -0.02 to 0.02",
+    );
+    check(
+        format!("{whole}, hash = \"00\""),
+        &format!(
+            "says hash = \"00\", and its own is {:016x}; leave the hash out of a table that was changed",
+            table.hash()
+        ),
+    );
+}
+
 /// Steps that a goal went through, and how it ended.
 fn pursue(
     world: &mut LockStep,

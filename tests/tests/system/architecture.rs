@@ -14,6 +14,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &["atas-core", "shm-bus", "shm-schemas", "robot-model"],
     ),
     ("field", &[]),
+    ("pinch", &[]),
     (
         "sim-backend",
         &["shm-bus", "shm-schemas", "robot-model", "field"],
@@ -90,7 +91,18 @@ const ARROWS: &[(&str, &[&str])] = &[
         ],
     ),
     ("atas-client", &["shm-bus", "shm-schemas"]),
-    ("ebts", &["field", "shm-bus", "shm-schemas"]),
+    (
+        "ebts",
+        &[
+            "atas-core",
+            "atas-evaluation",
+            "field",
+            "pinch",
+            "shm-bus",
+            "shm-schemas",
+            "sim-backend",
+        ],
+    ),
     ("atas-robots", &["robot-model", "shm-bus", "shm-schemas"]),
     ("atas-sensors", &["shm-bus", "shm-schemas"]),
     (
@@ -200,6 +212,7 @@ fn manifests() -> Vec<(String, String)> {
         "daemon/atas",
         "sim-backend",
         "sim-backend/field",
+        "sim-backend/pinch",
         "clients/client",
         "clients/console",
         "clients/recording",

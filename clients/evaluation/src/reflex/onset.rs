@@ -4,7 +4,7 @@
 //! all of it slides, friction is exhausted and the object moves in the hand: that tick is the onset. It is answered by the first
 //! tick from then on in which that finger is commanded to close.
 
-use robot_model::FINGERS;
+use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::HandReport;
 use sim_backend::World;
 
@@ -24,7 +24,7 @@ const TICK_MS: f64 = 1.0;
 /// The slips of one trial.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Onsets {
-    fingers: [Finger; FINGERS],
+    fingers: [Finger; VIRTUAL_FINGERS],
     latencies_ms: Vec<f64>,
     at_f2: u64,
     unanswered: u64,
@@ -59,7 +59,7 @@ impl Onsets {
         carries: bool,
     ) {
         let truth = world.truth();
-        let fingers = &report.fingers[..FINGERS];
+        let fingers = &report.fingers[..VIRTUAL_FINGERS];
         let strongest_n = fingers.iter().map(|f| f.normal_n).fold(0.0, f32::max);
         let at_f2 = strongest_n > AT_F2_SHARE * report.f2_n;
         for (finger, felt) in fingers.iter().enumerate() {

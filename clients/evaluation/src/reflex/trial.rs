@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use anyhow::Context;
 use atas_core::{Goal, Order, Settings};
-use robot_model::{FINGERS, RobotModel};
+use robot_model::{RobotModel, VIRTUAL_FINGERS};
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, Hand, Stamp};
 use sim_backend::random::Random;
 use sim_backend::{Object, Scene};
@@ -88,7 +88,7 @@ pub(super) fn run(
     }
     let truth = run.world().truth();
     let object = &truth.objects[0];
-    let pressed = truth.normal_n[SIDE.index()][..FINGERS]
+    let pressed = truth.normal_n[SIDE.index()][..VIRTUAL_FINGERS]
         .iter()
         .all(|n| *n > PRESSED_N);
     let failure = match () {

@@ -127,6 +127,7 @@ class ModuleId(IntEnum):
     LOAD_TEST = 12
     SLIP_REACTION = 13
     FOLLOW = 14
+    BEHAVIOUR_TABLE = 15
 
 
 class Cause(IntEnum):
@@ -205,3 +206,15 @@ class OrderKind(IntEnum):
     CONFIGURE = 7
     BIAS = 8
     HOLD = 9
+
+
+class SensorBit(IntEnum):
+    """One sensor bit of a behaviour table that feels: true or false in every tick (paper Table 1, S1 to S5)."""
+
+    NONE = 0
+    TOUCHING = 1
+    ABOVE_F1 = 2
+    SLIPPING = 3
+    ABOVE_F2 = 4
+    LIFTED = 5
+    SPARE = 6

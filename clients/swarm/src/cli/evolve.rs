@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ use ebts::workers::Workers;
 use field::FitnessRule;
 
 use super::options::{EngineArgs, EvolutionArgs};
-use super::{Format, answer, stop_flag};
+use super::{Format, answer, grasp, stop_flag};
 
 /// How often a run under way is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(2);
@@ -31,8 +31,10 @@ const EXAMPLES: &str = "Examples:
   ebts evolve --preset LB3 --fitness compared --out mine.toml --history mine.csv";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub(crate) struct EvolveArgs {
+    #[command(subcommand)]
+    task: Option<Task>,
     #[command(flatten)]
     evolution: EvolutionArgs,
     #[command(flatten)]
@@ -57,6 +59,13 @@ pub(crate) struct EvolveArgs {
     overwrite: bool,
 }
 
+/// What is evolved otherwise than robots on a field.
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Evolve a table that feels: a hand grasps eight objects.
+    Grasp(grasp::EvolveGraspArgs),
+}
+
 #[derive(Serialize)]
 struct Evolved<'a> {
     table: &'a Path,
@@ -72,6 +81,9 @@ struct Evolved<'a> {
 }
 
 pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
+    if let Some(Task::Grasp(args)) = args.task {
+        return grasp::evolve(&args, format);
+    }
     let start = Instant::now();
     let checkpoint_path = sibling(&args.out, ".checkpoint");
     let mut state = if args.resume {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use indicatif::ProgressBar;
 use rustix::time::{ClockId, clock_gettime};
 
@@ -20,7 +20,7 @@ use field::Preset;
 use super::evolve::style;
 use super::options::{EngineArgs, EvolutionArgs};
 use super::report;
-use super::{Format, answer, stop_flag};
+use super::{Format, answer, grasp, stop_flag};
 
 const EXAMPLES: &str = "Examples:
   ebts experiment fig14 --seeds 80 --out fig14
@@ -29,11 +29,13 @@ const EXAMPLES: &str = "Examples:
   ebts experiment fig14 --seeds 80 --shard 1/2 --out a";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub(crate) struct ExperimentArgs {
+    #[command(subcommand)]
+    task: Option<Task>,
     /// Which experiment.
-    #[arg(value_enum)]
-    name: Name,
+    #[arg(value_enum, required = true)]
+    name: Option<Name>,
     #[command(flatten)]
     pub(super) runs: RunsArgs,
     /// Do only part i of n of the runs, for ebts merge.
@@ -74,6 +76,13 @@ enum Name {
     Fig14,
 }
 
+/// What is not of robots on a field.
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Evolve tables that feel, and judge them in the full simulation beside hand-written modules and baselines.
+    Grasp(grasp::ExperimentGraspArgs),
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  ebts merge whole a b")]
 pub(crate) struct MergeArgs {
@@ -104,7 +113,9 @@ impl Stopwatch {
 
 pub(super) fn experiment(args: ExperimentArgs, format: Format) -> Result<()> {
     let watch = Stopwatch::start();
-    let Name::Fig14 = args.name;
+    if let Some(Task::Grasp(args)) = args.task {
+        return grasp::experiment(&args, format);
+    }
     let plan = args.runs.plan(args.runs.evolution.preset()?)?;
     let shard = args.shard.unwrap_or(Shard::WHOLE);
     let folder = args

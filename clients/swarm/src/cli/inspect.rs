@@ -17,7 +17,7 @@ use ebts::table::behaviour;
 use ebts::table_file::TableFile;
 use field::{Engine, FitnessRule, SENSORS, run_trial};
 
-use super::{Format, answer};
+use super::{Format, answer, grasp};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  ebts show table.toml")]
@@ -27,6 +27,9 @@ pub(crate) struct ShowArgs {
     /// Accept rows edited by hand: evaluate the table, mark the file as edited and write its new hash.
     #[arg(long)]
     rehash: bool,
+    /// Print a grasp table as a task for the daemon's configuration, by this name.
+    #[arg(long, value_name = "NAME", conflicts_with = "rehash")]
+    task: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -56,6 +59,9 @@ struct ShownRow {
 }
 
 pub(super) fn show(args: ShowArgs, format: Format) -> Result<()> {
+    if grasp::is_grasp_file(&args.table)? {
+        return grasp::show(&args.table, args.task.as_deref(), format);
+    }
     let file = if args.rehash {
         rehash(&args.table)?
     } else {

@@ -4,6 +4,7 @@ mod agents;
 mod analyse;
 mod evolve;
 mod experiment;
+mod grasp;
 mod inspect;
 mod manual;
 mod options;
@@ -61,6 +62,8 @@ pub(crate) enum Command {
     Sweep(sweep::SweepArgs),
     /// Write scripts that run an experiment in shards on a cluster: Slurm, Kubernetes, GNU parallel.
     Slurm(slurm::SlurmArgs),
+    /// Measure how often the reduced and the full grasp agree about hand-written rules.
+    Agreement(grasp::AgreementArgs),
     /// Put the shards of an experiment together.
     Merge(experiment::MergeArgs),
     /// Say with statistics which findings of the paper an experiment shows; compare with baselines and held-out trials.
@@ -94,6 +97,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Command::Experiment(args) => experiment::experiment(args, format),
         Command::Sweep(args) => sweep::sweep(args, format),
         Command::Slurm(args) => slurm::slurm(args, format),
+        Command::Agreement(args) => grasp::agreement(args, format),
         Command::Merge(args) => experiment::merge(args, format),
         Command::Analyse(args) => analyse::analyse(args, format),
         Command::Compare(args) => analyse::compare(args, format),

@@ -1,10 +1,10 @@
 //! The follower: every coordinate of a [`GraspFrame`] after its own target.
 
 use super::axis::{Axis, Bounds};
-use robot_model::{FINGERS, GraspFrame};
+use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 
 /// Coordinates of a pose: three of the centre, three angles, three of each finger.
-const AXES: usize = TURNS + 3 + 3 * FINGERS;
+const AXES: usize = TURNS + 3 + 3 * VIRTUAL_FINGERS;
 /// Where the angles begin: yaw, pitch, roots. The azimuth follows from where the hand is.
 const TURNS: usize = 3;
 /// Where the fingers' coordinates begin: openings, tangential offsets, heights.
@@ -91,8 +91,9 @@ impl Follower {
     #[must_use]
     pub fn frame(&self) -> GraspFrame {
         let at = |index: usize| self.axes[index].position();
-        let of_finger =
-            |kind: usize| core::array::from_fn(|finger| at(FIRST_FINGER + kind * FINGERS + finger));
+        let of_finger = |kind: usize| {
+            core::array::from_fn(|finger| at(FIRST_FINGER + kind * VIRTUAL_FINGERS + finger))
+        };
         GraspFrame {
             centre_m: [at(0), at(1), at(2)].into(),
             closing_yaw_rad: at(TURNS),

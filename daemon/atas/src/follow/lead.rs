@@ -3,7 +3,7 @@
 use super::targets::CheckedTarget;
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
-use robot_model::{FINGERS, GraspFrame, HandModel};
+use robot_model::{GraspFrame, HandModel, VIRTUAL_FINGERS};
 use shm_schemas::GripOrder;
 
 /// Farthest turn of the wrist, rad (ours: 100°, a little more than the quarter turn that every closing axis needs, so that a
@@ -30,7 +30,7 @@ impl Lead {
         let yaw_rad = nearest_yaw_rad(hand, now, &centre_m, target.closing_yaw_rad());
         let half_opening_m = match target.grip() {
             GripOrder::HOLD => now.half_opening_m,
-            _ => [(target.opening_m() / 2.0).max(HALF_MIN_M); FINGERS],
+            _ => [(target.opening_m() / 2.0).max(HALF_MIN_M); VIRTUAL_FINGERS],
         };
         let frame = GraspFrame {
             hand_azimuth_rad: hand.bearing_rad(&now.centre_m),

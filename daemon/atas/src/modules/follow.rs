@@ -9,7 +9,7 @@ use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::follow::{Follower, Speeds};
 use crate::perception::Percept;
 use nalgebra::Vector3;
-use robot_model::{FINGERS, GraspFrame};
+use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::ModuleId;
 
 /// Share of a contact's force along a coordinate from which on moving along it counts as moving into the contact (ours: 17°).
@@ -101,7 +101,7 @@ impl Follow {
 fn clear_of_contacts(wanted: GraspFrame, percept: &Percept, context: &Context<'_>) -> GraspFrame {
     let now_m = context.frame.centre_m;
     let mut centre_m = wanted.centre_m;
-    for (finger, base_from_tip) in percept.fingers[..FINGERS].iter().zip(context.base_from_tip) {
+    for (finger, base_from_tip) in percept.fingers.iter().zip(context.base_from_tip) {
         let force_n: Vector3<f64> = base_from_tip * finger.force_tip_n;
         let floor_n = ALONG_SHARE * force_n.norm();
         for axis in 0..3 {

@@ -23,8 +23,10 @@
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
 //! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
 //! | `follow` | leads the hand after a client's targets | ours |
+//! | `behaviour_table` | fingers and hand as the row of the task's table says | III |
 //! | `slip_reaction` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
 
+mod behaviour_table;
 mod carry;
 mod contact_guard;
 mod fall;
@@ -65,6 +67,7 @@ list::modules! {
     load_test::LoadTest,
     slip_reaction::SlipReaction,
     follow::Follow,
+    behaviour_table::BehaviourTable,
 }
 
 impl Modules {

@@ -4,6 +4,7 @@ use crate::follow::Lead;
 use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
+use crate::tasks::BehaviourTable;
 use crate::thresholds::Thresholds;
 use nalgebra::Matrix3;
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
@@ -28,6 +29,8 @@ pub struct Context<'a> {
     pub carried_m: f64,
     /// Whether nothing but the hand carries the object, as far as anybody has tested.
     pub hangs: bool,
+    /// The behaviour table of the task, if it has one.
+    pub table: Option<&'a BehaviourTable>,
     /// The path of the present step.
     pub path: &'a Path,
     /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.

@@ -70,9 +70,8 @@ impl Module for Slip {
         let load_n = hangs(context).then_some(down_n);
         let falls = self.fall.follow(load_n, brakes, percept.step_s);
         let mut cause = falls;
-        let lifts = context.carried_m > 0.0;
         for (turning, finger) in self.turning.iter_mut().zip(&percept.fingers) {
-            *turning = lifts && finger.torsion > if *turning { TORSION_OFF } else { TORSION_ON };
+            *turning = turns(finger, *turning, context);
             cause |= *turning;
         }
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
@@ -143,13 +142,18 @@ fn conveys(context: &Context<'_>) -> bool {
     ahead_m.xy().norm() > CONVEYS_M
 }
 
+/// Whether what is lifted is about to turn in the hand, with hysteresis.
+pub(super) fn turns(finger: &FingerPercept, turned: bool, context: &Context<'_>) -> bool {
+    context.carried_m > 0.0 && finger.torsion > if turned { TORSION_OFF } else { TORSION_ON }
+}
+
 /// A patch that is sheared everywhere alike slides, or was loaded and pressed together. Under a steady load it slides.
-fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bool {
+pub(super) fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bool {
     let alike = finger.utilisation_now > ALIKE && finger.utilisation > ALIKE_ABOVE;
     finger.gross_slip_s > context.settings.grasp.slip_gross_s || (hangs(context) && alike)
 }
 
-fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
+pub(super) fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
     let settings = &context.settings.grasp;
     let tremble_n = if context.hangs {
         TREMBLE_SHARE * finger.tangential_n

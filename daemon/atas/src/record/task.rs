@@ -1,8 +1,10 @@
 //! A task as words for the bus, and back.
 
 use crate::modules::{IDS, Selection};
-use crate::tasks::{MOTIONS, Name, Step, TRANSITIONS, Task, Track, Transition, WAYPOINTS};
-use shm_schemas::{StepRecord, TaskRecord, Text, TrackRecord};
+use crate::tasks::{
+    BehaviourTable, MOTIONS, Name, Step, TRANSITIONS, Task, Track, Transition, WAYPOINTS,
+};
+use shm_schemas::{StepRecord, TableRecord, TaskRecord, Text, TrackRecord};
 
 /// A task as a record.
 pub(super) fn write(task: &Task) -> TaskRecord {
@@ -10,6 +12,9 @@ pub(super) fn write(task: &Task) -> TaskRecord {
         name: Text::new(&task.name),
         acting: write_track(Some(&task.acting)),
         helping: write_track(task.helping.as_ref()),
+        table: task
+            .table
+            .map_or_else(TableRecord::default, |table| table.record()),
     }
 }
 
@@ -23,6 +28,7 @@ pub(super) fn read(record: &TaskRecord) -> Option<Task> {
             0 => None,
             _ => Some(read_track(helping)?),
         },
+        table: BehaviourTable::of_record(&record.table).ok()?,
     })
 }
 

@@ -7,7 +7,7 @@ use crate::path::Path;
 use crate::perception::Percept;
 use crate::settings::Settings;
 use crate::tasks::{Motion, Transition};
-use robot_model::{FINGERS, GraspFrame};
+use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{GripOrder, ModuleId};
 
 /// Opening beyond the one at which an object was touched that means letting go of it, m (ours: more than a policy's widths
@@ -45,7 +45,7 @@ impl Runner {
         if lead.grip == GripOrder::HOLD {
             return now.half_opening_m.iter().all(|half_m| *half_m > EMPTY_M);
         }
-        let touches = percept.fingers[..FINGERS].iter().any(|f| f.in_contact);
+        let touches = percept.virtual_fingers.iter().any(|f| f.in_contact);
         touches && lead.opening_m() < open_m - CLOSING_M
     }
 

@@ -11,7 +11,8 @@ use crate::perception::{Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
 use crate::tasks::{
-    BACK_OUT, KEEP, Motion, RAISE, STAND, STAND_LED, Step, Track, Transition, WITHDRAW,
+    BACK_OUT, BehaviourTable, KEEP, Motion, RAISE, STAND, STAND_LED, Step, Track, Transition,
+    WITHDRAW,
 };
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
@@ -64,6 +65,7 @@ pub enum Outcome {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Runner {
     track: Track,
+    table: Option<BehaviourTable>,
     index: usize,
     step_s: f64,
     path: Path,
@@ -121,6 +123,7 @@ impl Runner {
     ) -> Self {
         let mut runner = Self {
             track,
+            table: None,
             index: 0,
             step_s: 0.0,
             path: Path::stay(*now),
@@ -151,6 +154,12 @@ impl Runner {
         runner.path = runner.plan(now, settings);
         runner.arrive();
         runner
+    }
+
+    /// The same with what the module "behaviour table" reads.
+    #[must_use]
+    pub fn with_table(self, table: Option<BehaviourTable>) -> Self {
+        Self { table, ..self }
     }
 
     /// Goes on with what the hand was found gripping. How much it bears is not known: a little more than it bears now.
@@ -252,6 +261,7 @@ impl Runner {
             closing_m: self.closing_m,
             carried_m: self.carried_m,
             hangs: self.hangs || !self.step().modules.contains(ModuleId::LOAD_TEST),
+            table: self.table.as_ref(),
             path: &self.path,
             carry_scale: motion.carry_scale,
             closing_m_s: motion.closing_m_s,

@@ -79,4 +79,5 @@ pub static ASSEMBLE: Task = Task {
         reach("back out", Waypoint::BeforeSource),
         GO_HOME,
     ])),
+    table: None,
 };

@@ -29,6 +29,7 @@ mod pick_place;
 mod rules;
 mod screw;
 mod step;
+mod table;
 mod track;
 mod words;
 
@@ -42,5 +43,6 @@ pub use pick_place::{PICK_PLACE, RAISE};
 pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};
 pub use screw::SCREW;
 pub use step::{Motion, Step, Transition, Waypoint};
+pub use table::{Action, BehaviourTable, CLOSING_MAX_M_S, TableFault};
 pub use track::{STEPS_MAX, Task, Track};
 pub use words::{MOTIONS, TRANSITIONS, WAYPOINTS};

@@ -5,6 +5,7 @@
 
 use super::name::Name;
 use super::step::{Motion, Step, Transition};
+use super::table::BehaviourTable;
 use super::track::{STEPS_MAX, Task, Track};
 use crate::modules::{IDS, ROLES, Roles};
 use core::fmt;
@@ -76,6 +77,10 @@ pub enum Rule {
     PointsCountUp,
     /// The hands wait for each other at different points.
     NeverMet(u8),
+    /// A step reads a behaviour table, and the task has none.
+    NoTable,
+    /// A task has a behaviour table that no step reads.
+    UnreadTable,
 }
 
 impl fmt::Display for Rule {
@@ -127,6 +132,16 @@ impl fmt::Display for Rule {
                 f,
                 "waits for the other hand at point {point}, which waits in turn, or never comes there"
             ),
+            Self::NoTable => write!(
+                f,
+                "has \"{}\" among its modules, and the task has no table; give it one",
+                ModuleId::BEHAVIOUR_TABLE
+            ),
+            Self::UnreadTable => write!(
+                f,
+                "has a table that no step reads, needs a step with \"{}\" among its modules",
+                ModuleId::BEHAVIOUR_TABLE
+            ),
         }
     }
 }
@@ -137,6 +152,19 @@ impl Task {
     /// # Errors
     /// The first [`Fault`].
     pub fn checked(name: &str, acting: &[Step], helping: Option<&[Step]>) -> Result<Self, Fault> {
+        Self::checked_with_table(name, acting, helping, None)
+    }
+
+    /// The same with what the module "behaviour table" reads.
+    ///
+    /// # Errors
+    /// The first [`Fault`].
+    pub fn checked_with_table(
+        name: &str,
+        acting: &[Step],
+        helping: Option<&[Step]>,
+        table: Option<BehaviourTable>,
+    ) -> Result<Self, Fault> {
         let task = Self {
             name: checked_task_name(name).map_err(|rule| Fault {
                 part: Part::Acting,
@@ -147,8 +175,10 @@ impl Task {
             helping: helping
                 .map(|steps| checked_track(steps, Part::Helping))
                 .transpose()?,
+            table,
         };
         check_meetings(&task)?;
+        check_table(&task)?;
         Ok(task)
     }
 }
@@ -200,6 +230,7 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
         grips = match (step.motion, step.transition) {
             (Motion::Open | Motion::LetGo, _) => false,
             (_, Transition::Gripped) => true,
+            _ if step.is_read_off() => true,
             _ => grips,
         };
     }
@@ -298,7 +329,21 @@ fn with_role(step: &Step, has: fn(&Roles) -> bool) -> impl Iterator<Item = Modul
 fn check_grip(step: &Step, grips: bool) -> Result<(), Rule> {
     match step.motion {
         Motion::Reach(_) if grips => Err(Rule::LetsGo),
-        motion if motion.needs_grip() && !grips => Err(Rule::NothingGripped),
+        motion if motion.needs_grip() && !grips && !step.is_read_off() => Err(Rule::NothingGripped),
+        _ => Ok(()),
+    }
+}
+
+/// A table and the steps that read it come together.
+fn check_table(task: &Task) -> Result<(), Fault> {
+    let acting = task.acting.iter().position(Step::is_read_off);
+    let helping = task.helping.as_ref();
+    let helping = helping.and_then(|track| track.iter().position(Step::is_read_off));
+    let fault = |part, step, rule| Err(Fault { part, step, rule });
+    match (task.table, acting, helping) {
+        (None, Some(step), _) => fault(Part::Acting, Some(step), Rule::NoTable),
+        (None, None, Some(step)) => fault(Part::Helping, Some(step), Rule::NoTable),
+        (Some(_), None, None) => fault(Part::Acting, None, Rule::UnreadTable),
         _ => Ok(()),
     }
 }

@@ -3,6 +3,7 @@
 
 use super::name::Name;
 use crate::modules::Selection;
+use shm_schemas::ModuleId;
 
 /// One step of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,12 @@ impl Step {
             transition,
             timeout_s,
         }
+    }
+
+    /// Whether a behaviour table governs fingers and hand: it may grip on its way.
+    #[must_use]
+    pub fn is_read_off(&self) -> bool {
+        self.modules.contains(ModuleId::BEHAVIOUR_TABLE)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::name::Name;
 use super::step::{Motion, Step, Transition};
+use super::table::BehaviourTable;
 use crate::modules::Selection;
 use core::ops::Deref;
 
@@ -71,6 +72,8 @@ pub struct Task {
     pub acting: Track,
     /// Steps of the other hand, if it helps.
     pub helping: Option<Track>,
+    /// What the module "behaviour table" reads, if a step has it.
+    pub table: Option<BehaviourTable>,
 }
 
 impl Task {
@@ -81,6 +84,7 @@ impl Task {
             name: Name::new(name),
             acting: Track::of(steps),
             helping: None,
+            table: None,
         }
     }
 }

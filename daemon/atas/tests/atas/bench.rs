@@ -4,6 +4,7 @@ use atas_core::Settings;
 use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
 use atas_core::path::{Path, Speeds};
 use atas_core::perception::{FingerPercept, Percept};
+use atas_core::tasks::BehaviourTable;
 use atas_core::thresholds::Thresholds;
 use nalgebra::Vector3;
 use robot_model::GraspFrame;
@@ -33,6 +34,7 @@ pub(crate) struct Bench {
     pub(crate) id: ModuleId,
     pub(crate) settings: Settings,
     pub(crate) path: Path,
+    pub(crate) table: Option<BehaviourTable>,
     pub(crate) least_n: f64,
     pub(crate) all_touched: bool,
     pub(crate) closing_m: f64,
@@ -50,6 +52,7 @@ impl Bench {
             id,
             settings: Settings::default(),
             path: path(),
+            table: None,
             least_n: 0.5,
             all_touched: true,
             closing_m: 0.0,
@@ -75,6 +78,7 @@ impl Bench {
             closing_m: self.closing_m,
             carried_m: self.carried_m,
             hangs: true,
+            table: self.table.as_ref(),
             path: &self.path,
             carry_scale: self.carry_scale,
             closing_m_s: self.closing_m_s,

@@ -1,7 +1,7 @@
 //! A hand that a client leads, through the whole controller.
 
 use atas_core::{Order, Outputs};
-use robot_model::{FINGERS, Side};
+use robot_model::{Side, VIRTUAL_FINGERS};
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalRequest, GoalState, GraspTarget, GripOrder, Hand, Mode, Reason,
     Stamp,
@@ -118,7 +118,7 @@ impl Led {
         off.sum::<f64>().sqrt()
     }
 
-    fn forces_n(&self) -> [f64; FINGERS] {
+    fn forces_n(&self) -> [f64; VIRTUAL_FINGERS] {
         let fingers = &self.last.report.hands[Side::Right.index()].fingers;
         core::array::from_fn(|finger| f64::from(fingers[finger].normal_n))
     }

@@ -3,7 +3,7 @@
 use atas_core::follow::{Axis, Bounds, FollowSpace, Follower, Speeds, across_the_middle};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{FINGERS, GraspFrame, Side};
+use robot_model::{GraspFrame, Side, VIRTUAL_FINGERS};
 use shm_schemas::Cause;
 
 use crate::support::{hand_of, home_rad, robot};
@@ -126,7 +126,7 @@ fn every_coordinate_follows_its_own_target() {
     } = follower.frame();
     assert!((centre_m - to.centre_m).norm() < 1e-9);
     assert_eq!(half_opening_m, to.half_opening_m);
-    assert_eq!(follower.frame().tangential_m, [0.0; FINGERS]);
+    assert_eq!(follower.frame().tangential_m, [0.0; VIRTUAL_FINGERS]);
 }
 
 #[test]

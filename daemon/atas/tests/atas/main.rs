@@ -1,6 +1,7 @@
 //! Tests of the pure heart through its public API: every rung of the ladder alone, then the whole controller.
 
 mod arbitration;
+mod behaviour_table;
 mod bench;
 mod clearance;
 mod controller;

@@ -1,0 +1,139 @@
+//! `ebts evolve grasp`: one run.
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::ProgressBar;
+use pinch::Engine;
+use serde::Serialize;
+
+use ebts::error::{Error, Result};
+use ebts::evaluate::GoalPoints;
+use ebts::ga::Settings;
+use ebts::grasp::course::{self, Object};
+use ebts::grasp::evolve::{Evaluator, evolve as evolve_one};
+use ebts::grasp::table_file::GraspFile;
+
+use super::{Format, answer, stop_flag, style};
+
+/// How a grasp is evolved.
+#[derive(Debug, Args)]
+pub(super) struct EvolutionArgs {
+    /// Generations after the random population.
+    #[arg(long, default_value_t = 2000)]
+    pub(super) generations: u32,
+    /// Let Module 3 stand beside the table while it evolves; otherwise the table must find it.
+    #[arg(long)]
+    pub(super) with_module_3: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  ebts evolve grasp --seed 3 --out mine-grasp.toml")]
+pub(crate) struct EvolveGraspArgs {
+    #[command(flatten)]
+    evolution: EvolutionArgs,
+    /// Names the run: the same seed gives the same table, bit for bit.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: u64,
+    /// The table file to write.
+    #[arg(long, default_value = "grasp.toml")]
+    out: PathBuf,
+    /// Replace a table file that is there already.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Serialize)]
+struct Evolved<'a> {
+    table: &'a Path,
+    seed: u64,
+    generations: u32,
+    fitness: f32,
+    points: GoalPoints,
+    grasps_simulated: u64,
+    hash: &'a str,
+    wall_s: f64,
+}
+
+pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<()> {
+    let start = Instant::now();
+    if args.out.exists() && !args.overwrite {
+        return Err(Error::refused(
+            format_args!("write {}", args.out.display()),
+            "there is a file already",
+            "a new name",
+            "name another --out, or add --overwrite",
+        ));
+    }
+    let (objects, stop) = (course::objects()?, stop_flag()?);
+    let bar = ProgressBar::new(args.evolution.generations.into()).with_style(style("generation"));
+    let (file, simulated) = run(
+        &objects,
+        &args.evolution,
+        args.seed,
+        &stop,
+        |generation, best| {
+            bar.set_position(generation.into());
+            bar.set_message(format!("fitness {best:.0}"));
+        },
+    )?;
+    bar.finish_and_clear();
+    file.write(&args.out)?;
+    let evolved = Evolved {
+        table: &args.out,
+        seed: args.seed,
+        generations: file.generations,
+        fitness: file.fitness(),
+        points: file.points,
+        grasps_simulated: simulated,
+        hash: &file.hash,
+        wall_s: start.elapsed().as_secs_f64(),
+    };
+    answer(format, &evolved, || {
+        let mut text = format!(
+            "{}: fitness {:.1} of 800; {} generations, {simulated} grasps simulated, in {:.1} s\n",
+            args.out.display(),
+            evolved.fitness,
+            evolved.generations,
+            evolved.wall_s
+        );
+        for (object, points) in objects.iter().zip(evolved.points) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {:<18} {points:>5.1}", object.name);
+        }
+        text
+    })
+}
+
+/// One run; its table file, and how many grasps it simulated.
+pub(super) fn run(
+    objects: &[Object],
+    args: &EvolutionArgs,
+    seed: u64,
+    stop: &AtomicBool,
+    mut tell: impl FnMut(u32, f32),
+) -> Result<(GraspFile, u64)> {
+    let mut evaluator = Evaluator::new(objects, Engine::fastest(), args.with_module_3);
+    let watch = |generation, best| {
+        tell(generation, best);
+        match stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    let evolved = evolve_one(
+        &mut evaluator,
+        Settings::default(),
+        seed,
+        args.generations,
+        watch,
+    )?;
+    let table = course::table(&evolved.best.genome);
+    let origin = (seed, args.generations);
+    let file = GraspFile::of(&table, origin, args.with_module_3, evolved.best.points);
+    Ok((file, evolved.simulated))
+}

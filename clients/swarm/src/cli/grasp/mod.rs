@@ -1,0 +1,14 @@
+//! Tables that feel: `ebts evolve grasp`, `ebts experiment grasp`, `ebts agreement`, and `ebts show` of such a table.
+
+mod agreement;
+mod evolve;
+mod experiment;
+mod show;
+
+use super::evolve::style;
+use super::{Format, answer, print, stop_flag};
+
+pub(super) use agreement::{AgreementArgs, agreement};
+pub(super) use evolve::{EvolveGraspArgs, evolve};
+pub(super) use experiment::{ExperimentGraspArgs, experiment};
+pub(super) use show::{is_grasp_file, show};

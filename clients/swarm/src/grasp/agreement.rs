@@ -1,0 +1,190 @@
+//! What the reduced simulation is worth: the same hand-written rules held to the same verdicts on the same objects in both.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use atas_evaluation::{Condition, GripPolicy, Named, Noise, Plan, Task, TrialRow};
+use pinch::{Engine, Patience, Trial};
+use serde::Serialize;
+
+use super::course::{Course, reduced, rows};
+use super::fitness::{Verdict, full_verdict, verdict};
+use super::rules::Rules;
+use crate::error::{Error, Result};
+
+/// How often both simulations agree.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Agreement {
+    /// Pairs of object and rule.
+    pub pairs: u64,
+    /// Of these, with the same verdict.
+    pub agree: u64,
+    /// Share of them.
+    pub share: f64,
+    /// The first seed of the objects' families.
+    pub first_seed: u64,
+    /// Members of each of the eight families.
+    pub seeds: u64,
+    /// Pairs by verdict, full before reduced.
+    pub verdicts: BTreeMap<String, u64>,
+    /// Share that agrees per rule.
+    pub rules: Vec<RuleAgreement>,
+    /// Share that agrees per object.
+    pub objects: BTreeMap<String, f64>,
+    /// How long it took, s.
+    pub wall_s: f64,
+}
+
+/// How often both agree about one rule.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RuleAgreement {
+    /// What the rule has.
+    pub rule: String,
+    /// Share of its pairs with the same verdict.
+    pub share: f64,
+}
+
+/// Tries every choice of rules on members of all families in both simulations; nothing if `stop` was set meanwhile.
+///
+/// # Errors
+/// The full simulation could not be set up.
+pub fn measure(
+    seeds: u64,
+    first_seed: u64,
+    threads: usize,
+    stop: &AtomicBool,
+    done: impl Fn() + Sync,
+) -> Result<Option<Agreement>> {
+    let rules = Rules::all();
+    let laws = rules.iter().map(|rules| GripPolicy::Table {
+        table: rules.table(),
+        force_limit: false,
+    });
+    let plan = plan(laws.collect(), seeds, first_seed, threads)?;
+    let Some(evaluated) = plan.run(stop, done).map_err(Error::from_part)? else {
+        return Ok(None);
+    };
+    // The first series is of the controller's own modules, which the reduced simulation does not have.
+    let series = &evaluated.rows[1..];
+    let compared: Vec<Vec<Compared>> = rules
+        .iter()
+        .zip(series)
+        .map(|(r, s)| compare(r, s))
+        .collect();
+    Ok(Some(Agreement::of(
+        &rules,
+        &compared,
+        (first_seed, seeds),
+        evaluated.report.wall_s,
+    )))
+}
+
+/// Number of grasps that [`measure`] simulates in full.
+#[must_use]
+pub fn jobs(seeds: u64) -> u64 {
+    (Rules::all().len() as u64 + 1) * seeds * super::course::OBJECTS as u64
+}
+
+/// A plan of grasps under the usual condition: the controller's own modules, then these laws.
+///
+/// # Errors
+/// A built-in object's file is wrong.
+pub(super) fn plan(
+    laws: Vec<GripPolicy>,
+    seeds: u64,
+    first_seed: u64,
+    threads: usize,
+) -> Result<Plan> {
+    let objects = Task::Grasp.objects().map_err(Error::from_part)?;
+    Ok(Plan {
+        task: Task::Grasp,
+        trials: seeds * objects.len() as u64,
+        objects,
+        first_seed,
+        conditions: vec![Condition {
+            noise: Noise::Scale(1.0),
+            rate_hz: 1000,
+            errors: Named::none(),
+        }],
+        baselines: laws,
+        compare_everywhere: false,
+        threads,
+        settings: atas_core::Settings::default(),
+    })
+}
+
+struct Compared {
+    object: String,
+    full: Verdict,
+    reduced: Verdict,
+}
+
+fn compare(rules: &Rules, series: &[TrialRow]) -> Vec<Compared> {
+    let course = Course::default();
+    let rows = rows(&rules.table());
+    let infinite = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
+    let trial = |row: &TrialRow| Trial {
+        object: reduced(
+            row.mass_kg.unwrap_or(0.1),
+            row.friction.unwrap_or(0.5),
+            infinite(row.stiffness_n_m),
+            infinite(row.crush_n),
+        ),
+        rows,
+        seed: row.seed as u32,
+    };
+    let trials: Vec<Trial> = series.iter().map(trial).collect();
+    let mut outcomes = Vec::new();
+    Engine::fastest().run(
+        &course.interface(false, Patience::LONG),
+        &trials,
+        &mut outcomes,
+    );
+    let compared = |(row, outcome): (&TrialRow, &pinch::Outcome)| Compared {
+        object: row.object.clone(),
+        full: full_verdict(&row.outcome),
+        reduced: verdict(outcome),
+    };
+    series.iter().zip(&outcomes).map(compared).collect()
+}
+
+impl Agreement {
+    fn of(
+        rules: &[Rules],
+        compared: &[Vec<Compared>],
+        (first_seed, seeds): (u64, u64),
+        wall_s: f64,
+    ) -> Self {
+        let all = || compared.iter().flatten();
+        let mut verdicts = BTreeMap::new();
+        let mut objects: BTreeMap<String, (u64, u64)> = BTreeMap::new();
+        for pair in all() {
+            let key = format!("{:?}/{:?}", pair.full, pair.reduced).to_lowercase();
+            *verdicts.entry(key).or_default() += 1;
+            let (same, of) = objects.entry(pair.object.clone()).or_default();
+            *same += u64::from(pair.full == pair.reduced);
+            *of += 1;
+        }
+        let same = |pairs: &[Compared]| pairs.iter().filter(|p| p.full == p.reduced).count() as u64;
+        let share = |same: u64, of: u64| same as f64 / of.max(1) as f64;
+        let (pairs, agree) = (all().count() as u64, compared.iter().map(|c| same(c)).sum());
+        let rule = |(rules, pairs): (&Rules, &Vec<Compared>)| RuleAgreement {
+            rule: rules.name(),
+            share: share(same(pairs), pairs.len() as u64),
+        };
+        Self {
+            pairs,
+            agree,
+            share: share(agree, pairs),
+            first_seed,
+            seeds,
+            verdicts,
+            rules: rules.iter().zip(compared).map(rule).collect(),
+            objects: objects
+                .into_iter()
+                .map(|(name, (a, b))| (name, share(a, b)))
+                .collect(),
+            wall_s,
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The paper's modules written by hand as rows of a table, whole and with pieces taken away.
+
+use atas_core::tasks::BehaviourTable;
+use shm_schemas::SensorBit;
+
+use super::course::{BITS, FINGERS_M_S, HAND};
+
+/// Levels of the fingers.
+pub(super) const HOLD: usize = 0;
+pub(super) const OPEN: usize = 1;
+pub(super) const CLOSE: usize = 2;
+/// Levels of the hand.
+pub(super) const STAND: usize = 0;
+pub(super) const BACK: usize = 1;
+pub(super) const SLOWLY: usize = 2;
+pub(super) const FULL: usize = 3;
+
+/// Which rules a hand-written table has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Rules {
+    /// Module 1: close until F_n > F_1 before the lift.
+    pub first_touch: bool,
+    /// Module 2: close while slipping, and go slowly.
+    pub slip: bool,
+    /// Module 3: never close above F_2.
+    pub force_limit: bool,
+    /// What slips above F_2 is given up (ours).
+    pub refuse: bool,
+    /// Friction to spare is given back (ours).
+    pub relax: bool,
+}
+
+impl Rules {
+    /// All of the paper's, and giving up.
+    pub const PAPER: Self = Self {
+        first_touch: true,
+        slip: true,
+        force_limit: true,
+        refuse: true,
+        relax: false,
+    };
+
+    /// Every choice of rules.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let has = |choice: usize, rule: usize| choice >> rule & 1 == 1;
+        let rules = |choice: usize| Self {
+            first_touch: !has(choice, 0),
+            slip: !has(choice, 1),
+            force_limit: !has(choice, 2),
+            refuse: !has(choice, 3),
+            relax: has(choice, 4),
+        };
+        (0..32).map(rules).collect()
+    }
+
+    /// Its name: which rules it has.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let pieces = [
+            (self.first_touch, "module 1"),
+            (self.slip, "module 2"),
+            (self.force_limit, "module 3"),
+            (self.refuse, "refusing"),
+            (self.relax, "giving back"),
+        ];
+        let has = pieces.iter().filter(|(has, _)| *has);
+        let names: Vec<&str> = has.map(|(_, name)| *name).collect();
+        match names.is_empty() {
+            true => "nothing".to_owned(),
+            false => names.join(", "),
+        }
+    }
+
+    /// The table of these rules.
+    ///
+    /// # Panics
+    /// Never: the levels are those of the course.
+    #[must_use]
+    pub fn table(&self) -> BehaviourTable {
+        let rows: Vec<_> = (0..1 << BITS.len()).map(|row| self.row(row)).collect();
+        BehaviourTable::checked(&BITS, &FINGERS_M_S, &HAND, rows.into_iter())
+            .expect("the levels of the course")
+    }
+
+    fn row(&self, row: usize) -> [usize; 2] {
+        let tells = |bit: SensorBit| holds(row, bit);
+        let full = tells(SensorBit::ABOVE_F2) && self.force_limit;
+        let slips = tells(SensorBit::SLIPPING);
+        let weak = self.first_touch && !tells(SensorBit::ABOVE_F1);
+        if weak || !tells(SensorBit::TOUCHING) {
+            [CLOSE, STAND]
+        } else if slips && tells(SensorBit::ABOVE_F2) && self.refuse {
+            [HOLD, BACK]
+        } else if slips && self.slip {
+            [if full { HOLD } else { CLOSE }, SLOWLY]
+        } else if tells(SensorBit::SPARE) && self.relax {
+            [OPEN, FULL]
+        } else {
+            [HOLD, FULL]
+        }
+    }
+}
+
+/// Whether a bit of the course is true in a row.
+pub(super) fn holds(row: usize, bit: SensorBit) -> bool {
+    let place = BITS.iter().position(|known| *known == bit);
+    place.is_some_and(|place| row >> place & 1 == 1)
+}

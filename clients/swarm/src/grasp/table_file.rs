@@ -1,0 +1,191 @@
+//! A grasp table as a file: bits, levels, rows, and where it comes from. The same text, between brackets, is a task's table.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use atas_core::tasks::BehaviourTable;
+use serde::{Deserialize, Serialize};
+use shm_schemas::SensorBit;
+
+use super::course::{self, Object};
+use super::evolve::evaluate_table;
+use crate::error::{Error, Result};
+use crate::evaluate::GoalPoints;
+use crate::files::{read_text, write_atomically};
+
+/// What a file of this kind says of itself.
+pub const KIND: &str = "grasp-table";
+
+/// A grasp table with its provenance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GraspFile {
+    /// [`KIND`].
+    pub kind: String,
+    /// The run that it is of, and for how long it was evolved.
+    pub seed: u64,
+    /// See `seed`.
+    pub generations: u32,
+    /// Whether Module 3 stood beside it.
+    pub force_limit: bool,
+    /// What it earns per object of the course.
+    pub points: GoalPoints,
+    /// The sensor bits, the lowest of the row's number first.
+    pub bits: Vec<String>,
+    /// Closing speed of the fingers per level, m/s.
+    pub fingers_m_s: Vec<f64>,
+    /// Factor on the hand's speed per level.
+    pub hand: Vec<f64>,
+    /// Per row the level of the fingers and that of the hand.
+    pub rows: String,
+    /// What names the table, as the controller computes it.
+    pub hash: String,
+}
+
+impl GraspFile {
+    /// The file of a table.
+    #[must_use]
+    pub fn of(
+        table: &BehaviourTable,
+        (seed, generations): (u64, u32),
+        force_limit: bool,
+        points: GoalPoints,
+    ) -> Self {
+        Self {
+            kind: KIND.to_owned(),
+            seed,
+            generations,
+            force_limit,
+            points,
+            bits: table.bits().map(|bit| bit.name().to_owned()).collect(),
+            fingers_m_s: table.fingers_m_s().to_vec(),
+            hand: table.hand().to_vec(),
+            rows: rows_text(table),
+            hash: format!("{:016x}", table.hash()),
+        }
+    }
+
+    /// Whether a text is a file of this kind.
+    #[must_use]
+    pub fn is_one(text: &str) -> bool {
+        text.lines()
+            .any(|line| line.replace(' ', "") == format!("kind=\"{KIND}\""))
+    }
+
+    /// Writes it in one step.
+    ///
+    /// # Errors
+    /// The system refused.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = toml::to_string(self).map_err(Error::from_part)?;
+        write_atomically(path, text.as_bytes())
+    }
+
+    /// Reads a file and evaluates its table again; returns it with its table.
+    ///
+    /// # Errors
+    /// It is no such file, its table is none, or it is not worth what the file says.
+    pub fn read(path: &Path, objects: &[Object]) -> Result<(Self, BehaviourTable)> {
+        let refuse = |was: String| {
+            Error::refused(
+                format_args!("use {}", path.display()),
+                was,
+                "a grasp table as ebts evolve grasp wrote it",
+                "evolve it again",
+            )
+        };
+        let text = read_text(path)?;
+        let file: Self = toml::from_str(&text).map_err(|error| refuse(error.to_string()))?;
+        let table = file.table().map_err(&refuse)?;
+        if file.kind != KIND || file.hash != format!("{:016x}", table.hash()) {
+            return Err(refuse(format!(
+                "its hash is not that of its rows, {:016x}",
+                table.hash()
+            )));
+        }
+        let genome = course::genome(&table)
+            .ok_or_else(|| refuse("it has other bits or levels than the course".to_owned()))?;
+        let (points, ..) = evaluate_table(objects, &genome, file.force_limit);
+        if points != file.points {
+            return Err(refuse(format!(
+                "its table earns {points:?}, and it says {:?}",
+                file.points
+            )));
+        }
+        Ok((file, table))
+    }
+
+    /// The fitness that it says.
+    #[must_use]
+    pub fn fitness(&self) -> f32 {
+        self.points.iter().sum()
+    }
+
+    fn table(&self) -> core::result::Result<BehaviourTable, String> {
+        let bit = |name: &String| {
+            SensorBit::from_name(name).ok_or_else(|| format!("\"{name}\" is no sensor bit"))
+        };
+        let bits: Vec<SensorBit> = self
+            .bits
+            .iter()
+            .map(bit)
+            .collect::<core::result::Result<_, _>>()?;
+        let row = |text: &str| {
+            let digits: Vec<usize> = text
+                .bytes()
+                .map(|b| usize::from(b.wrapping_sub(b'0')))
+                .collect();
+            <[usize; 2]>::try_from(digits).map_err(|_| format!("{text:?} is no row of two digits"))
+        };
+        let rows: Vec<_> = self
+            .rows
+            .split_whitespace()
+            .map(row)
+            .collect::<core::result::Result<_, _>>()?;
+        BehaviourTable::checked(&bits, &self.fingers_m_s, &self.hand, rows.into_iter())
+            .map_err(|fault| fault.to_string())
+    }
+
+    /// A task for the daemon's configuration whose table it is.
+    #[must_use]
+    pub fn task(&self, name: &str) -> String {
+        let levels = |levels: &[f64]| {
+            let levels: Vec<String> = levels.iter().map(|level| format!("{level:?}")).collect();
+            levels.join(", ")
+        };
+        let mut text = format!("[tasks.{name}]\nacting = [\n");
+        for step in STEPS {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "    {{ {step} }},");
+        }
+        let bits: Vec<String> = self.bits.iter().map(|bit| format!("\"{bit}\"")).collect();
+        let _ = writeln!(
+            text,
+            "]\ntable = {{ bits = [{}], fingers_m_s = [{}], hand = [{}], rows = \"{}\", hash = \"{}\" }}",
+            bits.join(", "),
+            levels(&self.fingers_m_s),
+            levels(&self.hand),
+            self.rows,
+            self.hash
+        );
+        text
+    }
+}
+
+/// The built-in grasp's steps up to the probe; then the table grips, lifts and holds, with Module 3 beside it.
+const STEPS: [&str; 6] = [
+    r#"step = "reach", motion = "reach", waypoint = "before-source", modules = ["carry", "contact guard"], transition = "arrived", timeout_s = 20.0"#,
+    r#"step = "descend", motion = "reach", waypoint = "source", modules = ["carry", "contact guard"], transition = "arrived", timeout_s = 10.0"#,
+    r#"step = "approach", motion = "stay", modules = ["first touch"], transition = "all-touched", timeout_s = 20.0"#,
+    r#"step = "probe", motion = "stay", modules = ["stiffness probe"], transition = "stiffness-known", timeout_s = 3.0"#,
+    r#"step = "lift", motion = "carry", waypoint = "lifted", modules = ["carry", "stiffness probe", "force limit", "behaviour table"], transition = "arrived", timeout_s = 20.0"#,
+    r#"step = "hold", motion = "stay", modules = ["stiffness probe", "force limit", "behaviour table"], transition = "held""#,
+];
+
+fn rows_text(table: &BehaviourTable) -> String {
+    let row = |row: usize| {
+        let [fingers, hand] = table.levels(row);
+        format!("{fingers}{hand}")
+    };
+    (0..table.rows()).map(row).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,177 @@
+//! The verdict: evolved tables, the paper's rules, the hand-written modules whole and in pieces, and both baselines, in the full
+//! simulation through the production controller, on members of all object families that nobody was evolved or tuned on.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use atas_core::tasks::BehaviourTable;
+use atas_evaluation::{GripPolicy, Task, TrialRow, median, wilson};
+use serde::Serialize;
+use shm_schemas::ModuleId;
+
+use super::agreement::plan;
+use super::rules::Rules;
+use crate::error::{Error, Result};
+
+/// Hand-written modules that are taken away one by one.
+const PIECES: [ModuleId; 5] = [
+    ModuleId::FIRST_TOUCH,
+    ModuleId::SLIP,
+    ModuleId::FORCE_LIMIT,
+    ModuleId::RELAX,
+    ModuleId::LOAD_TEST,
+];
+
+/// What became of the grasps of one law.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// Grasps.
+    pub trials: u64,
+    /// Held.
+    pub held: u64,
+    /// Refused, unharmed.
+    pub refused: u64,
+    /// Crushed.
+    pub crushed: u64,
+    /// Median over held objects of the normal force over the force needed; `null` if none was held.
+    pub over_grip_median: Option<f64>,
+    /// Median simulated time of those held, s.
+    pub time_median_s: Option<f64>,
+    /// Share that became what the paper's rule says should: held or refused.
+    pub success: f64,
+    /// Wilson score interval of `success`, 95 %.
+    pub ci95: [f64; 2],
+    /// The same by physics alone: the fair measure of a law without F_2.
+    pub success_by_physics: f64,
+    /// Outcomes, counted.
+    pub outcomes: BTreeMap<String, u64>,
+}
+
+/// The verdict on one table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TableScore {
+    /// The run that evolved it.
+    pub seed: u64,
+    /// Its fitness in the reduced simulation, of 800.
+    pub fitness: f32,
+    /// Its hash.
+    pub hash: String,
+    /// What became of its grasps.
+    #[serde(flatten)]
+    pub score: Score,
+}
+
+/// All of them on the same objects.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    /// Every evolved table, in the order given, alone.
+    pub tables: Vec<TableScore>,
+    /// The first of the tables, which is the fittest, with Module 3 beside it.
+    pub with_module_3: Score,
+    /// The paper's rules written as a table.
+    pub rules: Score,
+    /// The controller's modules.
+    pub modules: Score,
+    /// The same without one of them, by its name.
+    pub without: BTreeMap<String, Score>,
+    /// The baselines.
+    pub slip_reactive: Score,
+    /// See `slip_reactive`.
+    pub fixed_force: Score,
+}
+
+/// How many grasps the verdict takes.
+#[must_use]
+pub fn jobs(tables: usize, seeds: u64) -> u64 {
+    (laws(&vec![Rules::PAPER.table(); tables]).len() as u64 + 1)
+        * seeds
+        * super::course::OBJECTS as u64
+}
+
+fn laws(tables: &[BehaviourTable]) -> Vec<GripPolicy> {
+    let law = |table: BehaviourTable, force_limit| GripPolicy::Table { table, force_limit };
+    let alone = tables.iter().map(|table| law(*table, false));
+    let beside = tables.first().map(|table| law(*table, true));
+    alone
+        .chain(beside)
+        .chain([law(Rules::PAPER.table(), false)])
+        .chain(PIECES.map(GripPolicy::Without))
+        .chain(GripPolicy::baselines(Task::Grasp, None))
+        .collect()
+}
+
+/// Judges tables, each with its run's seed and its fitness, best first; nothing if `stop` was set meanwhile.
+///
+/// # Errors
+/// The full simulation could not be set up, or there is no table.
+pub fn judge(
+    tables: &[(BehaviourTable, u64, f32)],
+    (seeds, first_seed): (u64, u64),
+    threads: usize,
+    stop: &AtomicBool,
+    done: impl Fn() + Sync,
+) -> Result<Option<Judged>> {
+    let bare: Vec<BehaviourTable> = tables.iter().map(|(table, ..)| *table).collect();
+    let plan = plan(laws(&bare), seeds, first_seed, threads)?;
+    let Some(evaluated) = plan.run(stop, done).map_err(Error::from_part)? else {
+        return Ok(None);
+    };
+    let mut series = evaluated.rows.iter().map(|rows| Score::of(rows));
+    let mut next = || {
+        series
+            .next()
+            .ok_or_else(|| Error::from_part("a law has no grasps"))
+    };
+    let modules = next()?;
+    let mut scores = Vec::new();
+    for (table, seed, fitness) in tables {
+        scores.push(TableScore {
+            seed: *seed,
+            fitness: *fitness,
+            hash: format!("{:016x}", table.hash()),
+            score: next()?,
+        });
+    }
+    let (with_module_3, rules) = (next()?, next()?);
+    let mut without = BTreeMap::new();
+    for module in PIECES {
+        without.insert(module.to_string(), next()?);
+    }
+    let (fixed_force, slip_reactive) = (next()?, next()?);
+    Ok(Some(Judged {
+        tables: scores,
+        with_module_3,
+        rules,
+        modules,
+        without,
+        slip_reactive,
+        fixed_force,
+    }))
+}
+
+impl Score {
+    fn of(rows: &[TrialRow]) -> Self {
+        let count =
+            |is: &dyn Fn(&TrialRow) -> bool| rows.iter().filter(|row| is(row)).count() as u64;
+        let held = || rows.iter().filter(|row| row.outcome == "held");
+        let trials = rows.len() as u64;
+        let successes = count(&|row| row.success);
+        let mut outcomes = BTreeMap::new();
+        for row in rows {
+            *outcomes.entry(row.outcome.clone()).or_default() += 1;
+        }
+        let share = |count: u64| count as f64 / trials.max(1) as f64;
+        Self {
+            trials,
+            held: held().count() as u64,
+            refused: count(&|row| row.outcome.starts_with("refused")),
+            crushed: count(&|row| row.outcome == "crushed"),
+            over_grip_median: median(held().filter_map(|row| row.over_grip).collect()),
+            time_median_s: median(held().filter_map(|row| row.simulated_s).collect()),
+            success: share(successes),
+            ci95: wilson(successes, trials),
+            success_by_physics: share(count(&|row| row.success_by_physics)),
+            outcomes,
+        }
+    }
+}

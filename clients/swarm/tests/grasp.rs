@@ -1,0 +1,126 @@
+//! Tables that feel: what they share with the controller, that runs repeat, and that files are not believed.
+
+use std::ops::ControlFlow;
+
+use atas_core::Settings;
+use atas_core::thresholds::Thresholds;
+use ebts::ga;
+use ebts::genome::Genome;
+use ebts::grasp::course::{GENOME_BITS, genome, objects, table};
+use ebts::grasp::evolve::{Evaluator, Evolved, evaluate_table, evolve};
+use ebts::grasp::rules::Rules;
+use ebts::grasp::table_file::GraspFile;
+use ebts::grasp::words::{found_again, sentence};
+use ebts::rng::SplitMix64;
+use pinch::Engine;
+
+#[test]
+fn the_reduced_law_of_f1_and_f2_is_the_controllers() {
+    let settings = Settings::default().grasp;
+    for stiffness_n_m in [100.0, 412.0, 1620.0, 5000.0, 36_543.0, 1e6] {
+        let law = Thresholds::for_stiffness(stiffness_n_m, &settings);
+        let [f1_n, f2_n] = pinch::Object::thresholds_n(stiffness_n_m as f32);
+        assert!((f64::from(f1_n) - law.f1_n).abs() < 1e-6, "{law:?}, {f1_n}");
+        assert!((f64::from(f2_n) - law.f2_n).abs() < 1e-5, "{law:?}, {f2_n}");
+    }
+}
+
+#[test]
+fn a_genome_is_a_table_and_back() {
+    let mut rng = SplitMix64::stream(&[5]);
+    for _ in 0..20 {
+        let drawn = Genome::random(GENOME_BITS, &mut rng);
+        assert_eq!(genome(&table(&drawn)), Some(drawn));
+    }
+}
+
+fn run(seed: u64, engine: Engine) -> Evolved {
+    let objects = objects().expect("built in");
+    let mut evaluator = Evaluator::new(&objects, engine, false);
+    let go_on = |_, _| ControlFlow::Continue(());
+    evolve(&mut evaluator, ga::Settings::default(), seed, 30, go_on).expect("not stopped")
+}
+
+#[test]
+fn runs_repeat_on_every_engine_and_what_is_remembered_changes_no_point() {
+    let objects = objects().expect("built in");
+    let expected = run(3, Engine::fastest());
+    for engine in Engine::all() {
+        assert_eq!(run(3, engine), expected, "{}", engine.name());
+    }
+    assert_ne!(run(4, Engine::fastest()).best, expected.best);
+    let (points, ..) = evaluate_table(&objects, &expected.best.genome, false);
+    assert_eq!(points, expected.best.points);
+    assert!(expected.rises.len() > 3, "it learns: {:?}", expected.rises);
+}
+
+#[test]
+fn the_papers_rules_earn_most_points_and_are_found_in_themselves() {
+    let objects = objects().expect("built in");
+    let rules = Rules::PAPER.table();
+    let (points, read, _) =
+        evaluate_table(&objects, &genome(&rules).expect("of the course"), false);
+    assert!(points.iter().all(|points| *points > 60.0), "{points:?}");
+    let again = found_again(&rules, read);
+    for found in [
+        again.module_1,
+        again.module_2,
+        again.module_3,
+        again.refusing,
+    ] {
+        assert!(
+            found.asked > 0 && found.answered == found.asked,
+            "{again:?}"
+        );
+    }
+    assert_eq!(again.giving_back.answered, 0);
+    let row = 0b0_0111;
+    let expected = "touching, above-f1, slipping: fingers close slowly, hand on slowly";
+    assert_eq!(sentence(&rules, row), expected);
+    let nothing = Rules::all()
+        .into_iter()
+        .find(|rules| rules.name() == "nothing");
+    let nothing = genome(&nothing.expect("one choice").table()).expect("of the course");
+    let (without, ..) = evaluate_table(&objects, &nothing, false);
+    assert!(without.iter().sum::<f32>() < points.iter().sum::<f32>() / 2.0);
+}
+
+#[test]
+fn a_file_that_was_changed_is_not_believed() {
+    let objects = objects().expect("built in");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("table.toml");
+    let rules = Rules::PAPER.table();
+    let (points, ..) = evaluate_table(&objects, &genome(&rules).expect("of the course"), false);
+    let file = GraspFile::of(&rules, (1, 0), false, points);
+    file.write(&path).expect("written");
+    assert_eq!(
+        GraspFile::read(&path, &objects).expect("whole"),
+        (file, rules)
+    );
+    let text = std::fs::read_to_string(&path).expect("text");
+    assert!(GraspFile::is_one(&text) && !GraspFile::is_one("kind = \"other\""));
+    for (from, to, part) in [
+        (
+            "\"touching\"",
+            "\"touchng\"",
+            "\"touchng\" is no sensor bit",
+        ),
+        (
+            "rows = \"20",
+            "rows = \"21",
+            "its hash is not that of its rows",
+        ),
+        ("rows = \"20", "rows = \"2", "is no row of two digits"),
+        ("rows = \"20 ", "rows = \"", "has 31 rows, needs 32"),
+        ("points = [", "points = [0.5, ", "could not use"),
+        ("seed = 1", "seeds = 1", "could not use"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
+        let error = GraspFile::read(&path, &objects)
+            .expect_err(part)
+            .to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}

@@ -1,0 +1,130 @@
+//! Behaviour table (paper section III): "an agent refers to the current values of Table 1 in every set period to decide its
+//! behavior". Here the agent is a hand, and what it senses is touch.
+//!
+//! In every tick the sensor bits that the task's table names are told from the percept, and the row that they number says how
+//! fast the fingers close and the hand goes along its path. A table has no words for giving up: one that takes the hand back
+//! for [`BACK_MAX_S`] altogether has given the object up, and the object is set down. Without a table it proposes nothing.
+
+use super::force_limit::too_heavy;
+use super::slip::{is_loading, slips_grossly, turns};
+use super::{Context, Module, Proposal, RELEASE_SHARE, Roles, Verdict, force_range_n};
+use crate::perception::{FingerPercept, Percept};
+use robot_model::VIRTUAL_FINGERS;
+use shm_schemas::{ModuleId, SensorBit};
+
+/// How long a table may take the hand back before that means refusing the object, s (ours: several times a latch of slip).
+const BACK_MAX_S: f64 = 0.25;
+/// How far the hand must have carried its object for [`SensorBit::LIFTED`], m (ours: more than an object may slip).
+const LIFTED_M: f64 = 0.003;
+/// How long friction must have been spare for [`SensorBit::SPARE`], s (ours: one window of dF_t).
+const SPARE_S: f64 = 0.1;
+
+/// What the sensor bits remember, and how long the hand was taken back.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct BehaviourTable {
+    /// Per finger, whether it uses too much of its friction, and whether it turns, both with hysteresis.
+    slipping: [bool; VIRTUAL_FINGERS],
+    turning: [bool; VIRTUAL_FINGERS],
+    /// Time until [`SensorBit::SLIPPING`] may end, s.
+    latch_s: f64,
+    above_f2: bool,
+    /// How long every finger has had friction to spare, s.
+    spare_s: f64,
+    back_s: f64,
+}
+
+impl Module for BehaviourTable {
+    const ID: ModuleId = ModuleId::BEHAVIOUR_TABLE;
+    const ROLES: Roles = Roles {
+        closes_fingers: true,
+        ..Roles::NONE
+    };
+
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let Some(table) = context.table else {
+            return Proposal::default();
+        };
+        self.feel(percept, context);
+        let row = table.bits().enumerate().fold(0, |row, (index, bit)| {
+            row | usize::from(self.tells(bit, percept, context)) << index
+        });
+        let action = table.action(row);
+        if action.hand < 0.0 {
+            self.back_s += context.step_s;
+        }
+        let (_, strongest_n) = force_range_n(percept);
+        let reason = too_heavy(strongest_n, context).by(ModuleId::BEHAVIOUR_TABLE);
+        Proposal {
+            active: action.fingers_m_s != 0.0 || action.hand < 1.0,
+            closing_m_s: [action.fingers_m_s; VIRTUAL_FINGERS],
+            carry_ceiling: action.hand,
+            verdict: if self.back_s > BACK_MAX_S {
+                Verdict::Refuse(reason)
+            } else {
+                Verdict::None
+            },
+            ..Proposal::default()
+        }
+    }
+}
+
+impl BehaviourTable {
+    /// Takes in one tick, for those bits that remember.
+    fn feel(&mut self, percept: &Percept, context: &Context<'_>) {
+        let settings = &context.settings.grasp;
+        let (_, strongest_n) = force_range_n(percept);
+        let f2_n = context.thresholds.f2_n;
+        self.above_f2 = strongest_n
+            > if self.above_f2 {
+                RELEASE_SHARE * f2_n
+            } else {
+                f2_n
+            };
+        let mut slips = false;
+        let fingers = percept.virtual_fingers.iter();
+        for ((finger, slipping), turning) in fingers.zip(&mut self.slipping).zip(&mut self.turning)
+        {
+            let limit = if *slipping {
+                settings.slip_off
+            } else {
+                settings.slip_on
+            };
+            *slipping = finger.utilisation > limit;
+            *turning = turns(finger, *turning, context);
+            slips |= *slipping
+                || *turning
+                || slips_grossly(finger, context)
+                || is_loading(finger, context);
+        }
+        self.latch_s = if slips {
+            settings.slip_latch_s
+        } else {
+            self.latch_s - context.step_s
+        };
+        let spare = |finger: &FingerPercept| {
+            finger.utilisation > 0.0
+                && finger.utilisation < settings.relax_below
+                && finger.gross_slip_s == 0.0
+        };
+        let spares = percept.virtual_fingers.iter().all(spare);
+        self.spare_s = if spares && !slips {
+            self.spare_s + context.step_s
+        } else {
+            0.0
+        };
+    }
+
+    fn tells(&self, bit: SensorBit, percept: &Percept, context: &Context<'_>) -> bool {
+        let (weakest_n, _) = force_range_n(percept);
+        match bit {
+            SensorBit::TOUCHING => percept.virtual_fingers.iter().all(|f| f.in_contact),
+            SensorBit::ABOVE_F1 => weakest_n > context.thresholds.f1_n,
+            SensorBit::SLIPPING => self.latch_s > 0.0,
+            SensorBit::ABOVE_F2 => self.above_f2,
+            SensorBit::LIFTED => context.carried_m > LIFTED_M,
+            SensorBit::SPARE => self.spare_s > SPARE_S,
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The behaviour table, what it refuses to be, and the module that reads it.
+
+use crate::bench::{Bench, pressed, sliding};
+use atas_core::modules::Verdict;
+use atas_core::tasks::{BehaviourTable, GRASP, Rule, Step, TableFault, Task};
+use proptest::prelude::*;
+use shm_schemas::{ModuleId, SensorBit};
+
+const BITS: [SensorBit; 2] = [SensorBit::SLIPPING, SensorBit::ABOVE_F2];
+const FINGERS: [f64; 4] = [0.0, -0.001, 0.002, 0.004];
+const HAND: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
+
+/// Row 0 holds and goes on; slipping closes slowly; above F_2 opens and stands; both goes back.
+fn table() -> BehaviourTable {
+    let rows = [[0, 3], [2, 2], [1, 0], [0, 1]];
+    BehaviourTable::checked(&BITS, &FINGERS, &HAND, rows.into_iter()).unwrap()
+}
+
+fn bench() -> Bench {
+    let mut bench = Bench::new(ModuleId::BEHAVIOUR_TABLE);
+    bench.table = Some(table());
+    bench
+}
+
+#[test]
+fn the_row_that_the_bits_number_is_what_it_proposes() {
+    // F_2 on the bench is 4 N.
+    let cases = [
+        (pressed(2.0), 0.0, 1.0),
+        (sliding(2.0, 1.0), 0.002, 0.1),
+        (pressed(4.5), -0.001, 0.0),
+        (sliding(4.5, 1.0), 0.0, -0.1),
+    ];
+    for (percept, closing_m_s, carry) in cases {
+        let proposal = bench().evaluate(&percept);
+        assert_eq!(proposal.closing_m_s, [closing_m_s; 2]);
+        assert_eq!(proposal.carry_ceiling, carry);
+        assert_eq!(proposal.verdict, Verdict::None);
+    }
+}
+
+#[test]
+fn a_table_that_takes_the_hand_back_for_long_refuses() {
+    let mut bench = bench();
+    let proposal = bench.evaluate_for(240, &sliding(4.5, 1.0));
+    assert_eq!(proposal.verdict, Verdict::None);
+    let proposal = bench.evaluate_for(20, &sliding(4.5, 1.0));
+    assert!(
+        matches!(proposal.verdict, Verdict::Refuse(reason) if reason.module == ModuleId::BEHAVIOUR_TABLE)
+    );
+}
+
+#[test]
+fn without_a_table_it_proposes_nothing() {
+    let mut bench = Bench::new(ModuleId::BEHAVIOUR_TABLE);
+    let proposal = bench.evaluate(&sliding(4.5, 1.0));
+    assert_eq!(proposal, atas_core::modules::Proposal::default());
+}
+
+#[test]
+fn what_is_no_table_is_refused_by_name() {
+    let rows = |count: usize| vec![[0, 0]; count].into_iter();
+    let check = |bits: &[SensorBit], fingers: &[f64], hand: &[f64], count, fault: TableFault| {
+        let found = BehaviourTable::checked(bits, fingers, hand, rows(count));
+        assert_eq!(found, Err(fault));
+    };
+    check(&[], &FINGERS, &HAND, 1, TableFault::Bits(0));
+    check(
+        &[SensorBit(99)],
+        &FINGERS,
+        &HAND,
+        2,
+        TableFault::UnknownBit(99),
+    );
+    check(
+        &[SensorBit::NONE],
+        &FINGERS,
+        &HAND,
+        2,
+        TableFault::UnknownBit(0),
+    );
+    check(
+        &[BITS[0]; 2],
+        &FINGERS,
+        &HAND,
+        4,
+        TableFault::Twice(BITS[0]),
+    );
+    check(&BITS, &FINGERS, &HAND, 3, TableFault::Rows(3, 4));
+    check(
+        &BITS,
+        &FINGERS[..3],
+        &HAND,
+        4,
+        TableFault::Levels("fingers_m_s", 3),
+    );
+    check(
+        &BITS,
+        &[0.5],
+        &HAND,
+        4,
+        TableFault::Level("fingers_m_s", 0.5, 0.02),
+    );
+    check(
+        &BITS,
+        &FINGERS,
+        &[-1.5],
+        4,
+        TableFault::Level("hand", -1.5, 1.0),
+    );
+    let nan = BehaviourTable::checked(&BITS, &FINGERS, &[f64::NAN], rows(4));
+    assert!(matches!(nan, Err(TableFault::Level("hand", ..))));
+    let level = BehaviourTable::checked(&BITS, &FINGERS, &HAND[..2], [[0, 2]; 4].into_iter());
+    assert_eq!(level, Err(TableFault::NoLevel(0)));
+}
+
+#[test]
+fn a_table_and_the_step_that_reads_it_come_together() {
+    let lift = Step {
+        modules: atas_core::modules::Selection::of(&[
+            ModuleId::CARRY,
+            ModuleId::FORCE_LIMIT,
+            ModuleId::BEHAVIOUR_TABLE,
+        ]),
+        ..GRASP.acting[5]
+    };
+    let rule = |steps: &[Step], table| {
+        Task::checked_with_table("own", steps, None, table).map_err(|fault| fault.rule)
+    };
+    assert!(
+        rule(&[lift], Some(table())).is_ok(),
+        "a table may grip on its way"
+    );
+    assert_eq!(rule(&[lift], None), Err(Rule::NoTable));
+    assert_eq!(rule(&GRASP.acting, Some(table())), Err(Rule::UnreadTable));
+    let alone = Step {
+        modules: atas_core::modules::Selection::of(&[ModuleId::CARRY, ModuleId::BEHAVIOUR_TABLE]),
+        ..lift
+    };
+    assert_eq!(rule(&[alone], Some(table())), Err(Rule::NoForceLimit));
+}
+
+proptest! {
+    #[test]
+    fn a_recorded_table_reads_back_and_a_damaged_one_does_not(
+        levels in prop::collection::vec((0_usize..4, 0_usize..4), 64),
+        count in 1_usize..=6,
+        damaged in 0_usize..64,
+    ) {
+        let bits: Vec<SensorBit> = (1..=count as u32).map(SensorBit).collect();
+        let rows: Vec<[usize; 2]> = levels[..1 << count].iter().map(|(a, b)| [*a, *b]).collect();
+        let table = BehaviourTable::checked(&bits, &FINGERS, &HAND, rows.iter().copied()).unwrap();
+        for (row, levels) in rows.iter().enumerate() {
+            prop_assert_eq!(table.levels(row), *levels);
+        }
+        let mut record = table.record();
+        prop_assert_eq!(BehaviourTable::of_record(&record), Ok(Some(table)));
+        record.rows[damaged / 16] ^= 1 << damaged;
+        prop_assert!(BehaviourTable::of_record(&record).is_err());
+    }
+}

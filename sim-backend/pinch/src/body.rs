@@ -1,0 +1,157 @@
+//! What happens: fingers, skin, object and table, stepped by 500 µs: without arms and turning that is stable down to 12 g.
+
+use crate::lanes::{Lanes, Mask};
+use crate::skin::{
+    BRISTLES, DAMPING_S, DAMPING_SHARE, KINETIC_RATIO, OBJECT_DAMPING_S, RINGS, SHEAR_RATIO, SKIN,
+};
+use crate::trial::GRAVITY_M_S2;
+
+/// Step, s; steps per tick of 1 ms.
+pub(crate) const STEP_S: f32 = 500e-6;
+pub(crate) const STEPS_PER_TICK: usize = 2;
+/// Share of its way to the command that a servo goes in one step (ours: a time constant of 4 ms stands for latency and lag).
+const SERVO_SHARE: f32 = STEP_S / (0.004 + STEP_S);
+/// Stiffness of the table under the object, N/m: four corners (`sim-backend/src/world_object.rs`).
+const TABLE_N_M: f32 = 8e4;
+/// Share of the object's momentum that the table takes in one step.
+const TABLE_DAMPING: f32 = 0.2;
+
+/// Both fingers press alike, so one stands for two; the object moves up and down only.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Body<const N: usize> {
+    /// Mass, kg; static friction; stiffness, N/m.
+    mass_kg: Lanes<N>,
+    friction: Lanes<N>,
+    stiffness_n_m: Lanes<N>,
+    /// How far the finger has closed since it touched the undeformed object, commanded and true, m.
+    pub(crate) closing_to_m: Lanes<N>,
+    closed_m: Lanes<N>,
+    /// How far the object gives way under it, m.
+    give_m: Lanes<N>,
+    /// Height of the hand, commanded and true, m; of the object, m and m/s.
+    pub(crate) hand_to_m: Lanes<N>,
+    hand_m: Lanes<N>,
+    pub(crate) raised_m: Lanes<N>,
+    speed_m_s: Lanes<N>,
+    /// Shear of the bristles, m, and which slide.
+    shear_m: [Lanes<N>; BRISTLES],
+    sliding: [Mask<N>; BRISTLES],
+    /// Distance slid, weighted by normal force, m.
+    pub(crate) slid_m: Lanes<N>,
+    /// Forces of one finger by ring at the end of the tick, N.
+    pub(crate) normal_n: [Lanes<N>; RINGS],
+    pub(crate) shear_n: [Lanes<N>; RINGS],
+}
+
+impl<const N: usize> Body<N> {
+    /// Objects that stand, and fingers that begin to touch them.
+    #[inline(always)]
+    pub(crate) fn new(mass_kg: Lanes<N>, friction: Lanes<N>, stiffness_n_m: Lanes<N>) -> Self {
+        let zero = Lanes::splat(0.0);
+        Self {
+            mass_kg,
+            friction,
+            stiffness_n_m,
+            closing_to_m: zero,
+            closed_m: zero,
+            give_m: zero,
+            hand_to_m: zero,
+            hand_m: zero,
+            raised_m: zero,
+            speed_m_s: zero,
+            shear_m: [zero; BRISTLES],
+            sliding: [Mask::NONE; BRISTLES],
+            slid_m: zero,
+            normal_n: [zero; RINGS],
+            shear_n: [zero; RINGS],
+        }
+    }
+
+    /// One step; `tremble_m` displaces the hand.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, tremble_m: Lanes<N>) {
+        let closed_m = self.closed_m.towards(self.closing_to_m, SERVO_SHARE);
+        self.closed_m = closed_m;
+        let before_m = self.hand_m;
+        self.hand_m = before_m.towards(self.hand_to_m + tremble_m, SERVO_SHARE);
+        let hand_m_s = (self.hand_m - before_m) * (1.0 / STEP_S);
+        let skin_n_m = self.give_way();
+        let friction_n = self.rub(hand_m_s - self.speed_m_s, skin_n_m);
+        self.fall(friction_n);
+    }
+
+    /// The object's softness: one Newton step of the implicit spring and damper. Returns the stiffness of the skin that
+    /// touches, N/m.
+    #[inline(always)]
+    fn give_way(&mut self) -> Lanes<N> {
+        let depth_m = self.closed_m - self.give_m;
+        let zero = Lanes::splat(0.0);
+        let (mut force_n, mut slope_n_m) = (zero, zero);
+        for bristle in &SKIN {
+            let deep_m = depth_m - bristle.from_m;
+            let touches = deep_m.above(0.0);
+            force_n = force_n + touches.select(deep_m, zero) * bristle.normal_n_m;
+            slope_n_m = slope_n_m + touches.select(Lanes::splat(bristle.normal_n_m), zero);
+        }
+        let k = self.stiffness_n_m;
+        let residual_n = force_n - k * self.give_m;
+        let share = k * (OBJECT_DAMPING_S / STEP_S) + k + slope_n_m;
+        self.give_m = self.give_m + residual_n / share;
+        slope_n_m
+    }
+
+    /// Every bristle drags until friction holds no more; returns the friction of one finger on the object, N.
+    #[inline(always)]
+    fn rub(&mut self, rubbing_m_s: Lanes<N>, skin_n_m: Lanes<N>) -> Lanes<N> {
+        let zero = Lanes::splat(0.0);
+        let depth_m = self.closed_m - self.give_m;
+        let bound_s = self.mass_kg * (DAMPING_SHARE / STEP_S) / skin_n_m;
+        let damping_s = Lanes::splat(DAMPING_S).lesser(bound_s);
+        let speed_m_s = rubbing_m_s.abs();
+        let (mut sum_n, mut pressed_n, mut slid_n_m) = (zero, zero, zero);
+        self.normal_n = [zero; RINGS];
+        self.shear_n = [zero; RINGS];
+        for (index, bristle) in SKIN.iter().enumerate() {
+            let shear_n_m = bristle.normal_n_m * SHEAR_RATIO;
+            let deep_m = depth_m - bristle.from_m;
+            let touches = deep_m.above(0.0);
+            let normal_n = touches.select(deep_m, zero) * bristle.normal_n_m;
+            let stretched_m = self.shear_m[index] + rubbing_m_s * STEP_S;
+            let trial_n = (stretched_m + rubbing_m_s * damping_s) * shear_n_m;
+            let limit_n = self.sliding[index].select(
+                self.friction * normal_n * KINETIC_RATIO,
+                self.friction * normal_n,
+            );
+            let slides = trial_n.abs().gt(limit_n);
+            let slid_n = limit_n.with_sign(trial_n);
+            let carried_m = limit_n * (1.0 / shear_n_m);
+            let calmed_s = damping_s.lesser(carried_m / (speed_m_s + f32::MIN_POSITIVE));
+            let kept_m = slid_n * (1.0 / shear_n_m) - rubbing_m_s * calmed_s;
+            let force_n = touches.select(slides.select(slid_n, trial_n), zero);
+            self.shear_m[index] = touches.select(slides.select(kept_m, stretched_m), zero);
+            self.sliding[index] = touches & slides;
+            slid_n_m = slid_n_m + slides.select(normal_n * speed_m_s, zero);
+            sum_n = sum_n + force_n;
+            pressed_n = pressed_n + normal_n;
+            self.normal_n[bristle.ring] = self.normal_n[bristle.ring] + normal_n;
+            self.shear_n[bristle.ring] = self.shear_n[bristle.ring] + force_n;
+        }
+        let slid_m = slid_n_m * STEP_S / (pressed_n + f32::MIN_POSITIVE);
+        self.slid_m = self.slid_m + slid_m;
+        sum_n
+    }
+
+    /// The object under both fingers, its weight and the table.
+    #[inline(always)]
+    fn fall(&mut self, friction_n: Lanes<N>) {
+        let zero = Lanes::splat(0.0);
+        let weight_n = self.mass_kg * GRAVITY_M_S2;
+        let stands = self.raised_m.below(0.0);
+        let damped_n = self.speed_m_s * self.mass_kg * (TABLE_DAMPING / STEP_S);
+        let support_n = (zero - self.raised_m * TABLE_N_M - damped_n).greater(zero);
+        let table_n = stands.select(support_n, zero);
+        let force_n = friction_n * 2.0 - weight_n + table_n;
+        self.speed_m_s = self.speed_m_s + force_n * STEP_S / self.mass_kg;
+        self.raised_m = self.raised_m + self.speed_m_s * STEP_S;
+    }
+}

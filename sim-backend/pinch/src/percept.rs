@@ -1,0 +1,199 @@
+//! What is felt: the controller's perception, reduced to what a symmetric pinch can tell (`daemon/atas/src/perception/`).
+//!
+//! All constants without a comment of their own are the controller's defaults.
+
+use crate::lanes::{Lanes, Mask};
+use crate::skin::{ELEMENTS, RINGS};
+use crate::trial::Bit;
+
+/// Tick, s.
+pub(crate) const TICK_S: f32 = 1e-3;
+/// Time between the samples of the window of dF_t, ticks, and how many the window has.
+const SAMPLE_TICKS: usize = 10;
+const SAMPLES: usize = 10;
+/// Standard deviation of the sum of a patch's noise after the filter, N (ours: 3 mN per element, 5 ms, ten elements).
+const NOISE_N: f32 = 0.003;
+/// How much the third of the elements that read highest reads too high: a share (gain spread), and N per N of one element's
+/// force (noise). Ours, fitted to the full simulation's utilisation at gross slip.
+const TOP_SHARE: f32 = 1.03;
+const TOP_NOISE_N: f32 = 0.0008;
+
+const FORCE_SHARE: f32 = TICK_S / (0.005 + TICK_S);
+const FRICTION_SHARE: f32 = TICK_S / (0.02 + TICK_S);
+const RELAX_SHARE: f32 = TICK_S / (0.05 + TICK_S);
+const TOUCH_ON_N: f32 = 0.06;
+const TOUCH_OFF_N: f32 = 0.03;
+const ELEMENT_FLOOR_N: f32 = 0.012;
+const TANGENTIAL_FLOOR_N: f32 = 0.04;
+const DR_N: f32 = 0.06;
+const STEADY_SHARE: f32 = 0.06;
+const SLIP_ON: f32 = 0.92;
+const SLIP_OFF: f32 = 0.86;
+const SLIP_GROSS: f32 = 0.955;
+const SLIP_GROSS_S: f32 = 0.01;
+const SLIP_LOADING: f32 = 0.8;
+const SLIP_LATCH_S: f32 = 0.02;
+const ALIKE: f32 = 0.935;
+const ALIKE_ABOVE: f32 = 0.8;
+const HANGS_M: f32 = 0.001;
+const RELEASE_SHARE_F2: f32 = 0.97;
+const LIFTED_M: f32 = 0.003;
+const SPARE_BELOW: f32 = 0.89;
+const SPARE_S: f32 = 0.1;
+
+/// What the fingers feel and remember.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Percept<const N: usize> {
+    normal_by_ring_n: [Lanes<N>; RINGS],
+    shear_by_ring_n: [Lanes<N>; RINGS],
+    /// F_n and F_t as felt, N.
+    pub(crate) normal_n: Lanes<N>,
+    tangential_n: Lanes<N>,
+    /// Reading of friction, the highest so far, utilisation against either.
+    reading: Lanes<N>,
+    remembered: Lanes<N>,
+    utilisation: Lanes<N>,
+    utilisation_now: Lanes<N>,
+    gross_s: Lanes<N>,
+    window_n: [Lanes<N>; SAMPLES],
+    oldest: usize,
+    touching: Mask<N>,
+    slipping: Mask<N>,
+    latch_s: Lanes<N>,
+    above_f2: Mask<N>,
+    spare_s: Lanes<N>,
+}
+
+impl<const N: usize> Percept<N> {
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        let zero = Lanes::splat(0.0);
+        Self {
+            normal_by_ring_n: [zero; RINGS],
+            shear_by_ring_n: [zero; RINGS],
+            normal_n: zero,
+            tangential_n: zero,
+            reading: zero,
+            remembered: zero,
+            utilisation: zero,
+            utilisation_now: zero,
+            gross_s: zero,
+            window_n: [zero; SAMPLES],
+            oldest: 0,
+            touching: Mask::NONE,
+            slipping: Mask::NONE,
+            latch_s: zero,
+            above_f2: Mask::NONE,
+            spare_s: zero,
+        }
+    }
+
+    /// Takes in the true forces of one tick; `noise` has a standard deviation of 1.
+    #[inline(always)]
+    pub(crate) fn feel(
+        &mut self,
+        normal_n: &[Lanes<N>; RINGS],
+        shear_n: &[Lanes<N>; RINGS],
+        noise: [Lanes<N>; 2],
+        tick: usize,
+    ) {
+        let zero = Lanes::splat(0.0);
+        let (mut sum_n, mut sum_t) = (zero, zero);
+        for (felt, normal_n) in self.normal_by_ring_n.iter_mut().zip(normal_n) {
+            *felt = felt.towards(*normal_n, FORCE_SHARE);
+            sum_n = sum_n + *felt;
+        }
+        for (felt, shear_n) in self.shear_by_ring_n.iter_mut().zip(shear_n) {
+            *felt = felt.towards(*shear_n, FORCE_SHARE);
+            sum_t = sum_t + *felt;
+        }
+        self.normal_n = sum_n + noise[0] * NOISE_N;
+        self.tangential_n = (sum_t + noise[1] * NOISE_N).abs();
+        self.touching =
+            self.normal_n.above(TOUCH_ON_N) | (self.touching & self.normal_n.above(TOUCH_OFF_N));
+        self.use_friction();
+        if tick.is_multiple_of(SAMPLE_TICKS) {
+            self.window_n[self.oldest] = self.tangential_n;
+            self.oldest = (self.oldest + 1) % SAMPLES;
+        }
+    }
+
+    /// Friction utilisation from the ring that uses most of its friction (`friction.rs`): the one in the middle is too few.
+    #[inline(always)]
+    fn use_friction(&mut self) {
+        let zero = Lanes::splat(0.0);
+        let (mut top, mut pressed) = (zero, Mask::NONE);
+        let rings = self.normal_by_ring_n.iter().zip(&self.shear_by_ring_n);
+        for ((n, t), elements) in rings.zip(ELEMENTS).skip(1) {
+            let (n, t) = (*n, t.abs());
+            let presses = n.above(ELEMENT_FLOOR_N * elements);
+            let element_n = n * (1.0 / elements);
+            let ratio = t / (n + f32::MIN_POSITIVE) * TOP_SHARE
+                + Lanes::splat(TOP_NOISE_N) / (element_n + ELEMENT_FLOOR_N);
+            top = presses.select(ratio.greater(top), top);
+            pressed = pressed | presses;
+        }
+        let known = pressed & self.tangential_n.above(TANGENTIAL_FLOOR_N);
+        let ratio = self.tangential_n / (self.normal_n.greater(zero) + 0.01);
+        let reading = self
+            .reading
+            .towards(top.lesser(Lanes::splat(1.2)), FRICTION_SHARE);
+        self.reading = known.select(reading, self.reading);
+        let now = ratio / self.reading.greater(Lanes::splat(0.03));
+        let now = self.utilisation_now.towards(now, FRICTION_SHARE);
+        self.utilisation_now = known.select(now, self.utilisation_now);
+        let gross = known & self.utilisation_now.above(SLIP_GROSS);
+        self.gross_s = gross.select(self.gross_s + TICK_S, zero);
+        let remembered = self.remembered.greater(self.reading);
+        let relaxed = remembered.towards(ratio, RELAX_SHARE);
+        let remembered = self.gross_s.above(SLIP_GROSS_S).select(relaxed, remembered);
+        // What has left the fingers is forgotten.
+        self.remembered = self.touching.select(remembered, zero);
+        let utilisation = ratio / self.remembered.greater(Lanes::splat(0.05));
+        self.utilisation = known.select(utilisation.lesser(Lanes::splat(1.2)), zero);
+    }
+
+    /// Tells the bits that remember; `carried_m` is how far the hand has carried the object.
+    #[inline(always)]
+    pub(crate) fn tell(&mut self, f2_n: Lanes<N>, carried_m: Lanes<N>) {
+        let zero = Lanes::splat(0.0);
+        let released_n = self.above_f2.select(f2_n * RELEASE_SHARE_F2, f2_n);
+        self.above_f2 = self.normal_n.gt(released_n);
+        let limit = self
+            .slipping
+            .select(Lanes::splat(SLIP_OFF), Lanes::splat(SLIP_ON));
+        self.slipping = self.utilisation.gt(limit);
+        let increment_n = (self.tangential_n - self.window_n[self.oldest]).abs();
+        let steady_n = (self.tangential_n * STEADY_SHARE).greater(Lanes::splat(DR_N));
+        let loads = increment_n.gt(steady_n) & self.utilisation.above(SLIP_LOADING);
+        let alike = carried_m.above(HANGS_M)
+            & self.utilisation_now.above(ALIKE)
+            & self.utilisation.above(ALIKE_ABOVE);
+        let slips = self.slipping | self.gross_s.above(SLIP_GROSS_S) | alike | loads;
+        self.latch_s = slips.select(Lanes::splat(SLIP_LATCH_S), self.latch_s - TICK_S);
+        let spares = self.utilisation.above(0.0)
+            & self.utilisation.below(SPARE_BELOW)
+            & !self.gross_s.above(0.0)
+            & !slips;
+        self.spare_s = spares.select(self.spare_s + TICK_S, zero);
+    }
+
+    /// One sensor bit.
+    #[inline(always)]
+    pub(crate) fn bit(&self, bit: Bit, f1_n: Lanes<N>, carried_m: Lanes<N>) -> Mask<N> {
+        match bit {
+            Bit::Touching => self.touching,
+            Bit::AboveF1 => self.normal_n.gt(f1_n),
+            Bit::Slipping => self.latch_s.above(0.0),
+            Bit::AboveF2 => self.above_f2,
+            Bit::Lifted => carried_m.above(LIFTED_M),
+            Bit::Spare => self.spare_s.above(SPARE_S),
+        }
+    }
+
+    /// Whether F_n exceeds F_2, as Module 3 has it.
+    #[inline(always)]
+    pub(crate) fn is_above_f2(&self) -> Mask<N> {
+        self.above_f2
+    }
+}
