@@ -7,7 +7,12 @@ use system_tests::binary;
 fn readmes() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let read = |path| std::fs::read_to_string(root.join(path)).expect("readable");
-    ["README.md", "clients/swarm/README.md"].map(read).concat()
+    let files = [
+        "README.md",
+        "clients/robots/README.md",
+        "clients/swarm/README.md",
+    ];
+    files.map(read).concat()
 }
 
 #[test]

@@ -253,6 +253,10 @@ fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
 
     // A servo that loses its power stops the robot, and nothing jumps when it is back.
     chains[1].servo(4, |servo| servo.set_power(false));
+    let silent = "servo 4 does not answer (right_wrist_pitch)";
+    wait_for("a word about it", || {
+        robot.log().contains(silent).then_some(())
+    });
     seen.until("HOLD", |seen| seen.status.mode == Mode::HOLD);
     chains[1].servo(4, |servo| {
         let sagged_rad = servo.position_rad() + 0.1;
@@ -260,6 +264,9 @@ fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
         servo.set_power(true);
     });
     let sagged_rad = positions_rad(&chains);
+    wait_for("the robot", || {
+        robot.log().contains("hold again").then_some(())
+    });
     seen.until("READY again", |seen| seen.status.mode == Mode::READY);
     assert!(moved_rad(&chains, &sagged_rad) < 0.02, "{}", atasd.log());
     assert!(

@@ -62,7 +62,10 @@ impl Chain {
     /// # Errors
     /// If there is no pseudo-terminal, or no such family or model.
     pub fn start(family: &str, servos: &[Planned], baud: Option<u32>) -> io::Result<Self> {
-        let unknown = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, what.to_owned());
+        let unknown = |what: &str| {
+            let why = format!("{what} is not played");
+            io::Error::new(io::ErrorKind::InvalidInput, why)
+        };
         let family: &'static dyn Family = match family {
             "dynamixel" => &Dynamixel,
             "feetech" => &Feetech,

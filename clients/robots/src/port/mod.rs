@@ -29,6 +29,8 @@ use figures::Figures;
 const MISSES_MAX: u32 = 2;
 /// Time between two attempts to take a port over. Ours.
 const RETRY_EVERY: Duration = Duration::from_millis(200);
+/// Attempts to take a port over before that is trouble: an exchange with each of its servos may meet noise. Ours.
+const ATTEMPTS: u32 = 3;
 /// How soon a stop request is seen while waiting.
 const POLL: Duration = Duration::from_millis(20);
 /// Multiple of a shaft's top speed above which a reading that passed its checksum is damaged all the same. Ours.
@@ -108,7 +110,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs one port until it is stopped. `tell` gives a report to the robot and says whether it still listens.
+/// Runs one port until it is stopped, or until nobody takes its reports any more, which go out with its index.
 pub fn run(map: &PortMap, index: usize, to: &Sender<(usize, Report)>, shared: &Shared) {
     let mut port = Port {
         map,
@@ -122,7 +124,7 @@ pub fn run(map: &PortMap, index: usize, to: &Sender<(usize, Report)>, shared: &S
     };
     let tell = |report| to.send((index, report)).is_ok();
     while !shared.is_stopped() {
-        let trouble = match take_over::take_over(map) {
+        let trouble = match take_over_patiently(map) {
             Ok((mut wire, held_rad)) => {
                 port.life += 1;
                 let life = port.life;
@@ -139,6 +141,16 @@ pub fn run(map: &PortMap, index: usize, to: &Sender<(usize, Report)>, shared: &S
         lock(&shared.figures).troubles += 1;
         wait(shared, RETRY_EVERY);
     }
+}
+
+fn take_over_patiently(map: &PortMap) -> Result<take_over::Taken, String> {
+    let mut taken = take_over::take_over(map);
+    for _ in 1..ATTEMPTS {
+        if taken.is_err() {
+            taken = take_over::take_over(map);
+        }
+    }
+    taken
 }
 
 fn wait(shared: &Shared, time: Duration) {

@@ -14,7 +14,7 @@ const MARGIN_RAD: f64 = 0.05;
 const COOLER_K: f64 = 5.0;
 
 /// The open port, and where each joint is held, rad.
-type Taken = (Wire, Vec<(usize, f64)>);
+pub(super) type Taken = (Wire, Vec<(usize, f64)>);
 
 /// Opens the port and takes its servos over, or says in words why not.
 pub(super) fn take_over(map: &PortMap) -> Result<Taken, String> {

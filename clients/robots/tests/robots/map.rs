@@ -1,5 +1,7 @@
 //! Servo maps: what is wrong is found at once, each with its place.
 
+use std::path::Path;
+
 use atas_robots::map::file::MapFile;
 use atas_robots::map::{self, Check};
 use proptest::prelude::*;
@@ -13,6 +15,14 @@ fn a_good_map_survives_its_own_text() {
     assert_eq!(toml::from_str::<MapFile>(&text).unwrap(), file);
     let map = map::checked(&file, Check::Whole).unwrap();
     assert_eq!((map.joints.len(), map.ports.len()), (22, 2));
+}
+
+#[test]
+fn the_map_that_is_shipped_is_a_good_one() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("two_hand_arm.toml");
+    let map = map::load(&path, Check::Whole).unwrap();
+    let families: Vec<_> = map.ports.iter().map(|port| port.driver.name()).collect();
+    assert_eq!(families, ["dynamixel", "feetech"]);
 }
 
 #[test]
