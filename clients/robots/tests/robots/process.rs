@@ -146,7 +146,7 @@ fn killed_and_started_again_it_keeps_the_grip_and_nothing_jumps() {
     let joint = FINGERS[1];
     let wall_rad = middle_rad()[joint];
     // This shaft turns against its joint or with it: the wall is upwards for the shaft.
-    let sign = if joint % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
     rig.servo(joint, |servo| {
         servo.block_at(Some(shaft_rad(joint, wall_rad)))
     });

@@ -42,7 +42,7 @@ pub(crate) fn two_hands() -> MapFile {
             joint: joint.name.clone(),
             id: (index % HAND) as u8 + 1,
             model: if is_left { "xm430-w350" } else { "sts3215" }.to_owned(),
-            direction: if index % 2 == 0 { 1 } else { -1 },
+            direction: if index.is_multiple_of(2) { 1 } else { -1 },
             zero_rad: core::f64::consts::PI,
             gear: 1.0,
             current_limit_a: is_left.then_some(0.8),
@@ -72,7 +72,7 @@ pub(crate) fn two_hands() -> MapFile {
 
 /// The angle of the shaft of a servo of that map.
 pub(crate) fn shaft_rad(joint: usize, joint_rad: f64) -> f64 {
-    let direction = if joint % 2 == 0 { 1.0 } else { -1.0 };
+    let direction = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
     core::f64::consts::PI + direction * joint_rad
 }
 

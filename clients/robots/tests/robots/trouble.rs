@@ -103,7 +103,12 @@ fn every_trouble_is_told_holds_and_passes_without_a_jump() {
             rig.has_new_state();
             rig.state.stamp.writer_epoch != epoch
         });
-        standing_rad[case.joint] += case.turned_rad * if case.joint % 2 == 0 { 1.0 } else { -1.0 };
+        standing_rad[case.joint] += case.turned_rad
+            * if case.joint.is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
         for (joint, here_rad) in standing_rad.iter().enumerate() {
             let told_rad = rig.state.commanded_rad[joint];
             assert!(

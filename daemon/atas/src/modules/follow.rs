@@ -9,7 +9,7 @@ use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::follow::{Follower, Speeds};
 use crate::perception::Percept;
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, VIRTUAL_FINGERS};
+use robot_model::GraspFrame;
 use shm_schemas::ModuleId;
 
 /// Share of a contact's force along a coordinate from which on moving along it counts as moving into the contact (ours: 17°).

@@ -7,7 +7,7 @@ use crate::path::Path;
 use crate::perception::Percept;
 use crate::settings::Settings;
 use crate::tasks::{Motion, Transition};
-use robot_model::{GraspFrame, VIRTUAL_FINGERS};
+use robot_model::GraspFrame;
 use shm_schemas::{GripOrder, ModuleId};
 
 /// Opening beyond the one at which an object was touched that means letting go of it, m (ours: more than a policy's widths

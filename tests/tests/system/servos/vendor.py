@@ -25,12 +25,14 @@ def expect(what, found, wanted):
         sys.exit(f"{what}: found {found!r}, wanted {wanted!r}")
 
 
-def until(what, ask):
-    deadline = time.monotonic() + PATIENCE_S
-    while not ask():
+def rests(what, ask):
+    """Waits until something holds and goes on holding: a shaft may swing past its goal."""
+    deadline, in_a_row = time.monotonic() + PATIENCE_S, 0
+    while in_a_row < 10:
+        in_a_row = in_a_row + 1 if ask() else 0
         if time.monotonic() > deadline:
             sys.exit(f"{what} never came")
-        time.sleep(0.01)
+        time.sleep(0.02)
 
 
 def bytes_of(value, length):
@@ -83,7 +85,7 @@ def dynamixel(terminal):
     goals = {1: 2100, 2: 1900, 3: 2048}
     sync_write(sdk.GroupSyncWrite(port, packets, 116, 4), {s: bytes_of(g, 4) for s, g in goals.items()})
     there = lambda: sync_read(sdk.GroupSyncRead(port, packets, 132, 4), IDS, 132, 4) == list(goals.values())
-    until("the goals", there)
+    rests("the goals", there)
 
     fast = sdk.GroupSyncRead(port, packets, 132, 4)
     for servo in IDS:
@@ -115,7 +117,7 @@ def feetech(terminal):
     goals = {1: 2100, 2: 1900, 3: 2048}
     sync_write(sdk.GroupSyncWrite(port, packets, 42, 2), {s: bytes_of(g, 2) for s, g in goals.items()})
     there = lambda: sync_read(sdk.GroupSyncRead(port, packets, 56, 2), IDS, 56, 2) == list(goals.values())
-    until("the goals", there)
+    rests("the goals", there)
 
 
 {"dynamixel": dynamixel, "feetech": feetech}[sys.argv[1]](sys.argv[2])
