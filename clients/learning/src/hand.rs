@@ -175,6 +175,8 @@ impl PolicyHand {
             base_from_tip,
             // Nobody has tugged at it to prove that.
             hangs: false,
+            table: None,
+            lead: None,
         };
         let proposals = self
             .modules
