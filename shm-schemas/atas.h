@@ -264,6 +264,8 @@ enum atas_module_id {
     ATAS_MODULE_ID_SLIP_REACTION = 13,
     // Leads the hand after streamed targets, within limits of speed, acceleration and jerk.
     ATAS_MODULE_ID_FOLLOW = 14,
+    // Reads fingers and hand off the task's behaviour table (paper section III).
+    ATAS_MODULE_ID_BEHAVIOUR_TABLE = 15,
 };
 
 // What went wrong.
@@ -1433,7 +1435,7 @@ typedef struct atas_tick_inputs {
     atas_joint_command command;
 } atas_tick_inputs;
 #define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v5"
-_Static_assert(sizeof(atas_tick_inputs) == 12232, "atas_tick_inputs");
+_Static_assert(sizeof(atas_tick_inputs) == 12368, "atas_tick_inputs");
 _Static_assert(_Alignof(atas_tick_inputs) == 8, "atas_tick_inputs");
 _Static_assert(offsetof(atas_tick_inputs, stamp) == 0, "atas_tick_inputs.stamp");
 _Static_assert(offsetof(atas_tick_inputs, tick) == 24, "atas_tick_inputs.tick");
@@ -1446,7 +1448,7 @@ _Static_assert(offsetof(atas_tick_inputs, frames) == 56, "atas_tick_inputs.frame
 _Static_assert(offsetof(atas_tick_inputs, joints) == 6360, "atas_tick_inputs.joints");
 _Static_assert(offsetof(atas_tick_inputs, target) == 7448, "atas_tick_inputs.target");
 _Static_assert(offsetof(atas_tick_inputs, order) == 7536, "atas_tick_inputs.order");
-_Static_assert(offsetof(atas_tick_inputs, command) == 11656, "atas_tick_inputs.command");
+_Static_assert(offsetof(atas_tick_inputs, command) == 11792, "atas_tick_inputs.command");
 
 // One hand's sensor, as the controller is wired to it.
 typedef struct atas_hand_wiring_record {

@@ -3,7 +3,7 @@
 use atas_core::check;
 use atas_core::{Controller, Inputs, Order, Settings, Tick, Wiring};
 use atas_evaluation::offline::{grasp_goal, pick_place_goal};
-use robot_model::{ROBOT_JOINTS, RobotModel, Side};
+use robot_model::{RobotModel, Side};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate, HandFrame, JointCommand, JointState, Mode};
 use sim_backend::{Object, Scene, Sensed, TICK_NS, World};
 
@@ -91,7 +91,7 @@ impl<'a> Fast<'a> {
         self.index += 1;
         self.command = outputs.command;
         if carries {
-            let speeds = &outputs.command.velocity_rad_s[..ROBOT_JOINTS];
+            let speeds = &outputs.command.velocity_rad_s[..outputs.command.joint_count as usize];
             let fastest_rad_s = speeds.iter().map(|v| v.abs()).fold(0.0, f64::max);
             self.carrying_rad_s = self.carrying_rad_s.max(fastest_rad_s);
         }

@@ -45,7 +45,7 @@ fn servos(folder: &Path) -> (Vec<Chain>, String) {
         let planned = joints.clone().map(|(_, id)| Planned {
             id,
             model: "xm430-w350".to_owned(),
-            position_rad: ZERO_RAD + home_rad[side.first_joint() + usize::from(id) - 1],
+            position_rad: ZERO_RAD + home_rad[robot.joint_range(side).start + usize::from(id) - 1],
         });
         let chain = Chain::start("dynamixel", &planned.collect::<Vec<_>>(), None).expect("played");
         map += &format!(
