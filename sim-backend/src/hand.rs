@@ -143,7 +143,7 @@ impl Hand {
     pub(crate) fn grip_on(&self, object: usize) -> Option<Grip> {
         let presses =
             |finger: usize| self.facing[finger] == object && self.contacts[finger].is_touching();
-        let from = |side: usize| self.model.fingers_of(side).any(|finger| presses(finger));
+        let from = |side: usize| self.model.fingers_of(side).any(&presses);
         let tips_m = [0, 1].map(|side| self.pose.side_m(side));
         (0..VIRTUAL_FINGERS).all(from).then(|| Grip {
             hand: self.model.side().index(),

@@ -141,8 +141,7 @@ impl World {
         let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
         let mut position_rad = [0.0; shm_schemas::capacity::JOINTS];
         for side in robot_model::Side::BOTH {
-            position_rad[robot.joint_range(side)]
-                .copy_from_slice(&robot.hand(side).reference_rad());
+            position_rad[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference_rad());
             // Straight ahead the fingers of both hands would cross.
             position_rad[robot.joint_range(side).start] += 0.4 * side.y_sign();
         }

@@ -17,7 +17,7 @@ use crate::rng::SplitMix64;
 use crate::run::Rise;
 
 /// What turns a run's seed into its stream: no run of the field has it.
-const STREAM: u64 = 0x6772_6173_70;
+const STREAM: u64 = 0x0067_7261_7370;
 /// Trials remembered per object.
 const MEMO_TRIALS: usize = 64;
 

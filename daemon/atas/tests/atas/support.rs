@@ -33,7 +33,7 @@ pub(crate) fn dome() -> &'static (Layout, u64) {
 pub(crate) fn home_rad() -> RobotVector {
     let mut home_rad = RobotVector::repeat(JOINTS, 0.0);
     for side in Side::BOTH {
-        home_rad[robot().joint_range(side)].copy_from_slice(&robot().hand(side).reference_rad());
+        home_rad[robot().joint_range(side)].copy_from_slice(robot().hand(side).reference_rad());
     }
     home_rad
 }
