@@ -4,7 +4,7 @@
 //! an [`Outcome`] each: how it ended, how high, how far it slid, with what force, which rows of the table were read.
 //!
 //! What the full simulation (`sim-backend`, `atas-core`) has in 3-D is reduced to what decides a symmetric grasp: one finger
-//! stands for two, an object moves up and down only, [`skin`] has ten bristles, [`body`] is stepped by 500 µs, [`percept`] feels
+//! stands for two, an object moves up and down only, `skin` has ten bristles, `body` is stepped by 500 µs, `percept` feels
 //! what the controller's perception would, and a table is read every millisecond. Evolution takes 160,000 such grasps per run.
 //!
 //! Invariants:

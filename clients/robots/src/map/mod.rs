@@ -1,6 +1,6 @@
 //! Which servo moves which joint, and how: the servo map, checked.
 //!
-//! In: a TOML file ([`file`]) and the robot's joints. Out: [`PortMap`]s whose servos each know their joint, or everything that is
+//! In: a TOML file ([`mod@file`]) and the robot's joints. Out: [`PortMap`]s whose servos each know their joint, or everything that is
 //! wrong with the file at once. Invariants of a map: every joint has exactly one servo, ids are unique on their port, every number
 //! is finite and within what the servo can do, and each servo's travel covers its joint's limits.
 
