@@ -74,7 +74,8 @@ impl Hand {
             pads,
             model,
             reference_rad: start_rad,
-            contacts: vec![Contact::new(); fingers],
+            // One by one: a clone would not keep the room that a contact has for its touches.
+            contacts: (0..fingers).map(|_| Contact::new()).collect(),
             facing: vec![0; fingers],
             vibration,
             contact_n_m: HandVector::zeros(joints),
