@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Peer, peer_role, ready, until};
-use shm_bus::{Bus, BusError, BusName, FreshBus, Realtime, STREAMS, now_ns, writer_epoch};
+use shm_bus::{Bus, BusError, BusName, FreshBus, Realtime, now_ns, writer_epoch};
 use shm_schemas::service::{
     HAND_FRAME, JOINT_COMMAND, JOINT_STATE, MODULE_EVENT, SENSOR_STATUS, STATUS,
 };
