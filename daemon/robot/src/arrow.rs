@@ -109,9 +109,15 @@ impl ArrowSystem {
 
     /// The minimiser in hand order, of `joint_count` joints, or `None` if a factorisation met a pivot that is not positive.
     pub(crate) fn solve(&self, joint_count: usize) -> Option<HandVector> {
-        let mut factored = [Factored::default(); FINGERS_MAX];
-        for (factored, finger) in factored.iter_mut().zip(self.blocks()) {
-            *factored = factor(finger, self.trunk_joints)?;
+        let mut sound = true;
+        let mut factored = core::array::from_fn(|finger| {
+            let block = self.blocks().get(finger);
+            let factored = block.map(|block| factor(block, self.trunk_joints));
+            sound &= !matches!(factored, Some(None));
+            factored.flatten().unwrap_or_default()
+        });
+        if !sound {
+            return None;
         }
         let trunk_l = self.factor_trunk(&factored)?;
         let trunk_g = self.eliminate_fingers_from_g(&factored, &trunk_l);
@@ -157,8 +163,10 @@ impl ArrowSystem {
         let (n, mut h) = (self.trunk_joints, self.trunk_h);
         for (finger, factored) in self.blocks().iter().zip(factored) {
             let cross = &factored.cross;
-            for (i, j) in (0..n).flat_map(|j| (j..n).map(move |i| (i, j))) {
-                h[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * cross[(k, j)]);
+            for j in 0..n {
+                for i in j..n {
+                    h[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * cross[(k, j)]);
+                }
             }
         }
         cholesky(h, n)
@@ -188,8 +196,10 @@ impl ArrowSystem {
         let n = self.trunk_joints;
         let (cross, tip) = (&factored.cross, &factored.tip);
         let mut trunk_tip = finger.tip_by_trunk;
-        for (i, j) in (0..n).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            trunk_tip[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * tip[(k, j)]);
+        for j in 0..3 {
+            for i in 0..n {
+                trunk_tip[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * tip[(k, j)]);
+            }
         }
         forward_substitute(trunk_l, &mut trunk_tip, n, 3);
         factored.trunk_tip = trunk_tip;

@@ -107,7 +107,10 @@ impl HandModel {
             Some(frame) => base_from_frame[frame].then(&mounted.frame_from_link),
         };
         let base_from_hand = place(&self.palm);
-        let base_from_tip = self.fingers.each_ref().map(|finger| place(&finger.tip));
+        let base_from_tip = core::array::from_fn(|index| {
+            let finger = self.fingers[..self.finger_count].get(index);
+            finger.map_or(Transform::IDENTITY, |finger| place(&finger.tip))
+        });
         HandPose {
             q_rad: *q_rad,
             base_from_hand,

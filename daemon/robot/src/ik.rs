@@ -192,8 +192,13 @@ impl HandModel {
             self.posture_rows(q_rad, root_rad, weights),
         );
         let excess_m = (error.tip_error_m - weights.softening_from_m).max(0.0);
+        let w_dome = weights.dome_axis * weights.dome_axis;
+        let block = |finger| match finger < self.finger_count {
+            true => self.finger_block(finger, jacobian, error, &posture, w_dome),
+            false => FingerBlock::default(),
+        };
         let mut system = ArrowSystem {
-            fingers: [FingerBlock::default(); FINGERS_MAX],
+            fingers: core::array::from_fn(block),
             finger_count: self.finger_count,
             trunk_h: Default::default(),
             trunk_g: Default::default(),
@@ -201,7 +206,6 @@ impl HandModel {
             softening: weights.softening_m2 + weights.softening_slope_m * excess_m,
         };
         let w_hand = weights.hand_axis * weights.hand_axis;
-        let w_dome = weights.dome_axis * weights.dome_axis;
         let hand = &jacobian.hand_axis;
         for j in 0..trunk {
             for i in 0..trunk {
@@ -211,14 +215,13 @@ impl HandModel {
             system.trunk_g[j] = along(hand, j, &error.hand_axis) * w_hand + posture.g[j];
         }
         for finger in 0..self.finger_count {
-            let (dome, e) = (&jacobian.dome_axis[finger], &error.dome_axis[finger]);
+            let (dome, e) = (&jacobian.tips[finger].dome_axis, &error.dome_axis[finger]);
             for j in 0..trunk {
                 for i in 0..trunk {
                     system.trunk_h[(i, j)] += columns(dome, i, j) * w_dome;
                 }
                 system.trunk_g[j] += along(dome, j, e) * w_dome;
             }
-            system.fingers[finger] = self.finger_block(finger, jacobian, error, &posture, w_dome);
         }
         system
     }
@@ -232,7 +235,8 @@ impl HandModel {
         w_dome: f64,
     ) -> FingerBlock {
         let own = self.finger_joints(finger);
-        let (dome, tip) = (&jacobian.dome_axis[finger], &jacobian.tip[finger]);
+        let of_tip = &jacobian.tips[finger];
+        let (dome, tip) = (&of_tip.dome_axis, &of_tip.position);
         let mut block = FingerBlock {
             first_joint: own.start,
             joint_count: own.len(),
