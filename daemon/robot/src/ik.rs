@@ -19,6 +19,7 @@ use crate::model::HandModel;
 use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
 use crate::target::HandTarget;
 use crate::vector::HandVector;
+use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
 /// Solves per step: joints found outside the box are held at its edge and the rest solved again. Ours: three bound the
@@ -149,8 +150,8 @@ impl HandModel {
     ) -> Option<IkStep> {
         let error = TaskError::new(pose, target, weights)?;
         let step_box = self.step_box(pose.q_rad(), dt_s)?;
-        let system = self.system(pose.q_rad(), jacobian, target.root_rad, &error, weights);
-        let (dq_rad, status) = solve_in_box(system, &step_box)?;
+        let mut system = self.system(pose.q_rad(), jacobian, target.root_rad, &error, weights);
+        let (dq_rad, status) = solve_in_box(&mut system, &step_box)?;
         let q_rad = self.advance(pose.q_rad(), &dq_rad);
         Some(IkStep {
             q_rad,
@@ -193,13 +194,8 @@ impl HandModel {
         );
         let excess_m = (error.tip_error_m - weights.softening_from_m).max(0.0);
         let w_dome = weights.dome_axis * weights.dome_axis;
-        let block = |finger| match finger < self.finger_count {
-            true => self.finger_block(finger, jacobian, error, &posture, w_dome),
-            false => FingerBlock::default(),
-        };
         let mut system = ArrowSystem {
-            fingers: core::array::from_fn(block),
-            finger_count: self.finger_count,
+            fingers: ArrayVec::new(),
             trunk_h: Default::default(),
             trunk_g: Default::default(),
             trunk_joints: trunk,
@@ -222,6 +218,9 @@ impl HandModel {
                 }
                 system.trunk_g[j] += along(dome, j, e) * w_dome;
             }
+            system
+                .fingers
+                .push(self.finger_block(finger, jacobian, error, &posture, w_dome));
         }
         system
     }
@@ -345,7 +344,7 @@ impl TaskError {
 }
 
 /// Solves, holds the joints that left the box at its edge, solves the rest again; clamps what is left.
-fn solve_in_box(mut system: ArrowSystem, step_box: &StepBox) -> Option<(HandVector, IkStatus)> {
+fn solve_in_box(system: &mut ArrowSystem, step_box: &StepBox) -> Option<(HandVector, IkStatus)> {
     let joints = step_box.lower.len();
     let mut held = [false; HAND_JOINTS_MAX];
     let mut status = IkStatus::Free;

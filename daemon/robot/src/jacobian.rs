@@ -1,5 +1,6 @@
 //! Jacobians of one hand, and the compliance of its tips that follows from them.
 
+use arrayvec::ArrayVec;
 use nalgebra::{ArrayStorage, Matrix3, SMatrix, Vector3};
 
 use crate::forward::HandPose;
@@ -26,15 +27,16 @@ pub struct TipJacobian {
 /// Geometric Jacobians of one hand in the base frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandJacobian {
-    /// Those of each fingertip; zero where the hand has none.
-    pub tips: [TipJacobian; FINGERS_MAX],
+    /// Those of each fingertip.
+    pub tips: ArrayVec<TipJacobian, FINGERS_MAX>,
     /// Hand axis (change of a unit vector), per radian.
     pub hand_axis: Rows3,
     joint_count: usize,
 }
 
 impl TipJacobian {
-    const NONE: TipJacobian = TipJacobian {
+    /// Of a tip that nothing moves.
+    const STILL: TipJacobian = TipJacobian {
         position: ZERO,
         dome_axis: ZERO,
         angular: ZERO,
@@ -45,27 +47,26 @@ impl HandModel {
     /// Jacobians at a pose.
     #[must_use]
     pub fn jacobian(&self, pose: &HandPose) -> HandJacobian {
-        let mut hand_axis = ZERO;
+        let mut jacobian = HandJacobian {
+            tips: ArrayVec::new(),
+            hand_axis: ZERO,
+            joint_count: self.joint_count,
+        };
         for frame in &self.frames[..self.arm_joints] {
             let mover = &frame.mover;
             if !mover.slides {
                 let turned = pose.frame_axis(mover.frame).cross(&pose.hand_axis());
-                add(&mut hand_axis, mover.joint, turned * mover.ratio);
+                add(&mut jacobian.hand_axis, mover.joint, turned * mover.ratio);
             }
         }
-        let tip = |finger| match finger < self.finger_count {
-            true => self.tip_jacobian(pose, finger),
-            false => TipJacobian::NONE,
-        };
-        HandJacobian {
-            tips: core::array::from_fn(tip),
-            hand_axis,
-            joint_count: self.joint_count,
+        for finger in 0..self.finger_count {
+            jacobian.tips.push(TipJacobian::STILL);
+            self.fill_tip(pose, finger, &mut jacobian.tips[finger]);
         }
+        jacobian
     }
 
-    fn tip_jacobian(&self, pose: &HandPose, finger: usize) -> TipJacobian {
-        let mut of_tip = TipJacobian::NONE;
+    fn fill_tip(&self, pose: &HandPose, finger: usize, of_tip: &mut TipJacobian) {
         for mover in self.movers(finger) {
             let axis = pose.frame_axis(mover.frame) * mover.ratio;
             if mover.slides {
@@ -78,7 +79,6 @@ impl HandModel {
             add(&mut of_tip.dome_axis, mover.joint, turned);
             add(&mut of_tip.angular, mover.joint, axis);
         }
-        of_tip
     }
 }
 
@@ -119,16 +119,17 @@ impl HandJacobian {
     pub fn tip_compliance(
         &self,
         stiffness_n_m_rad: &HandVector,
-    ) -> Option<[Matrix3<f64>; FINGERS_MAX]> {
+    ) -> Option<ArrayVec<Matrix3<f64>, FINGERS_MAX>> {
         if !stiffness_n_m_rad.iter().all(|k| k.is_finite() && *k > 0.0) {
             return None;
         }
-        Some(self.tips.each_ref().map(|tip| {
+        let compliance = |tip: &TipJacobian| {
             let joints = stiffness_n_m_rad.iter().enumerate();
             joints.fold(Matrix3::zeros(), |sum: Matrix3<f64>, (joint, stiffness)| {
                 let column = tip.position.column(joint);
                 sum + column * column.transpose() / *stiffness
             })
-        }))
+        };
+        Some(self.tips.iter().map(compliance).collect())
     }
 }
