@@ -264,12 +264,12 @@ fn side_name(hand: &HandModel) -> &'static str {
 /// What a joint moves: the whole hand, several fingertips, or one.
 fn moves(hand: &HandModel, joint: usize) -> String {
     if hand.arm_joints().contains(&joint) {
-        return "the hand".into();
+        return "hand".into();
     }
     let moved = (0..hand.finger_count())
         .filter(|finger| hand.movers(*finger).any(|mover| mover.joint == joint))
         .map(|finger| (finger + 1).to_string());
-    format!("fingertip {}", moved.collect::<Vec<_>>().join(", "))
+    format!("tip {}", moved.collect::<Vec<_>>().join(", "))
 }
 
 /// A coordinate of a joint in the unit that people use for it.

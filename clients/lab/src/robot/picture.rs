@@ -1,7 +1,7 @@
 //! A robot where it rests, as SVG: from the front, from the side and from above.
 //!
 //! Every visual shape of the URDF is drawn as what it covers: a cylinder as a thick line with round ends, a sphere as a
-//! circle, a box as its outline. What has only meshes is drawn as the lines between its joints.
+//! circle, a box as its outline. What has no such shape is drawn as the line from the link before it.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ const BONE_M: f64 = 0.004;
 
 /// What a view shows to the right and what upwards, base frame.
 const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
-    ("front", [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]),
+    ("front", [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
     ("side", [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
     ("above", [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]),
 ];
@@ -68,7 +68,7 @@ fn strokes(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Stroke> {
             .parent
             .map_or(Isometry3::identity(), |index| base_from[index]);
         let here = parent * isometry(&limb.placed(q_rad));
-        if limb.parent.is_some() {
+        if limb.parent.is_some() && limb.shapes.is_empty() {
             let ends = [parent, here].map(|frame| Point3::from(frame.translation.vector));
             strokes.push(Stroke {
                 ends: ends.to_vec(),
