@@ -370,6 +370,9 @@ enum atas_cause {
     ATAS_CAUSE_SLIPPED_IN_HAND = 53,
     // The ways of the task are too long, or those of both hands together too many, to be checked.
     ATAS_CAUSE_TASK_TOO_LONG = 60,
+    ATAS_CAUSE_NO_HAND = 61,
+    ATAS_CAUSE_CANNOT_TURN = 62,
+    ATAS_CAUSE_NO_WORKSPACE = 63,
     // The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
     ATAS_CAUSE_TARGETS_STOPPED = 70,
     // A target failed its checksum.

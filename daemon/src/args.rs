@@ -7,7 +7,7 @@ use shm_bus::BusName;
 
 use crate::config::Source;
 
-/// The 1 kHz ATAS daemon: feels with two hands, moves 22 joints, takes goals.
+/// The 1 kHz ATAS daemon: feels with its hands, moves their joints, takes goals.
 #[derive(Clone, Debug, Parser)]
 #[command(version, after_help = EXIT_CODES)]
 pub struct Args {
@@ -17,6 +17,9 @@ pub struct Args {
     /// Configuration file, may be repeated: later ones win [default: /etc/atas/atas.toml and /etc/atas/conf.d/*.toml].
     #[arg(long, value_name = "FILE")]
     pub config: Vec<PathBuf>,
+    /// The robot, one that ships (`atas robot list`) or a robot file; the same as `--set robot.model=…`.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub robot: Option<String>,
     /// One value on top of the files, may be repeated, for example `--set grasp.dr_n=0.08`.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
@@ -78,6 +81,15 @@ impl Args {
             .into_iter()
             .filter(|(is_set, _)| *is_set)
             .map(|(_, flag)| flag.to_owned());
-        self.set.iter().cloned().chain(implied).collect()
+        let robot = self
+            .robot
+            .iter()
+            .map(|robot| format!("robot.model={robot}"));
+        self.set
+            .iter()
+            .cloned()
+            .chain(implied)
+            .chain(robot)
+            .collect()
     }
 }

@@ -26,7 +26,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use atas_core::{HandWiring, Settings, Wiring, settings};
-use robot_model::{ModelError, RobotModel};
+use robot_model::{HandModel, ModelError, RobotModel, Side, TWO_HAND_ARM};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 
@@ -131,17 +131,11 @@ pub enum AnyWord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Robot {
-    /// Path of a URDF file, or [`BUILT_IN`].
-    pub urdf: String,
+    /// Name of a robot that ships, or path of a robot file.
+    pub model: String,
     /// Whether joint feedback exists; without it the daemon senses and never moves anything.
     pub joints_required: bool,
 }
-
-/// Fingers of a hand of the paper's robot.
-const FINGERS: usize = 2;
-
-/// The value of `robot.urdf` that means the paper's robot.
-pub const BUILT_IN: &str = "built-in";
 
 /// The sensors of both hands.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -159,7 +153,7 @@ pub struct Hands {
 pub struct HandSensor {
     /// Where the elements sit.
     pub layout: LayoutChoice,
-    /// Fingers that carry sensors.
+    /// Fingers that carry sensors; 0: as many as the robot has there.
     pub fingers: usize,
     /// Nominal frame rate, Hz.
     pub rate_hz: f64,
@@ -186,7 +180,7 @@ impl Default for Realtime {
 impl Default for Robot {
     fn default() -> Self {
         Self {
-            urdf: BUILT_IN.to_owned(),
+            model: TWO_HAND_ARM.name.to_string(),
             joints_required: true,
         }
     }
@@ -196,7 +190,7 @@ impl Default for HandSensor {
     fn default() -> Self {
         Self {
             layout: LayoutChoice::Named("dome-41".to_owned()),
-            fingers: FINGERS,
+            fingers: 0,
             rate_hz: 1000.0,
             required: true,
         }
@@ -235,15 +229,16 @@ impl Config {
         }
     }
 
-    /// What the controller is wired to.
+    /// What the controller of a robot is wired to.
     ///
     /// # Errors
     /// [`ConfigError`] for a layout that [`Source::load`] would have refused.
-    pub fn wiring(&self, writer_epoch: u64) -> Result<Wiring, ConfigError> {
+    pub fn wiring(&self, robot: &RobotModel, writer_epoch: u64) -> Result<Wiring, ConfigError> {
+        let [left, right] = Side::BOTH.map(|side| robot.hand(side));
         Ok(Wiring {
             hands: [
-                self.hands.left.wiring("hands.left.layout")?,
-                self.hands.right.wiring("hands.right.layout")?,
+                self.hands.left.wiring(left, "hands.left.layout")?,
+                self.hands.right.wiring(right, "hands.right.layout")?,
             ],
             joints_required: self.robot.joints_required,
             tick_s: 1.0 / f64::from(self.realtime.rate_hz),
@@ -254,13 +249,9 @@ impl Config {
     /// Loads the robot.
     ///
     /// # Errors
-    /// [`ModelError`] if the URDF cannot be read or is of another structure.
+    /// [`ModelError`] if there is no such robot, or its files do not fit.
     pub fn robot_model(&self) -> Result<RobotModel, ModelError> {
-        if self.robot.urdf == BUILT_IN {
-            RobotModel::two_hand_arm()
-        } else {
-            RobotModel::from_urdf_file(&self.robot.urdf)
-        }
+        RobotModel::find(&self.robot.model)
     }
 
     /// The effective configuration as TOML.
@@ -278,7 +269,7 @@ impl Config {
 }
 
 impl HandSensor {
-    fn wiring(&self, key: &str) -> Result<HandWiring, ConfigError> {
+    fn wiring(&self, hand: &HandModel, key: &str) -> Result<HandWiring, ConfigError> {
         let unsound = || {
             let (key, value) = (key.to_owned(), format!("{:?}", self.layout));
             let needs = keys::needs(&key).unwrap_or_default();
@@ -289,10 +280,14 @@ impl HandSensor {
                 needs,
             }])
         };
+        let fingers = match self.fingers {
+            0 => hand.finger_count().max(1),
+            fingers => fingers,
+        };
         Ok(HandWiring {
             layout: self.layout.resolve().ok_or_else(unsound)?,
-            fingers: self.fingers,
-            required: self.required,
+            fingers,
+            required: self.required && hand.is_present(),
             rate_hz: self.rate_hz,
         })
     }

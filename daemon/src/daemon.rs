@@ -83,7 +83,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let signals = Signals::install()?;
     panics::note_those_of_the_tick();
     let robot = config.robot_model()?;
-    let wiring = config.wiring(if args.lockstep { 1 } else { writer_epoch() })?;
+    let wiring = config.wiring(&robot, if args.lockstep { 1 } else { writer_epoch() })?;
     let controller = Box::new(Controller::new(&robot, wiring.clone(), config.settings()));
     let mut granted = realtime::lock_memory(&config.realtime)?;
     if let Err(refused) = realtime::keep_awake(&config.realtime, &mut granted) {

@@ -147,6 +147,13 @@ pub fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
     hasher.finish()
 }
 
+/// What tells recordings of one robot from those of another: FNV-1a 64 over its two texts.
+#[must_use]
+pub fn robot_hash(urdf: &str, robot_file: &str) -> u64 {
+    let urdf = fnv1a(FNV_OFFSET, urdf.as_bytes());
+    fnv1a(urdf, robot_file.as_bytes())
+}
+
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -108,6 +108,12 @@ code! {
         SLIPPED_IN_HAND = 53, "slipped-in-hand";
         /// The ways of the task are too long, or those of both hands together too many, to be checked.
         TASK_TOO_LONG = 60, "task-too-long";
+        /// The robot has no such hand.
+        NO_HAND = 61, "no-hand";
+        /// The fingertips cannot pass each other, as turning a cap needs.
+        CANNOT_TURN = 62, "cannot-turn";
+        /// A client can lead only a hand whose robot file states a workspace.
+        NO_WORKSPACE = 63, "no-workspace";
         /// The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
         TARGETS_STOPPED = 70, "targets-stopped";
         /// A target failed its checksum.

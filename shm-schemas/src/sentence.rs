@@ -122,6 +122,19 @@ impl Reason {
                     Hand(index)
                 )
             }
+            Cause::NO_HAND => write!(f, "the robot has no {} hand; use the other one", Hand(index)),
+            Cause::CANNOT_TURN => write!(
+                f,
+                "the {} hand cannot turn a cap: its fingertips cannot pass each other; `atas robot list` shows what each robot can \
+                 do",
+                Hand(index)
+            ),
+            Cause::NO_WORKSPACE => write!(
+                f,
+                "a client can lead the {} hand only within a workspace, and its robot file states none; `atas robot check` \
+                 prints one",
+                Hand(index)
+            ),
             Cause::UNKNOWN_TASK => f.write_str(
                 "the daemon's configuration has no task of this name; `atasd --check-config` prints those that it has",
             ),

@@ -7,7 +7,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use robot_model::{GraspFrame, RobotModel, RobotVector, Side, Unreachable};
+use robot_model::{GraspFrame, HandModel, RobotModel, RobotVector, Side, Unreachable};
 
 use crate::object::Object;
 use crate::shape::Shape;
@@ -200,6 +200,40 @@ impl Scene {
         }
     }
 
+    /// The same scene before another robot's hand: its first object where that hand has its objects, all else beside it as it
+    /// was, and everything turned as that hand closes. For the two-hand arm nothing changes.
+    #[must_use]
+    pub fn before(mut self, hand: &HandModel) -> Self {
+        let [x_m, off_middle_m] = DEFAULT_PLACE_M;
+        let meant_m = [x_m, hand.side().y_sign() * off_middle_m];
+        let turn_rad = hand.home_yaw_rad() - DEFAULT_YAW_RAD;
+        if meant_m == hand.object_m() && turn_rad == 0.0 {
+            return self;
+        }
+        let (sin, cos) = turn_rad.sin_cos();
+        let moved = |[x, y]: [f64; 2]| {
+            let [dx, dy] = [x - meant_m[0], y - meant_m[1]];
+            let [to_x, to_y] = hand.object_m();
+            [to_x + cos * dx - sin * dy, to_y + sin * dx + cos * dy]
+        };
+        let move_hint = |hint: &mut GraspHint| {
+            let [x, y, z] = hint.from_m;
+            let [x, y] = moved([x, y]);
+            hint.from_m = [x, y, z];
+            hint.yaw_rad += turn_rad;
+        };
+        for placed in &mut self.objects {
+            placed.position_m = moved(placed.position_m);
+            placed.yaw_rad += turn_rad;
+            move_hint(&mut placed.nominal);
+        }
+        for plate in &mut self.plates {
+            plate.centre_m = moved(plate.centre_m);
+        }
+        self.place.iter_mut().for_each(move_hint);
+        self
+    }
+
     /// Where a client would grasp the object with this index; `None` if there is none.
     #[must_use]
     pub fn grasp_hint(&self, index: usize) -> Option<GraspHint> {
@@ -267,7 +301,7 @@ pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
     for side in robot.sides() {
         let hand = robot.hand(side);
         let centre_m = hand.home_m();
-        let yaw_rad = hand.closing_yaw_rad(&centre_m, DEFAULT_YAW_RAD);
+        let yaw_rad = hand.closing_yaw_rad(&centre_m, hand.home_yaw_rad());
         let posture = hand
             .posture_for(&GraspFrame::from_above(
                 centre_m,

@@ -17,8 +17,9 @@ use std::time::SystemTime;
 use serde_json::{Value, json};
 use system_tests::binary;
 
-/// Instructions of a tick: mean over the first 3,000 of a grasp, dev profile, rustc 1.95, callgrind 3.19 on x86-64.
-const INSTRUCTIONS: f64 = 76_900.0;
+/// Instructions of a tick: mean over the first 3,000 of a grasp, dev profile, rustc 1.95, callgrind 3.19 on x86-64. A robot whose
+/// joints and fingers are counted at run time costs a quarter more of them than one whose numbers the compiler knew (76,900).
+const INSTRUCTIONS: f64 = 94_800.0;
 
 /// One figure with its bounds.
 struct Gate {

@@ -7,7 +7,7 @@
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
 //!                                   ├─ recordings, explain ──▶ atas-recording
-//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, calibrate, bench, record, replay; `atas-live`: dashboard
+//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, robot, calibrate, bench, record, replay; `atas-live`: dashboard
 //! ```
 //!
 //! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
@@ -84,6 +84,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Plot { .. }
         | Command::Bench { .. }
         | Command::Calibrate { .. }
+        | Command::Robot { .. }
         | Command::Replay { .. }
         | Command::Dashboard(_) => neighbours::hand_over(command.program()),
     }

@@ -24,6 +24,7 @@ mod follows;
 mod goals;
 mod plots;
 mod records;
+mod robots;
 mod topics;
 mod values;
 
@@ -42,6 +43,7 @@ pub use goals::{
 };
 pub use plots::{Drawn, Plot};
 pub use records::{Record, RecordAction};
+pub use robots::RobotAction;
 pub use topics::Topic;
 pub use values::Place;
 
@@ -126,6 +128,12 @@ pub enum Command {
     },
     /// Show how punctual the daemon is: wake-up, frame age, tick by stage, sensor to command
     Latency(Latency),
+    /// Show what a robot is: its joints, its fingertips, what it reaches and what it can do
+    Robot {
+        /// What to do with it
+        #[command(subcommand)]
+        action: RobotAction,
+    },
     /// Calibrate a fingertip from recorded presses: scale, axes, crosstalk, noise, thresholds, compression
     Calibrate {
         /// Which step of it
@@ -192,6 +200,7 @@ impl Command {
             | Self::Plot { .. }
             | Self::Bench { .. }
             | Self::Calibrate { .. }
+            | Self::Robot { .. }
             | Self::Record { action: None, .. }
             | Self::Replay { .. } => Program::Lab,
             Self::Dashboard(_) => Program::Live,

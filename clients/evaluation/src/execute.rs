@@ -3,9 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use anyhow::Context;
 use rayon::prelude::*;
-use robot_model::RobotModel;
 
 use crate::plan::{Job, Plan};
 use crate::report::Report;
@@ -39,8 +37,8 @@ impl Plan {
             !self.conditions.is_empty() && self.trials > 0,
             "could not evaluate because there is no trial, needs at least one; ask for it with --trials"
         );
-        let robot =
-            RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
+        let robot = self.robot.load()?;
+        self.task.check(&robot)?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)
             .build()?;

@@ -73,7 +73,7 @@ impl OfflineRun {
         seed: u64,
         settings: Settings,
     ) -> Result<Self, SceneError> {
-        let mut wiring = Wiring::default();
+        let mut wiring = Wiring::of(robot);
         for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
             hand.rate_hz = f64::from(rate_hz);
         }

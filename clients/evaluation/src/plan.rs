@@ -1,6 +1,7 @@
 //! What to evaluate: data, and how it is dealt into trials.
 
 use atas_core::Settings;
+use robot_model::RobotFiles;
 use sim_backend::Object;
 
 use crate::condition::Condition;
@@ -10,6 +11,8 @@ use crate::task::Task;
 /// What to evaluate.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// The robot.
+    pub robot: RobotFiles,
     /// The task.
     pub task: Task,
     /// The nominal objects, or caps; each is the middle of a family.

@@ -98,7 +98,8 @@ impl Agreement {
 
 /// The robot that the header names.
 fn robot(header: &RunHeader) -> anyhow::Result<RobotModel> {
-    let urdf = atas_recording::origin::urdf(Some(header))?;
-    RobotModel::from_urdf(&urdf)
+    let files = atas_recording::origin::robot(Some(header))?;
+    files
+        .load()
         .with_context(|| format!("could not load the robot {}", header.robot))
 }

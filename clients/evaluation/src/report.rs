@@ -19,6 +19,8 @@ use crate::trial::Record;
 pub struct Report {
     /// The task.
     pub task: &'static str,
+    /// The robot, as it was named.
+    pub robot: String,
     /// Our modules under the first condition.
     #[serde(flatten)]
     pub tally: Tally,
@@ -108,6 +110,7 @@ impl Report {
             .collect();
         Self {
             task: plan.task.name(),
+            robot: plan.robot.name.to_string(),
             tally: Tally::of(&first),
             physics: Physics::of(&first),
             baselines: successes(&baseline_rows),

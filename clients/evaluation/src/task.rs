@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use atas_client::goal::{HOLD_S, LIFT_M};
-use robot_model::Side;
+use robot_model::{RobotModel, Side};
 use shm_schemas::GoalRequest;
 use sim_backend::{Errors, GraspHint, Object, ObjectError, Scene};
 
@@ -125,8 +125,39 @@ impl Task {
             .collect()
     }
 
-    /// A member of its family around an object.
-    pub(crate) fn scene(self, object: &Object, seed: u64) -> Result<Scene, ObjectError> {
+    /// Whether a robot can do it with its right hand.
+    #[must_use]
+    pub fn is_within(self, robot: &RobotModel) -> bool {
+        let able = robot.hand(SIDE).abilities();
+        match self {
+            Self::Grasp => able.lifts,
+            Self::PickPlace => able.lifts && able.carries,
+            Self::Screw => able.turns_caps,
+            Self::Assembly => able.turns_caps && robot.sides().count() > 1,
+        }
+    }
+
+    /// Refuses a robot that cannot do it.
+    ///
+    /// # Errors
+    /// It cannot.
+    pub fn check(self, robot: &RobotModel) -> anyhow::Result<()> {
+        anyhow::ensure!(
+            self.is_within(robot),
+            "could not try {} because the robot cannot do it with its right hand, needs one that can; `atas robot list` shows \
+             which",
+            self.name()
+        );
+        Ok(())
+    }
+
+    /// A member of its family around an object, before a robot.
+    pub(crate) fn scene(
+        self,
+        robot: &RobotModel,
+        object: &Object,
+        seed: u64,
+    ) -> Result<Scene, ObjectError> {
         let object = object.clone();
         let bottle = || Object::built_in("open-bottle");
         let scene = match self {
@@ -135,7 +166,7 @@ impl Task {
             Self::Screw => Scene::screw(object, bottle()?, SIDE),
             Self::Assembly => Scene::assembly(object, bottle()?, SIDE),
         };
-        Ok(scene.varied(seed))
+        Ok(scene.before(robot.hand(SIDE)).varied(seed))
     }
 
     /// What a client asks for, who knows what he is told of the scene.

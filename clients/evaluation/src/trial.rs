@@ -76,7 +76,10 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
     let nominal = &plan.objects[job.object];
     let seed = trial_seed(&nominal.name, job.number);
     let errors = &job.condition.errors.errors;
-    let mut scene = plan.task.scene(nominal, seed)?.with_errors(errors, seed);
+    let mut scene = plan
+        .task
+        .scene(robot, nominal, seed)?
+        .with_errors(errors, seed);
     scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
     scene.sensor_rate_hz = [job.condition.rate_hz; 2];
     let goal = plan.task.goal(&scene)?;

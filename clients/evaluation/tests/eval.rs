@@ -10,6 +10,7 @@ use sim_backend::Object;
 fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
     let object = |name: &&str| Object::built_in(name).expect("built in");
     Plan {
+        robot: robot_model::TWO_HAND_ARM,
         task,
         objects: objects.iter().map(object).collect(),
         trials: 2 * objects.len() as u64,

@@ -76,6 +76,7 @@ fn check(task: Task, kept: &[Columns], baselines: bool) {
         false => Vec::new(),
     };
     let plan = Plan {
+        robot: robot_model::TWO_HAND_ARM,
         task,
         objects: vec![Object::built_in(&first["object"]).expect("built in")],
         trials: 1,

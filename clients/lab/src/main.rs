@@ -1,10 +1,11 @@
 //! `atas-lab`: the laboratory's part of the `atas` command, which needs the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|plot|calibrate|bench|record|replay ─▶ atas-lab
+//!  atas demo|eval|plot|robot|calibrate|bench|record|replay ─▶ atas-lab
 //!   ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
 //!   ├─ eval ────▶ atas-evaluation on all cores
 //!   ├─ plot ────▶ atas-evaluation, one run, as a figure
+//!   ├─ robot ───▶ what a robot is, reaches and can do
 //!   ├─ calibrate ▶ recorded presses into a calibration of a sensor
 //!   ├─ bench ───▶ this machine, beside cyclictest and other transports
 //!   ├─ record ──▶ atas-recording, with the controller beside it
@@ -23,6 +24,7 @@ mod eval;
 mod plot;
 mod record;
 mod replay;
+mod robot;
 
 use std::process::ExitCode;
 
@@ -39,6 +41,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
         Command::Plot { figure } => plot::plot(figure, output),
         Command::Bench { what } => bench::bench(what, interrupt, output),
+        Command::Robot { action } => robot::robot(action, output),
         Command::Calibrate { action } => calibrate::calibrate(action, interrupt, output),
         Command::Record {
             action: None,

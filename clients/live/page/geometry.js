@@ -30,7 +30,7 @@ const aboutAxis = (axis, angle) => [...scale(axis, Math.sin(angle / 2)), Math.co
 export function placed(limbs, joints) {
   const places = [];
   for (const limb of limbs) {
-    const value = limb.joint === null ? 0 : joints[limb.joint] ?? 0;
+    const value = limb.joint === null ? 0 : limb.ratio * (joints[limb.joint] ?? 0) + limb.offset;
     const moved = limb.slides
       ? { xyz: scale(limb.axis, value), q: [0, 0, 0, 1] }
       : { xyz: [0, 0, 0], q: aboutAxis(limb.axis, value) };

@@ -1,12 +1,12 @@
 //! What does not change while a page is open: the robot's links and where the elements of its fingertips sit.
 
-use robot_model::{Form, Limb, ModelError, Placement, RobotModel, Shape, Side, Skeleton};
+use robot_model::{Form, Limb, ModelError, Placement, RobotFiles, Shape, Side};
 use serde_json::{Value, json};
 use shm_schemas::{Layout, ModuleId};
 
-/// The robot of a URDF, its skin and its modules.
-pub(crate) fn scene(urdf: &str, layouts: &[Layout; 2]) -> Result<Value, ModelError> {
-    let (skeleton, robot) = (Skeleton::from_urdf(urdf)?, RobotModel::from_urdf(urdf)?);
+/// A robot, its skin and its modules.
+pub(crate) fn scene(files: &RobotFiles, layouts: &[Layout; 2]) -> Result<Value, ModelError> {
+    let (skeleton, robot) = (files.skeleton()?, files.load()?);
     let tips = Side::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
     let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
     Ok(json!({
@@ -24,6 +24,8 @@ fn limb(limb: &Limb) -> Value {
         "at": placement(&limb.origin),
         "axis": limb.axis,
         "joint": limb.joint,
+        "ratio": limb.ratio,
+        "offset": limb.offset,
         "slides": limb.slides,
         "shapes": limb.shapes.iter().map(shape).collect::<Vec<_>>(),
     })

@@ -1,7 +1,6 @@
 //! The server: the page, what it shows, and the two things that it may ask for.
 
 use std::future::IntoFuture;
-use std::path::Path as FilePath;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,7 +15,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use robot_model::TWO_HAND_ARM;
+use robot_model::RobotFiles;
 use serde_json::{Value, json};
 use shm_bus::BusName;
 use shm_schemas::Layout;
@@ -62,7 +61,7 @@ pub(crate) fn dashboard(
     };
     let scene = match &shelf {
         Some(shelf) => shelf.scene.clone(),
-        None => live_scene(arguments.robot.as_deref())?,
+        None => live_scene(&arguments.robot)?,
     };
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
@@ -94,14 +93,9 @@ async fn listen(port: u16) -> anyhow::Result<TcpListener> {
     })
 }
 
-fn live_scene(robot: Option<&FilePath>) -> anyhow::Result<Value> {
-    let text = match robot {
-        None => TWO_HAND_ARM.urdf.to_owned(),
-        Some(path) => std::fs::read_to_string(path)
-            .with_context(|| format!("could not read the robot {}", path.display()))?,
-    };
+fn live_scene(robot: &str) -> anyhow::Result<Value> {
     let layouts = [Layout::dome_41(), Layout::dome_41()];
-    Ok(scene::scene(&text, &layouts)?)
+    Ok(scene::scene(&RobotFiles::find(robot)?, &layouts)?)
 }
 
 fn announce(server: &Server, port: u16, output: &mut Output) -> anyhow::Result<()> {

@@ -42,7 +42,7 @@ impl Shelf {
     pub(crate) fn read(files: &[PathBuf]) -> anyhow::Result<Self> {
         let seconds = length_s(files)?;
         let rows = Rows::open(files)?;
-        let urdf = origin::urdf(rows.header())?;
+        let robot = origin::robot(rows.header())?;
         let layouts = origin::layouts(rows.header());
         let counts = layouts.each_ref().map(|layout: &Layout| layout.count);
         let mut shelf = Self {
@@ -51,7 +51,7 @@ impl Shelf {
             events: Vec::new(),
             period_s: (seconds / PICTURES as f64).max(1.0 / RATE_HZ),
             faults: Faults::default(),
-            scene: crate::scene::scene(&urdf, &layouts)
+            scene: crate::scene::scene(&robot, &layouts)
                 .context("could not load the recorded robot")?,
             name: files[0].display().to_string(),
         };

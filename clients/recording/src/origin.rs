@@ -1,35 +1,31 @@
 //! What a recording's header says of the robot and its sensors, ready to compute with.
 
-use std::borrow::Cow;
-
 use anyhow::Context;
-use robot_model::TWO_HAND_ARM;
+use robot_model::{RobotFiles, TWO_HAND_ARM};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use shm_schemas::layout::robot_hash;
 use shm_schemas::{HandWiringRecord, Layout, RunHeader};
 
-/// How the daemon names the robot that is built in.
-const BUILT_IN: &str = "built-in";
-/// Fingers of a hand of which nothing is recorded: the built-in robot's.
+/// Fingers of a hand of which nothing is recorded: the paper's robot's.
 const USUAL_FINGERS: usize = 2;
 
-/// The URDF of the recorded robot; the built-in one where nothing is recorded of it.
+/// The files of the recorded robot; the paper's where nothing is recorded of it.
 ///
 /// # Errors
-/// Its file cannot be read, or has changed since.
-pub fn urdf(header: Option<&RunHeader>) -> anyhow::Result<Cow<'static, str>> {
-    let Some(header) = header.filter(|header| header.robot.as_str() != BUILT_IN) else {
-        return Ok(Cow::Borrowed(TWO_HAND_ARM.urdf));
+/// They cannot be read, or have changed since.
+pub fn robot(header: Option<&RunHeader>) -> anyhow::Result<RobotFiles> {
+    let Some(header) = header else {
+        return Ok(TWO_HAND_ARM);
     };
     let name = header.robot.as_str();
-    let text = std::fs::read_to_string(name).with_context(|| {
-        format!("could not read the recorded robot {name}; put its URDF back there")
+    let files = RobotFiles::find(name).with_context(|| {
+        format!("could not find the recorded robot {name}; put its files back there")
     })?;
     anyhow::ensure!(
-        fnv1a(FNV_OFFSET, text.as_bytes()) == header.robot_hash,
-        "could not use the robot {name} because it changed since the recording; put the recorded URDF back there"
+        robot_hash(&files.urdf, &files.robot_file) == header.robot_hash,
+        "could not use the robot {name} because it changed since the recording; put the recorded files back there"
     );
-    Ok(Cow::Owned(text))
+    Ok(files)
 }
 
 /// Fingers of each hand that carry sensors.

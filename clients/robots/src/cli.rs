@@ -17,7 +17,7 @@ Exit codes: 0 stopped by SIGINT or SIGTERM, the servos hold; 1 standard output f
 Log: standard error, filtered by RUST_LOG (default info).";
 
 const RUN_HELP: &str = r#"The map, one [[port]] for each serial port, one [[port.servo]] for each joint of the robot:
-  urdf = "built-in"                 # or a URDF, as the daemon is told
+  robot = "two-hand-arm"            # or a robot file, as the daemon is told
 
   [[port]]
   device = "/dev/serial/by-id/usb-FTDI_..."

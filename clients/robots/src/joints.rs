@@ -4,9 +4,6 @@
 
 use robot_model::RobotModel;
 
-/// The paper's robot.
-pub const BUILT_IN: &str = "built-in";
-
 /// One joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
@@ -20,16 +17,13 @@ pub struct Joint {
     pub speed_max_rad_s: f64,
 }
 
-/// The joints of a robot in the order of [`JointState`](shm_schemas::JointState): of a URDF, or `built-in`, as the daemon is told.
+/// The joints of a robot in the order of [`JointState`](shm_schemas::JointState): one that ships, or that of a robot file, as
+/// the daemon is told.
 ///
 /// # Errors
-/// If the URDF is not understood.
-pub fn of(urdf: &str) -> Result<Vec<Joint>, String> {
-    let robot = match urdf {
-        BUILT_IN => RobotModel::two_hand_arm(),
-        path => RobotModel::from_urdf_file(path),
-    };
-    Ok(robot
+/// If there is no such robot, or its files are not understood.
+pub fn of(robot: &str) -> Result<Vec<Joint>, String> {
+    Ok(RobotModel::find(robot)
         .map_err(|error| error.to_string())?
         .joints()
         .map(|joint| Joint {

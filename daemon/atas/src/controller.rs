@@ -67,7 +67,7 @@ impl Controller {
             gate: Gate::new(robot, wiring.writer_epoch),
             goal: None,
             last_goal: None,
-            targets: TargetIntake::default(),
+            targets: TargetIntake::new(robot),
             tick: Tick::default(),
             stall_watch: StallWatch::new(wiring.tick_s),
             stall: Reason::default(),

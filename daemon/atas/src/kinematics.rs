@@ -155,9 +155,9 @@ impl HandServo {
             .torques_n_m(&force_n)
             .zip_map(&stiffness_n_m_rad, |torque_n_m, k| torque_n_m / k);
         let bend_m = |finger: usize| {
-            let moved_m = HandJacobian::moved(&jacobian.tip[finger], &bent_rad);
+            let moved_m = HandJacobian::moved(&jacobian.tips[finger].position, &bent_rad);
             let arm_m = pose.dome_axis(finger) * hand.dome_radius_m()[finger];
-            let turned_rad = HandJacobian::moved(&jacobian.tip_angular[finger], &bent_rad);
+            let turned_rad = HandJacobian::moved(&jacobian.tips[finger].angular, &bent_rad);
             moved_m.z + turned_rad.cross(&arm_m).z
         };
         core::array::from_fn(|side| hand.mean_of_side(side, bend_m))

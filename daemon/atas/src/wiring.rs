@@ -1,5 +1,6 @@
 //! What the controller is wired to: which sensors exist, and how they are laid out.
 
+use robot_model::{RobotModel, Side};
 use shm_schemas::Layout;
 use shm_schemas::capacity::HANDS;
 
@@ -38,6 +39,22 @@ impl Default for HandWiring {
             fingers: 2,
             required: true,
             rate_hz: 1000.0,
+        }
+    }
+}
+
+impl Wiring {
+    /// A robot whose every hand feels with all its fingertips, as the paper's domes do.
+    #[must_use]
+    pub fn of(robot: &RobotModel) -> Self {
+        let hand = |side: Side| HandWiring {
+            fingers: robot.hand(side).finger_count().max(1),
+            required: robot.hand(side).is_present(),
+            ..HandWiring::default()
+        };
+        Self {
+            hands: Side::BOTH.map(hand),
+            ..Self::default()
         }
     }
 }

@@ -13,6 +13,7 @@
 //! and its Cholesky factor has the same zeros when the fingers are eliminated first. Everything is a product of small
 //! matrices of which the first rows and columns are in use: no allocation, and sums in one order on every machine.
 
+use arrayvec::ArrayVec;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use crate::sizes::{FINGER_JOINTS_MAX, FINGERS_MAX, TRUNK_JOINTS_MAX};
@@ -49,10 +50,9 @@ pub(crate) struct FingerBlock {
 }
 
 /// The whole problem of one hand.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct ArrowSystem {
-    pub(crate) fingers: [FingerBlock; FINGERS_MAX],
-    pub(crate) finger_count: usize,
+    pub(crate) fingers: ArrayVec<FingerBlock, FINGERS_MAX>,
     pub(crate) trunk_h: TrunkSquare,
     pub(crate) trunk_g: Trunk,
     pub(crate) trunk_joints: usize,
@@ -77,7 +77,7 @@ impl ArrowSystem {
         if joint < self.trunk_joints {
             return self.hold_trunk(joint, value);
         }
-        for finger in 0..self.finger_count {
+        for finger in 0..self.fingers.len() {
             let block = &self.fingers[finger];
             let own = joint.wrapping_sub(block.first_joint);
             if own < block.joint_count {
@@ -87,7 +87,7 @@ impl ArrowSystem {
     }
 
     fn hold_trunk(&mut self, joint: usize, value: f64) {
-        for finger in &mut self.fingers[..self.finger_count] {
+        for finger in &mut self.fingers {
             finger.g -= finger.cross.column(joint) * value;
             finger.e -= finger.tip_by_trunk.row(joint).transpose() * value;
             finger.cross.column_mut(joint).fill(0.0);
@@ -109,20 +109,20 @@ impl ArrowSystem {
 
     /// The minimiser in hand order, of `joint_count` joints, or `None` if a factorisation met a pivot that is not positive.
     pub(crate) fn solve(&self, joint_count: usize) -> Option<HandVector> {
-        let mut factored = [Factored::default(); FINGERS_MAX];
-        for (factored, finger) in factored.iter_mut().zip(self.blocks()) {
-            *factored = factor(finger, self.trunk_joints)?;
+        let mut factored = ArrayVec::<Factored, FINGERS_MAX>::new();
+        for finger in &self.fingers {
+            factored.push(factor(finger, self.trunk_joints)?);
         }
         let trunk_l = self.factor_trunk(&factored)?;
         let trunk_g = self.eliminate_fingers_from_g(&factored, &trunk_l);
-        for (factored, finger) in factored.iter_mut().zip(self.blocks()) {
+        for (factored, finger) in factored.iter_mut().zip(&self.fingers) {
             self.eliminate_finger_from_tip(finger, factored, &trunk_l);
         }
         let force = self.constraint_forces(&factored, &trunk_g)?;
 
         let n = self.trunk_joints;
         let mut trunk = trunk_g;
-        for (factored, force) in factored[..self.finger_count].iter().zip(&force) {
+        for (factored, force) in factored.iter().zip(&force) {
             for row in 0..n {
                 trunk[row] += dot(3, |k| factored.trunk_tip[(row, k)] * force[k]);
             }
@@ -130,16 +130,12 @@ impl ArrowSystem {
         back_substitute(&trunk_l, &mut trunk, n);
         let mut x = HandVector::zeros(joint_count);
         x[..n].copy_from_slice(&trunk.as_slice()[..n]);
-        for ((finger, factored), force) in self.blocks().iter().zip(&factored).zip(&force) {
+        for ((finger, factored), force) in self.fingers.iter().zip(&factored).zip(&force) {
             let own = self.own(finger, factored, force, &trunk);
             x[finger.first_joint..][..finger.joint_count]
                 .copy_from_slice(&own.as_slice()[..finger.joint_count]);
         }
         Some(x)
-    }
-
-    fn blocks(&self) -> &[FingerBlock] {
-        &self.fingers[..self.finger_count]
     }
 
     fn own(&self, finger: &FingerBlock, of: &Factored, force: &Vector3<f64>, trunk: &Trunk) -> Own {
@@ -153,24 +149,22 @@ impl ArrowSystem {
         own
     }
 
-    fn factor_trunk(&self, factored: &[Factored; FINGERS_MAX]) -> Option<TrunkSquare> {
+    fn factor_trunk(&self, factored: &[Factored]) -> Option<TrunkSquare> {
         let (n, mut h) = (self.trunk_joints, self.trunk_h);
-        for (finger, factored) in self.blocks().iter().zip(factored) {
+        for (finger, factored) in self.fingers.iter().zip(factored) {
             let cross = &factored.cross;
-            for (i, j) in (0..n).flat_map(|j| (j..n).map(move |i| (i, j))) {
-                h[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * cross[(k, j)]);
+            for j in 0..n {
+                for i in j..n {
+                    h[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * cross[(k, j)]);
+                }
             }
         }
         cholesky(h, n)
     }
 
-    fn eliminate_fingers_from_g(
-        &self,
-        factored: &[Factored; FINGERS_MAX],
-        trunk_l: &TrunkSquare,
-    ) -> Trunk {
+    fn eliminate_fingers_from_g(&self, factored: &[Factored], trunk_l: &TrunkSquare) -> Trunk {
         let (n, mut g) = (self.trunk_joints, self.trunk_g);
-        for (finger, of) in self.blocks().iter().zip(factored) {
+        for (finger, of) in self.fingers.iter().zip(factored) {
             for i in 0..n {
                 g[i] -= dot(finger.joint_count, |k| of.cross[(k, i)] * of.g[k]);
             }
@@ -188,8 +182,10 @@ impl ArrowSystem {
         let n = self.trunk_joints;
         let (cross, tip) = (&factored.cross, &factored.tip);
         let mut trunk_tip = finger.tip_by_trunk;
-        for (i, j) in (0..n).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            trunk_tip[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * tip[(k, j)]);
+        for j in 0..3 {
+            for i in 0..n {
+                trunk_tip[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * tip[(k, j)]);
+            }
         }
         forward_substitute(trunk_l, &mut trunk_tip, n, 3);
         factored.trunk_tip = trunk_tip;
@@ -198,13 +194,13 @@ impl ArrowSystem {
     /// ν: the multipliers that bring each tip where it should be.
     fn constraint_forces(
         &self,
-        factored: &[Factored; FINGERS_MAX],
+        factored: &[Factored],
         trunk_g: &Trunk,
     ) -> Option<[Vector3<f64>; FINGERS_MAX]> {
-        let (n, tips) = (self.trunk_joints, 3 * self.finger_count);
+        let (n, tips) = (self.trunk_joints, 3 * self.fingers.len());
         let mut a = SMatrix::<f64, TIPS, TIPS>::from_diagonal_element(self.softening);
         let mut residual = SVector::<f64, TIPS>::zeros();
-        for (first, (finger, of)) in self.blocks().iter().zip(factored).enumerate() {
+        for (first, (finger, of)) in self.fingers.iter().zip(factored).enumerate() {
             for axis in 0..3 {
                 let row = 3 * first + axis;
                 let own = dot(finger.joint_count, |k| of.tip[(k, axis)] * of.g[k]);

@@ -1,5 +1,6 @@
 //! Forward kinematics of one hand: joint angles in, the frames of all joints, of the hand and of its tips out.
 
+use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
@@ -14,11 +15,10 @@ use crate::vector::HandVector;
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandPose {
     q_rad: HandVector,
-    pub(crate) base_from_frame: [Transform; FRAMES_MAX],
+    pub(crate) base_from_frame: ArrayVec<Transform, FRAMES_MAX>,
     base_from_hand: Transform,
     hand_axis: Vector3<f64>,
-    base_from_tip: [Transform; FINGERS_MAX],
-    finger_count: usize,
+    base_from_tip: ArrayVec<Transform, FINGERS_MAX>,
     side_m: [Vector3<f64>; VIRTUAL_FINGERS],
 }
 
@@ -54,7 +54,7 @@ impl HandPose {
     /// lies along (−sinθ·sinφ, sinθ·cosφ, cosθ) in this frame.
     #[must_use]
     pub fn base_from_tip(&self) -> &[Transform] {
-        &self.base_from_tip[..self.finger_count]
+        &self.base_from_tip
     }
 
     /// Centre of a dome's sphere, metres.
@@ -87,8 +87,8 @@ impl HandModel {
     /// missing counts as 0.
     #[must_use]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
-        let mut base_from_frame = [Transform::IDENTITY; FRAMES_MAX];
-        for (index, frame) in self.frames[..self.frame_count].iter().enumerate() {
+        let mut base_from_frame = ArrayVec::<Transform, FRAMES_MAX>::new();
+        for frame in &self.frames[..self.frame_count] {
             let mount = &frame.parent_from_frame;
             let at_zero = match frame.parent {
                 None => *mount,
@@ -96,31 +96,33 @@ impl HandModel {
             };
             let coordinate = q_rad.get(frame.mover.joint).copied().unwrap_or(0.0);
             let motion = frame.mover.ratio * coordinate + frame.offset;
-            base_from_frame[index] = if frame.mover.slides {
+            base_from_frame.push(if frame.mover.slides {
                 at_zero.moved_along_z(motion)
             } else {
                 at_zero.turned_about_z(motion)
-            };
+            });
         }
         let place = |mounted: &Mounted| match mounted.frame {
             None => mounted.frame_from_link,
             Some(frame) => base_from_frame[frame].then(&mounted.frame_from_link),
         };
         let base_from_hand = place(&self.palm);
-        let base_from_tip = self.fingers.each_ref().map(|finger| place(&finger.tip));
+        let mut base_from_tip = ArrayVec::<Transform, FINGERS_MAX>::new();
+        for finger in &self.fingers[..self.finger_count] {
+            base_from_tip.push(place(&finger.tip));
+        }
         HandPose {
             q_rad: *q_rad,
             base_from_hand,
             hand_axis: base_from_hand.rotation * self.pointing,
-            base_from_tip,
-            finger_count: self.finger_count,
             side_m: core::array::from_fn(|side| self.middle_m(side, &base_from_tip)),
+            base_from_tip,
             base_from_frame,
         }
     }
 
     /// Mean of the tips that press from one side, metres.
-    fn middle_m(&self, side: usize, base_from_tip: &[Transform; FINGERS_MAX]) -> Vector3<f64> {
+    fn middle_m(&self, side: usize, base_from_tip: &[Transform]) -> Vector3<f64> {
         let tips_m = self.fingers_of(side);
         let tips_m = tips_m.map(|finger| base_from_tip[finger].translation_m);
         let (sum_m, count) = tips_m.fold((Vector3::zeros(), 0.0), |(sum_m, count), tip_m| {

@@ -19,6 +19,7 @@ use crate::model::HandModel;
 use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
 use crate::target::HandTarget;
 use crate::vector::HandVector;
+use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
 /// Solves per step: joints found outside the box are held at its edge and the rest solved again. Ours: three bound the
@@ -149,8 +150,8 @@ impl HandModel {
     ) -> Option<IkStep> {
         let error = TaskError::new(pose, target, weights)?;
         let step_box = self.step_box(pose.q_rad(), dt_s)?;
-        let system = self.system(pose.q_rad(), jacobian, target.root_rad, &error, weights);
-        let (dq_rad, status) = solve_in_box(system, &step_box)?;
+        let mut system = self.system(pose.q_rad(), jacobian, target.root_rad, &error, weights);
+        let (dq_rad, status) = solve_in_box(&mut system, &step_box)?;
         let q_rad = self.advance(pose.q_rad(), &dq_rad);
         Some(IkStep {
             q_rad,
@@ -192,16 +193,15 @@ impl HandModel {
             self.posture_rows(q_rad, root_rad, weights),
         );
         let excess_m = (error.tip_error_m - weights.softening_from_m).max(0.0);
+        let w_dome = weights.dome_axis * weights.dome_axis;
         let mut system = ArrowSystem {
-            fingers: [FingerBlock::default(); FINGERS_MAX],
-            finger_count: self.finger_count,
+            fingers: ArrayVec::new(),
             trunk_h: Default::default(),
             trunk_g: Default::default(),
             trunk_joints: trunk,
             softening: weights.softening_m2 + weights.softening_slope_m * excess_m,
         };
         let w_hand = weights.hand_axis * weights.hand_axis;
-        let w_dome = weights.dome_axis * weights.dome_axis;
         let hand = &jacobian.hand_axis;
         for j in 0..trunk {
             for i in 0..trunk {
@@ -211,14 +211,16 @@ impl HandModel {
             system.trunk_g[j] = along(hand, j, &error.hand_axis) * w_hand + posture.g[j];
         }
         for finger in 0..self.finger_count {
-            let (dome, e) = (&jacobian.dome_axis[finger], &error.dome_axis[finger]);
+            let (dome, e) = (&jacobian.tips[finger].dome_axis, &error.dome_axis[finger]);
             for j in 0..trunk {
                 for i in 0..trunk {
                     system.trunk_h[(i, j)] += columns(dome, i, j) * w_dome;
                 }
                 system.trunk_g[j] += along(dome, j, e) * w_dome;
             }
-            system.fingers[finger] = self.finger_block(finger, jacobian, error, &posture, w_dome);
+            system
+                .fingers
+                .push(self.finger_block(finger, jacobian, error, &posture, w_dome));
         }
         system
     }
@@ -232,7 +234,8 @@ impl HandModel {
         w_dome: f64,
     ) -> FingerBlock {
         let own = self.finger_joints(finger);
-        let (dome, tip) = (&jacobian.dome_axis[finger], &jacobian.tip[finger]);
+        let of_tip = &jacobian.tips[finger];
+        let (dome, tip) = (&of_tip.dome_axis, &of_tip.position);
         let mut block = FingerBlock {
             first_joint: own.start,
             joint_count: own.len(),
@@ -341,7 +344,7 @@ impl TaskError {
 }
 
 /// Solves, holds the joints that left the box at its edge, solves the rest again; clamps what is left.
-fn solve_in_box(mut system: ArrowSystem, step_box: &StepBox) -> Option<(HandVector, IkStatus)> {
+fn solve_in_box(system: &mut ArrowSystem, step_box: &StepBox) -> Option<(HandVector, IkStatus)> {
     let joints = step_box.lower.len();
     let mut held = [false; HAND_JOINTS_MAX];
     let mut status = IkStatus::Free;

@@ -1,6 +1,7 @@
 //! Jacobians of one hand, and the compliance of its tips that follows from them.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use arrayvec::ArrayVec;
+use nalgebra::{ArrayStorage, Matrix3, SMatrix, Vector3};
 
 use crate::forward::HandPose;
 use crate::model::HandModel;
@@ -10,18 +11,36 @@ use crate::vector::HandVector;
 /// One direction or position of the hand per motion of each joint; columns beyond the last joint are zero.
 pub type Rows3 = SMatrix<f64, 3, HAND_JOINTS_MAX>;
 
-/// Geometric Jacobians of one hand in the base frame. Columns of joints that do not move a row's object are zero.
+const ZERO: Rows3 = Rows3::from_array_storage(ArrayStorage([[0.0; 3]; HAND_JOINTS_MAX]));
+
+/// Geometric Jacobians of one fingertip in the base frame. Columns of joints that do not move it are zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TipJacobian {
+    /// Position of the tip, metres per radian.
+    pub position: Rows3,
+    /// Dome axis (change of a unit vector), per radian.
+    pub dome_axis: Rows3,
+    /// Angular velocity, radians per radian.
+    pub angular: Rows3,
+}
+
+/// Geometric Jacobians of one hand in the base frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandJacobian {
-    /// Position of each tip, metres per radian.
-    pub tip: [Rows3; FINGERS_MAX],
-    /// Dome axes (change of a unit vector), per radian.
-    pub dome_axis: [Rows3; FINGERS_MAX],
-    /// Angular velocity of each tip, radians per radian.
-    pub tip_angular: [Rows3; FINGERS_MAX],
+    /// Those of each fingertip.
+    pub tips: ArrayVec<TipJacobian, FINGERS_MAX>,
     /// Hand axis (change of a unit vector), per radian.
     pub hand_axis: Rows3,
     joint_count: usize,
+}
+
+impl TipJacobian {
+    /// Of a tip that nothing moves.
+    const STILL: TipJacobian = TipJacobian {
+        position: ZERO,
+        dome_axis: ZERO,
+        angular: ZERO,
+    };
 }
 
 impl HandModel {
@@ -29,38 +48,37 @@ impl HandModel {
     #[must_use]
     pub fn jacobian(&self, pose: &HandPose) -> HandJacobian {
         let mut jacobian = HandJacobian {
-            tip: [Rows3::zeros(); FINGERS_MAX],
-            dome_axis: [Rows3::zeros(); FINGERS_MAX],
-            tip_angular: [Rows3::zeros(); FINGERS_MAX],
-            hand_axis: Rows3::zeros(),
+            tips: ArrayVec::new(),
+            hand_axis: ZERO,
             joint_count: self.joint_count,
         };
         for frame in &self.frames[..self.arm_joints] {
             let mover = &frame.mover;
             if !mover.slides {
-                let hand_axis = pose.frame_axis(mover.frame).cross(&pose.hand_axis());
-                add(
-                    &mut jacobian.hand_axis,
-                    mover.joint,
-                    hand_axis * mover.ratio,
-                );
+                let turned = pose.frame_axis(mover.frame).cross(&pose.hand_axis());
+                add(&mut jacobian.hand_axis, mover.joint, turned * mover.ratio);
             }
         }
         for finger in 0..self.finger_count {
-            for mover in self.movers(finger) {
-                let axis = pose.frame_axis(mover.frame) * mover.ratio;
-                if mover.slides {
-                    add(&mut jacobian.tip[finger], mover.joint, axis);
-                    continue;
-                }
-                let lever_m = pose.tip_m(finger) - pose.frame_origin_m(mover.frame);
-                let turned = axis.cross(&pose.dome_axis(finger));
-                add(&mut jacobian.tip[finger], mover.joint, axis.cross(&lever_m));
-                add(&mut jacobian.dome_axis[finger], mover.joint, turned);
-                add(&mut jacobian.tip_angular[finger], mover.joint, axis);
-            }
+            jacobian.tips.push(TipJacobian::STILL);
+            self.fill_tip(pose, finger, &mut jacobian.tips[finger]);
         }
         jacobian
+    }
+
+    fn fill_tip(&self, pose: &HandPose, finger: usize, of_tip: &mut TipJacobian) {
+        for mover in self.movers(finger) {
+            let axis = pose.frame_axis(mover.frame) * mover.ratio;
+            if mover.slides {
+                add(&mut of_tip.position, mover.joint, axis);
+                continue;
+            }
+            let lever_m = pose.tip_m(finger) - pose.frame_origin_m(mover.frame);
+            let turned = axis.cross(&pose.dome_axis(finger));
+            add(&mut of_tip.position, mover.joint, axis.cross(&lever_m));
+            add(&mut of_tip.dome_axis, mover.joint, turned);
+            add(&mut of_tip.angular, mover.joint, axis);
+        }
     }
 }
 
@@ -75,9 +93,9 @@ impl HandJacobian {
     #[must_use]
     pub fn torques_n_m(&self, forces_n: &[Vector3<f64>; FINGERS_MAX]) -> HandVector {
         HandVector::from_fn(self.joint_count, |joint| {
-            let tips = self.tip.iter().zip(forces_n);
+            let tips = self.tips.iter().zip(forces_n);
             tips.fold(0.0, |sum, (tip, force_n)| {
-                let column = tip.column(joint);
+                let column = tip.position.column(joint);
                 sum + column.x * force_n.x + column.y * force_n.y + column.z * force_n.z
             })
         })
@@ -101,16 +119,17 @@ impl HandJacobian {
     pub fn tip_compliance(
         &self,
         stiffness_n_m_rad: &HandVector,
-    ) -> Option<[Matrix3<f64>; FINGERS_MAX]> {
+    ) -> Option<ArrayVec<Matrix3<f64>, FINGERS_MAX>> {
         if !stiffness_n_m_rad.iter().all(|k| k.is_finite() && *k > 0.0) {
             return None;
         }
-        Some(self.tip.each_ref().map(|tip| {
+        let compliance = |tip: &TipJacobian| {
             let joints = stiffness_n_m_rad.iter().enumerate();
             joints.fold(Matrix3::zeros(), |sum: Matrix3<f64>, (joint, stiffness)| {
-                let column = tip.column(joint);
+                let column = tip.position.column(joint);
                 sum + column * column.transpose() / *stiffness
             })
-        }))
+        };
+        Some(self.tips.iter().map(compliance).collect())
     }
 }

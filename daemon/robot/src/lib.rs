@@ -57,17 +57,18 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod abilities;
 mod arrow;
 mod bearing;
-mod built_in;
 mod capsule;
+#[cfg(feature = "std")]
+mod files;
 mod forward;
 mod ik;
 mod jacobian;
 mod joint;
 mod model;
 mod name;
-mod reach;
 #[cfg(feature = "std")]
 mod robot_file;
 mod side;
@@ -81,20 +82,22 @@ mod turning;
 #[cfg(feature = "std")]
 mod urdf;
 mod vector;
+mod workspace;
 
-pub use built_in::{BuiltIn, TWO_HAND_ARM};
+pub use abilities::Abilities;
 pub use capsule::{
     CAPSULES_MAX, Capsule, Capsules, Nearest, clearance_m, farthest_move_m, nearest,
 };
+#[cfg(feature = "std")]
+pub use files::{RobotFiles, SHIPPED, TWO_HAND_ARM, shipped_names};
 pub use forward::HandPose;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
-pub use jacobian::{HandJacobian, Rows3};
+pub use jacobian::{HandJacobian, Rows3, TipJacobian};
 pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};
 pub use model::{HandModel, Mover, RobotModel};
 pub use name::{NAME_MAX, Name};
-pub use reach::{ReachError, Workspace};
 #[cfg(feature = "std")]
-pub use robot_file::{FingerEntry, HandEntry, Hands, JointEntry, RobotFile};
+pub use robot_file::{FingerEntry, HandEntry, Hands, JointEntry, RobotFile, WorkspaceEntry};
 pub use side::Side;
 pub use sizes::{
     ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX,
@@ -110,3 +113,4 @@ pub use transform::Transform;
 #[cfg(feature = "std")]
 pub use urdf::{Misfit, ModelError};
 pub use vector::{HandVector, JointVector, RobotVector};
+pub use workspace::Workspace;

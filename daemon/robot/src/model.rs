@@ -12,6 +12,7 @@ use crate::sizes::{FINGERS_MAX, FRAMES_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX, V
 use crate::transform::Transform;
 use crate::turning::Turning;
 use crate::vector::HandVector;
+use crate::workspace::Workspace;
 
 /// One arm with its hand.
 ///
@@ -45,6 +46,11 @@ pub struct HandModel {
     /// Where the hand rests, from above, and how far open, m.
     pub(crate) home_m: Vector3<f64>,
     pub(crate) home_opening_m: f64,
+    /// Direction of the closing axis there, radians.
+    pub(crate) home_yaw_rad: f64,
+    /// Where objects stand that nobody placed: x and y, m.
+    pub(crate) object_m: [f64; 2],
+    pub(crate) workspace: Option<Workspace>,
     /// Collision capsules, each in the frame that moves it.
     pub(crate) capsules: Capsules,
 }
@@ -159,6 +165,9 @@ impl HandModel {
             turning: Turning::default(),
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
+            home_yaw_rad: 0.0,
+            object_m: [0.0; 2],
+            workspace: None,
             capsules: Capsules::new(),
         }
     }
@@ -302,6 +311,24 @@ impl HandModel {
         self.home_opening_m
     }
 
+    /// Direction of its closing axis where it rests, base frame, radians.
+    #[must_use]
+    pub fn home_yaw_rad(&self) -> f64 {
+        self.home_yaw_rad
+    }
+
+    /// Where objects stand before it that nobody placed: x and y, base frame, metres.
+    #[must_use]
+    pub fn object_m(&self) -> [f64; 2] {
+        self.object_m
+    }
+
+    /// The box that its robot file keeps grasps to; `None` if the hand may go wherever it has a posture.
+    #[must_use]
+    pub fn workspace(&self) -> Option<&Workspace> {
+        self.workspace.as_ref()
+    }
+
     /// Position of the first joint at zero, in the base frame, metres: bearings of this arm are seen from here.
     #[must_use]
     pub fn shoulder_m(&self) -> Vector3<f64> {
@@ -356,6 +383,12 @@ impl RobotModel {
     pub fn sides(&self) -> impl Iterator<Item = Side> + '_ {
         let present = |side: &Side| self.hand(*side).is_present();
         Side::BOTH.into_iter().filter(present)
+    }
+
+    /// The hand that acts where nobody says which: the right one if the robot has it.
+    #[must_use]
+    pub fn acting_side(&self) -> Side {
+        self.sides().last().unwrap_or(Side::Right)
     }
 
     /// How many joints the robot has.

@@ -14,6 +14,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotFile {
+    /// Its URDF, from where the robot file is. Left out: the file of the same name that ends in `.urdf`.
+    pub urdf: Option<String>,
     /// The hands: `left`, `right` or both.
     pub hands: Hands,
     /// Per joint of the URDF, by its name: what its servo is and where it rests.
@@ -42,18 +44,45 @@ pub struct HandEntry {
     /// Where the hand rests, pointing down: the point between its fingertips, base frame, m. Left out: where the reference
     /// posture has it.
     pub home_m: Option<[f64; 3]>,
+    /// Direction of the closing axis where it rests, degrees from the base's x. Left out: as the reference posture has it.
+    pub home_yaw_deg: Option<f64>,
+    /// Where objects stand that nobody placed: x and y, base frame, m. Left out: beneath where the hand rests.
+    pub object_m: Option<[f64; 2]>,
+    /// The box of grasps from above that every goal must lie in. Left out: whatever the hand has a posture for.
+    pub workspace: Option<WorkspaceEntry>,
     /// How far open it rests, from pole to pole, m. Left out: as far as the reference posture has it.
     pub home_opening_m: Option<f64>,
     /// Its fingertips, in the order of the sensor's frames.
     pub fingers: Vec<FingerEntry>,
 }
 
+/// A box of grasps from above, each the least and the greatest value, m.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkspaceEntry {
+    /// x of the point between the fingertips, base frame.
+    pub x_m: [f64; 2],
+    /// Its y.
+    pub y_m: [f64; 2],
+    /// Its height above the table.
+    pub z_m: [f64; 2],
+    /// Distance between the poles of the domes.
+    pub opening_m: [f64; 2],
+}
+
 /// One fingertip.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerEntry {
-    /// The link that carries the tip frame, with one collision sphere, the dome.
+    /// The link that carries the sensor.
     pub tip: String,
+    /// Middle of the sensor's dome in that link, m. Left out: the link's origin.
+    pub dome_m: Option<[f64; 3]>,
+    /// Direction in which it feels, through the dome's pole, in that link. Left out: the link is turned as
+    /// [`crate::HandPose::base_from_tip`] has it.
+    pub facing: Option<[f64; 3]>,
+    /// Radius of the dome, m. Left out: that of the link's one collision sphere.
+    pub dome_radius_m: Option<f64>,
     /// The side from which it presses, 1 or 2: fingertips of one side press together against the other's.
     pub side: usize,
 }

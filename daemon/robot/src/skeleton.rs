@@ -1,8 +1,8 @@
 //! Every link of a URDF as viewers want it: which joint carries it, where it is for given joint angles, what it looks like.
 //!
-//! * **In:** the text of a URDF, joint angles. **Out:** the place of each link in its parent, and its visual shapes.
-//! * **Invariants:** parents come before their children; the moving joints are numbered in the order of the URDF, which is
-//!   the order of every joint vector.
+//! * **In:** the text of a URDF, the names of a robot's joints, joint angles. **Out:** the place of each link in its parent, and its visual shapes.
+//! * **Invariants:** parents come before their children; joints are numbered as the robot's joint vectors have them, and one
+//!   that mimics another follows it. A joint that is none of the robot's stands at zero.
 //! * **Absent on purpose:** meshes, which would need files beside the URDF, and everything that the controller computes
 //!   with: that is [`crate::RobotModel`].
 
@@ -13,11 +13,23 @@ use std::{format, vec};
 use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::{Geometry, Joint, JointType, Link, Pose, Robot, Visual};
 
-use crate::built_in::TWO_HAND_ARM;
+use crate::files::RobotFiles;
 use crate::urdf::{Misfit, ModelError, misfit};
 
 /// Colour of what the URDF gives none, red, green, blue, opaqueness, 0 to 1.
 const PLAIN_RGBA: [f64; 4] = [0.6, 0.6, 0.6, 1.0];
+
+impl RobotFiles {
+    /// The links, for viewers.
+    ///
+    /// # Errors
+    /// As [`RobotFiles::load`].
+    pub fn skeleton(&self) -> Result<Skeleton, ModelError> {
+        let robot = self.load()?;
+        let names = robot.joints().map(|joint| joint.name.as_str().into());
+        Skeleton::read(&self.urdf, names.collect())
+    }
+}
 
 /// All links of a robot.
 #[derive(Clone, Debug)]
@@ -37,8 +49,12 @@ pub struct Limb {
     pub origin: Placement,
     /// Axis of the joint in its own frame, unit length.
     pub axis: [f64; 3],
-    /// Place of the joint's value in a joint vector; `None` for a joint that is fixed.
+    /// Place in a joint vector of the value that moves it; `None` for a joint that nothing moves.
     pub joint: Option<usize>,
+    /// Motion per motion of that value: 1, or the multiplier of a joint that mimics another.
+    pub ratio: f64,
+    /// Motion at value zero.
+    pub offset: f64,
     /// Whether the joint slides along its axis instead of turning about it.
     pub slides: bool,
     /// What the link looks like.
@@ -88,14 +104,12 @@ pub enum Form {
 }
 
 impl Skeleton {
-    /// Reads a URDF of any structure.
+    /// Reads a URDF of any structure whose moving joints have these names in a joint vector.
     ///
     /// # Errors
     /// [`ModelError`] if the text is not a URDF, or its links are no tree.
-    pub fn from_urdf(text: &str) -> Result<Self, ModelError> {
-        let robot = urdf_rs::read_from_string(text)?;
-        let moving = robot.joints.iter().filter(|joint| moves(joint));
-        let joint_names: Vec<String> = moving.map(|joint| joint.name.clone()).collect();
+    pub fn read(urdf: &str, joint_names: Vec<String>) -> Result<Self, ModelError> {
+        let robot = urdf_rs::read_from_string(urdf)?;
         let mut limbs = Vec::with_capacity(robot.links.len());
         let mut open = roots(&robot);
         // Breadth first, so that parents come before their children. Every link is carried once, or it is no tree.
@@ -122,14 +136,6 @@ impl Skeleton {
         Ok(Self { limbs, joint_names })
     }
 
-    /// The built-in robot.
-    ///
-    /// # Errors
-    /// None in a released crate: a test loads it.
-    pub fn two_hand_arm() -> Result<Self, ModelError> {
-        Self::from_urdf(TWO_HAND_ARM.urdf)
-    }
-
     /// The links, parents first.
     #[must_use]
     pub fn limbs(&self) -> &[Limb] {
@@ -147,10 +153,11 @@ impl Limb {
     /// Where the link is in its parent. A joint without a value stands at zero.
     #[must_use]
     pub fn placed(&self, q_rad: &[f64]) -> Placement {
-        let value = self.joint.and_then(|joint| q_rad.get(joint)).copied();
-        let Some(value) = value else {
+        let coordinate = self.joint.and_then(|joint| q_rad.get(joint)).copied();
+        let Some(coordinate) = coordinate else {
             return self.origin;
         };
+        let value = self.ratio * coordinate + self.offset;
         let axis = Unit::new_unchecked(Vector3::from(self.axis));
         let moved = if self.slides {
             Translation3::from(*axis * value).into()
@@ -166,10 +173,6 @@ impl Limb {
 
 type Isometry = nalgebra::Isometry3<f64>;
 type Open<'a> = (&'a Link, Option<usize>, Option<&'a Joint>);
-
-fn moves(joint: &Joint) -> bool {
-    joint.joint_type != JointType::Fixed
-}
 
 /// Links that no joint carries.
 fn roots(robot: &Robot) -> Vec<Open<'_>> {
@@ -197,6 +200,8 @@ fn limb(
         origin: placement(&Isometry::identity()),
         axis: [0.0, 0.0, 1.0],
         joint: None,
+        ratio: 1.0,
+        offset: 0.0,
         slides: false,
         shapes: vec![],
     };
@@ -204,7 +209,15 @@ fn limb(
         limb.origin = pose(&joint.origin, || {
             format!("the origin of joint `{}`", joint.name)
         })?;
-        limb.joint = names.iter().position(|name| *name == joint.name);
+        let driver = joint
+            .mimic
+            .as_ref()
+            .map_or(&joint.name, |mimic| &mimic.joint);
+        limb.joint = names.iter().position(|name| name == driver);
+        if let Some(mimic) = &joint.mimic {
+            limb.ratio = mimic.multiplier.unwrap_or(1.0);
+            limb.offset = mimic.offset.unwrap_or(0.0);
+        }
         limb.slides = joint.joint_type == JointType::Prismatic;
         if limb.joint.is_some() {
             limb.axis = axis(joint)?;

@@ -2,8 +2,8 @@
 //!
 //! A robot fits if it has one or two hands, each of an arm of up to 7 joints that carries a palm, and of 2 to 4 fingertips that
 //! the palm carries over up to 4 joints each; up to 16 joints a hand. Joints are revolute, continuous or prismatic; those
-//! of a finger may mimic others of the hand. Collision shapes are cylinders, capsules or spheres; a cylinder is read as the
-//! capsule that contains it. Joints that move no fingertip stand at zero.
+//! of a finger may mimic others of the hand. Collision shapes become capsules: a cylinder or a box is read as the
+//! capsule that contains it. A mesh cannot be; it is refused where two arms must keep apart and passed over where there is one. Joints that move no fingertip stand at zero.
 
 mod collision;
 mod error;
@@ -43,9 +43,10 @@ impl RobotModel {
                 "[hands.left] or [hands.right]",
             ));
         }
+        let alone = entries.iter().any(|entry| entry.is_none());
         let mut hand = |side: Side| match entries[side.index()] {
             None => Some(HandModel::absent(side)),
-            Some(entry) => load_hand(&tree, side, entry, &file.joints, &mut findings),
+            Some(entry) => load_hand(&tree, side, entry, &file.joints, alone, &mut findings),
         };
         let hands = [hand(Side::Left), hand(Side::Right)];
         let [Some(left), Some(right)] = hands else {

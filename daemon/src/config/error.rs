@@ -131,7 +131,7 @@ impl fmt::Display for Problem {
                 }
                 f.write_str(&problem.why)
             }
-            Self::Robot { why } => write!(f, "robot.urdf: {why}"),
+            Self::Robot { why } => write!(f, "robot.model: {why}"),
         }
     }
 }

@@ -86,9 +86,9 @@ const FIXED: &[FixedKey] = &[
         holds: |c| ARRIVAL_WAIT_US.contains(&c.realtime.arrival_wait_us),
     },
     FixedKey {
-        name: "robot.urdf",
-        needs: "\"built-in\" or the path of a URDF file",
-        holds: |c| !c.robot.urdf.is_empty(),
+        name: "robot.model",
+        needs: "a robot that ships, as `atas robot list` shows them, or the path of a robot file",
+        holds: |c| !c.robot.model.is_empty(),
     },
     FixedKey {
         name: "robot.joints_required",
@@ -149,7 +149,7 @@ const FIXED: &[FixedKey] = &[
 
 /// Jaro-Winkler likeness from which a suggestion helps more than it confuses. Ours, by trying misspellings.
 pub(super) const LIKELY: f64 = 0.8;
-const FINGERS: &str = "a whole number from 1 to 4";
+const FINGERS: &str = "a whole number from 1 to 4, or 0 for as many as the robot has there";
 const RATE: &str = "a number from 1 to 10000";
 
 fn has_layout(hand: &HandSensor) -> bool {
@@ -157,7 +157,7 @@ fn has_layout(hand: &HandSensor) -> bool {
 }
 
 fn has_fingers(hand: &HandSensor) -> bool {
-    (1..=shm_schemas::capacity::FINGERS).contains(&hand.fingers)
+    hand.fingers <= shm_schemas::capacity::FINGERS
 }
 
 fn has_rate(hand: &HandSensor) -> bool {

@@ -1,11 +1,11 @@
 //! Publishes what a recorder needs: how the run began, and what every tick took in.
 
+use robot_model::RobotFiles;
 use shm_bus::{Bus, BusError, Publisher};
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use shm_schemas::layout::robot_hash;
 use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
 
 use super::SupervisorState;
-use crate::config::BUILT_IN;
 use crate::input_log::LogReader;
 
 /// The publishers, open only while recording is switched on.
@@ -45,19 +45,13 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     };
     header.version = Text::new(env!("CARGO_PKG_VERSION"));
     header.config_hash = state.config_hash;
-    header.robot = Text::new(&config.robot.urdf);
-    header.robot_hash = robot_hash(&config.robot.urdf);
+    header.robot = Text::new(&config.robot.model);
+    // 0 for a robot whose files have gone since the start.
+    header.robot_hash = RobotFiles::find(&config.robot.model)
+        .map_or(0, |files| robot_hash(&files.urdf, &files.robot_file));
     header.rate_hz = config.realtime.rate_hz;
     header.flags = state.flags;
     header.config = Text::new(&config.text());
     atas_core::record::write_origin(&mut header, &state.robot, &state.wiring, &config.settings());
     header
-}
-
-/// 0 for the built-in robot, and for a file that has gone since the start.
-fn robot_hash(urdf: &str) -> u64 {
-    if urdf == BUILT_IN {
-        return 0;
-    }
-    std::fs::read(urdf).map_or(0, |text| fnv1a(FNV_OFFSET, &text))
 }

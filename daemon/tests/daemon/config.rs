@@ -124,8 +124,8 @@ fn what_is_wrong_is_said() {
         "0.toml:1: realtime.spin_us is 101, needs a whole number from 0 to 100",
     );
     check(
-        "robot.urdf = \"\"",
-        "0.toml:1: robot.urdf is \"\", needs \"built-in\" or the path of a URDF file",
+        "robot.model = \"\"",
+        "0.toml:1: robot.model is \"\", needs a robot that ships, as `atas robot list` shows them, or the path of a robot file",
     );
     check(
         "robot.joints_required = 1",
@@ -133,7 +133,7 @@ fn what_is_wrong_is_said() {
     );
     check(
         "hands.left.fingers = 5",
-        "0.toml:1: hands.left.fingers is 5, needs a whole number from 1 to 4",
+        "0.toml:1: hands.left.fingers is 5, needs a whole number from 1 to 4, or 0 for as many as the robot has there",
     );
     check(
         "hands.right.rate_hz = 0",
@@ -220,10 +220,10 @@ fn flags_and_files_that_do_not_read_are_named() {
     );
     check_refused(
         &[],
-        &["robot.urdf=/nowhere/robot.urdf"],
+        &["robot.model=/nowhere/robot.toml"],
         &format!(
-            "robot.urdf: {}",
-            robot_model::RobotModel::from_urdf_file("/nowhere/robot.urdf").expect_err("missing")
+            "robot.model: {}",
+            robot_model::RobotModel::find("/nowhere/robot.toml").expect_err("missing")
         ),
     );
 }
@@ -262,7 +262,12 @@ fn one_optoforce_dome_without_a_robot() {
         [intake]\nelement_force_n = 2000.0\n\
         [perception]\ntouch_on_n = 19.8\ntouch_off_n = 9.9\n";
     let (_folder, source) = source(&[text], &[]);
-    let wiring = source.load().expect("valid").wiring(1).expect("sound");
+    let robot = robot_model::RobotModel::two_hand_arm().expect("it ships");
+    let wiring = source
+        .load()
+        .expect("valid")
+        .wiring(&robot, 1)
+        .expect("sound");
     assert!(!wiring.joints_required && wiring.hands[0].required && !wiring.hands[1].required);
     assert_eq!(
         (wiring.hands[0].layout.count, wiring.hands[0].fingers),

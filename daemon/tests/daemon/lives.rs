@@ -29,7 +29,7 @@ fn a_wrong_configuration_is_refused_with_its_place() {
         3,
         "--set: grasp.dr is not a key; did you mean grasp.dr_n?",
     );
-    check_refused("", &["--set", "robot.urdf=/nowhere"], 3, "/nowhere");
+    check_refused("", &["--set", "robot.model=/nowhere"], 3, "/nowhere");
     check_refused("", &["--nonsense"], 2, "--nonsense");
 }
 

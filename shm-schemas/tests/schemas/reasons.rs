@@ -94,6 +94,20 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the left hand has no tactile sensor in the configuration; use the other hand",
         ),
         (
+            limit(Cause::NO_HAND, 0.0, 0.0, 0),
+            "the robot has no left hand; use the other one",
+        ),
+        (
+            limit(Cause::CANNOT_TURN, 0.0, 0.0, 1),
+            "the right hand cannot turn a cap: its fingertips cannot pass each other; `atas robot list` shows what each robot \
+             can do",
+        ),
+        (
+            limit(Cause::NO_WORKSPACE, 0.0, 0.0, 1),
+            "a client can lead the right hand only within a workspace, and its robot file states none; `atas robot check` \
+             prints one",
+        ),
+        (
             limit(Cause::ARMS_COLLIDE, 0.003, 0.01, 0),
             "the arms would come within 3.0 mm of each other, needs 10.0 mm; move the places apart",
         ),

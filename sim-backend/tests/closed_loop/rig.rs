@@ -20,13 +20,10 @@ pub(crate) struct Rig {
 }
 
 fn controller(robot: &RobotModel, writer_epoch: u64) -> Controller {
-    let mut wiring = Wiring {
+    let wiring = Wiring {
         writer_epoch,
-        ..Wiring::default()
+        ..Wiring::of(robot)
     };
-    for side in robot.sides() {
-        wiring.hands[side.index()].fingers = robot.hand(side).finger_count();
-    }
     Controller::new(robot, wiring, Settings::default())
 }
 

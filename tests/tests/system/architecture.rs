@@ -98,6 +98,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "atas-evaluation",
             "field",
             "pinch",
+            "robot-model",
             "shm-bus",
             "shm-schemas",
             "sim-backend",

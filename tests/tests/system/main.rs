@@ -11,6 +11,7 @@ mod optoforce;
 mod readme;
 mod recorded;
 mod recordings;
+mod robots;
 mod servos;
 mod swarm;
 mod tasks;

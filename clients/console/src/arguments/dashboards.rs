@@ -15,9 +15,9 @@ pub struct Dashboard {
     /// Port on this machine; 0 for any that is free
     #[arg(long, value_name = "PORT", default_value_t = 8470)]
     pub port: u16,
-    /// URDF of the robot that is drawn [default: the built-in robot; a recording's own]
-    #[arg(long, value_name = "FILE.urdf")]
-    pub robot: Option<PathBuf>,
+    /// The robot that is drawn, as the daemon was told; a recording knows its own
+    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
+    pub robot: String,
     /// Which daemon
     #[command(flatten)]
     pub bus: BusArgument,

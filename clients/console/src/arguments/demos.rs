@@ -27,8 +27,11 @@ pub enum Demo {
 }
 
 /// How a demo's processes run.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Running {
+    /// The robot: one that ships (`atas robot list`), or a robot file
+    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
+    pub robot: String,
     /// Seed of the sensors' noise, and of what --vary draws
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -117,5 +120,6 @@ mod tests {
     fn a_demo_shows_what_the_simulator_usually_sets() {
         use sim_backend::Scene;
         assert_eq!([super::OBJECT, super::CAP], [Scene::OBJECT, Scene::CAP]);
+        assert_eq!(super::super::values::ROBOT, robot_model::TWO_HAND_ARM.name);
     }
 }

@@ -139,6 +139,9 @@ pub struct RecordedEvaluation {
 /// How a task is evaluated.
 #[derive(Args, Clone, Debug)]
 pub struct Evaluation {
+    /// The robot: one that ships (`atas robot list`), or a robot file
+    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
+    pub robot: String,
     /// Trials, dealt to the objects in turn
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub trials: u64,

@@ -22,6 +22,7 @@ const HELPS: &[Help] = &[
         "demo grasp",
         &[
             "atas demo grasp --object sponge",
+            "atas demo grasp --robot test-bench",
             "atas demo grasp --dashboard",
             "atas demo grasp --all --lockstep",
         ],
@@ -43,6 +44,7 @@ const HELPS: &[Help] = &[
         "eval grasp",
         &[
             "atas eval grasp --trials 200",
+            "atas eval grasp --robot arm7-gripper --trials 50 --no-baselines",
             "atas eval grasp --objects wood,sponge --noise 2",
             "atas eval grasp --errors crosstalk=3,position=5,yaw=15 --rows trials.csv",
             "atas eval grasp --errors each --trials 48 --noise 1",
@@ -86,6 +88,19 @@ const HELPS: &[Help] = &[
         "one object: with{trials, success, crushed, failures}, without{…}, slip_to_command_ms{count, p50, p99, max}",
     ),
     Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
+    Help(
+        "robot list",
+        &["atas robot list"],
+        "one object: robots[{name, joints, fingers, tasks}]",
+    ),
+    Help(
+        "robot check",
+        &[
+            "atas robot check test-bench",
+            "atas robot check my_arm.toml --out my_arm.svg",
+        ],
+        "one object: name, joints, fingers, tasks, hands[{side, joints[], fingertips[], home_m, home_opening_m, workspace, abilities}]",
+    ),
     Help(
         "calibrate guide",
         &["atas calibrate guide --normal 0.5,1,2 --seconds 2 --out steps.csv"],

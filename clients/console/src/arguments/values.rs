@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use shm_schemas::EventKind;
 
+/// The robot where nothing is said; a test holds it to the one that ships as the default.
+pub(super) const ROBOT: &str = "two-hand-arm";
+
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),

@@ -21,7 +21,7 @@ impl Assembly {
     /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
         let scene = Scene::assembly(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
-        let scene = super::varied(scene, running);
+        let scene = super::scene_of(Task::Assembly, scene, running)?;
         Ok(Self {
             argument: argument.to_owned(),
             goal: Task::Assembly.goal(&scene)?,

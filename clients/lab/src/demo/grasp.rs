@@ -23,7 +23,8 @@ pub(super) struct Grasp {
 impl Grasp {
     /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = super::varied(Scene::grasp(super::object(argument)?, SIDE), running);
+        let scene = Scene::grasp(super::object(argument)?, SIDE);
+        let scene = super::scene_of(Task::Grasp, scene, running)?;
         Ok(Self {
             argument: argument.to_owned(),
             goal: Task::Grasp.goal(&scene)?,

@@ -31,10 +31,13 @@ mod turns;
 
 use atas_console::arguments::{Demo, Running};
 use atas_console::{Ended, Exit, Interrupt, Output, number};
+use atas_evaluation::Task;
+use robot_model::RobotModel;
 use shm_schemas::WorldTruth;
 use sim_backend::{Object, Scene};
 
 use scenario::Scenario;
+use seen::SIDE;
 use table::Row;
 
 /// `atas demo`.
@@ -114,13 +117,17 @@ fn cap(argument: &str) -> anyhow::Result<Object> {
     Err(Ended::with(Exit::Usage, sentence))
 }
 
-/// The scene as the simulator will draw it.
-fn varied(scene: Scene, running: &Running) -> Scene {
-    if running.vary {
-        scene.varied(running.seed)
-    } else {
-        scene
-    }
+/// A task's scene as the simulator will set it before the robot, if that can do the task.
+fn scene_of(task: Task, scene: Scene, running: &Running) -> anyhow::Result<Scene> {
+    let usage = |error: String| Ended::with(Exit::Usage, error);
+    let robot = RobotModel::find(&running.robot).map_err(|error| usage(error.to_string()))?;
+    task.check(&robot)
+        .map_err(|error| usage(error.to_string()))?;
+    let scene = scene.before(robot.hand(SIDE));
+    Ok(match running.vary {
+        true => scene.varied(running.seed),
+        false => scene,
+    })
 }
 
 /// How high the first object is, for people who watch.

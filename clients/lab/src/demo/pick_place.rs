@@ -22,7 +22,8 @@ pub(super) struct PickPlace {
 impl PickPlace {
     /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = super::varied(Scene::pick_place(super::object(argument)?, SIDE), running);
+        let scene = Scene::pick_place(super::object(argument)?, SIDE);
+        let scene = super::scene_of(Task::PickPlace, scene, running)?;
         Ok(Self {
             argument: argument.to_owned(),
             goal: Task::PickPlace.goal(&scene)?,

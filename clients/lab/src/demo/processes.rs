@@ -38,9 +38,12 @@ impl Processes {
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
         let (name, seed) = (bus.as_str(), running.seed.to_string());
+        let robot = ["--robot", running.robot.as_str()];
         let mut simulate = vec!["run", "--bus", name, "--seed", &seed];
+        simulate.extend(robot);
         simulate.extend(scene.iter().map(String::as_str));
         let mut control = vec!["--bus", name, "--config", NO_CONFIGURATION];
+        control.extend(robot);
         if running.vary {
             simulate.push("--vary");
         }

@@ -20,7 +20,7 @@ impl Screw {
     /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
         let scene = Scene::screw(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
-        let scene = super::varied(scene, running);
+        let scene = super::scene_of(Task::Screw, scene, running)?;
         Ok(Self {
             argument: argument.to_owned(),
             goal: Task::Screw.goal(&scene)?,

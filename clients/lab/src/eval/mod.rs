@@ -13,6 +13,7 @@ use atas_console::arguments::{Eval, Evaluation, TaskName};
 use atas_console::{Ended, Exit, Interrupt, Output};
 use atas_evaluation::{Condition, Evaluated, GripPolicy, Noise, Plan, Task, seeds};
 use indicatif::{ProgressBar, ProgressStyle};
+use robot_model::RobotFiles;
 use sim_backend::{Object, ObjectError};
 
 /// What `--errors` calls a row per error.
@@ -80,7 +81,10 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
         true => Vec::new(),
         false => GripPolicy::baselines(task, arguments.fixed_force).to_vec(),
     };
+    let robot = RobotFiles::find(&arguments.robot)
+        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
     Ok(Plan {
+        robot,
         task,
         trials: arguments.seeds.map_or(arguments.trials, of_each),
         objects,

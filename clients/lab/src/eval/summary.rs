@@ -100,6 +100,7 @@ fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<
             false => GripPolicy::baselines(*task, None).to_vec(),
         };
         let plan = Plan {
+            robot: robot_model::TWO_HAND_ARM,
             task: *task,
             objects: task.objects()?,
             trials: summary.trials.unwrap_or(kind.trials),

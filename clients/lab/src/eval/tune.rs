@@ -13,6 +13,7 @@ pub(super) fn tune(
 ) -> anyhow::Result<()> {
     let task = super::task(tuning.task);
     let plan = Plan {
+        robot: robot_model::TWO_HAND_ARM,
         task,
         objects: task.objects()?,
         trials: tuning.trials,

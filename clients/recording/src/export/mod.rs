@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
-use robot_model::{RobotModel, Side, Skeleton};
+use robot_model::{Side, Skeleton};
 use shm_schemas::Layout;
 
 use crate::clock::Clock;
@@ -123,13 +123,15 @@ fn sink(out: &Path, choices: &Choices, subject: Subject) -> anyhow::Result<Box<d
 impl Subject {
     fn of(rows: &Rows) -> anyhow::Result<Self> {
         let header = rows.header();
-        let urdf = origin::urdf(header)?;
-        let skeleton = Skeleton::from_urdf(&urdf).context("could not load the recorded robot")?;
-        let robot = RobotModel::from_urdf(&urdf).context("could not load the recorded robot")?;
+        let files = origin::robot(header)?;
+        let skeleton = files
+            .skeleton()
+            .context("could not load the recorded robot")?;
+        let robot = files.load().context("could not load the recorded robot")?;
         let tips = |side| robot.hand(side).tip_links().map(str::to_owned).collect();
         let text = |text: Option<String>| text.unwrap_or_else(|| "not recorded".to_owned());
         Ok(Self {
-            urdf: urdf.into_owned(),
+            urdf: files.urdf.into_owned(),
             skeleton,
             tips: Side::BOTH.map(tips),
             layouts: origin::layouts(header),

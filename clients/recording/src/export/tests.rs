@@ -3,6 +3,8 @@ use std::collections::BTreeMap;
 use ::mcap::MessageStream;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
+use robot_model::TWO_HAND_ARM;
+use shm_schemas::layout::robot_hash;
 use shm_schemas::{
     EventKind, HandFrame, HandWiringRecord, JointState, ModuleEvent, ModuleId, RunHeader, Stamp,
     Text, TickInputs, TickReport,
@@ -47,7 +49,8 @@ fn recorded(folder: &Path) -> PathBuf {
     };
     let mut recording = Recording::create(&out, bounds, BTreeMap::new(), None).expect("made");
     let mut header: Box<RunHeader> = Box::default();
-    header.robot = Text::new("built-in");
+    header.robot = Text::new(&TWO_HAND_ARM.name);
+    header.robot_hash = robot_hash(&TWO_HAND_ARM.urdf, &TWO_HAND_ARM.robot_file);
     header.version = Text::new("0.1");
     header.hands = [wiring(), wiring()];
     recording.begin_run(header).expect("begun");

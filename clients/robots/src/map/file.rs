@@ -1,16 +1,15 @@
 //! The servo map as it stands in its TOML file.
 
+use robot_model::TWO_HAND_ARM;
 use serde::{Deserialize, Serialize};
-
-use crate::joints::BUILT_IN;
 
 /// The whole file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapFile {
-    /// The robot whose joints these are: `built-in`, or the path of a URDF, as the daemon is told.
-    #[serde(default = "built_in")]
-    pub urdf: String,
+    /// The robot whose joints these are: one that ships, or a robot file, as the daemon is told.
+    #[serde(default = "two_hand_arm")]
+    pub robot: String,
     /// The serial ports.
     #[serde(default, rename = "port")]
     pub ports: Vec<PortEntry>,
@@ -69,8 +68,8 @@ pub struct ServoEntry {
     pub temperature_limit_c: Option<f64>,
 }
 
-fn built_in() -> String {
-    BUILT_IN.to_owned()
+fn two_hand_arm() -> String {
+    TWO_HAND_ARM.name.to_string()
 }
 
 /// Ours: what a port at 1 MBd with a few servos reaches; a slower one goes as fast as it can.

@@ -149,6 +149,6 @@ pub fn load(path: &Path, check: Check) -> Result<Map, Failure> {
 /// # Errors
 /// Everything that is wrong, each with its place.
 pub fn checked(file: &MapFile, check: Check) -> Result<Map, Vec<String>> {
-    let joints = joints::of(&file.urdf).map_err(|why| vec![format!("urdf: {why}")])?;
+    let joints = joints::of(&file.robot).map_err(|why| vec![format!("robot: {why}")])?;
     check::ports(file, &joints, check).map(|ports| Map { joints, ports })
 }

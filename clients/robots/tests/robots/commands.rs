@@ -185,7 +185,7 @@ fn a_wrong_map_is_refused_with_everything_that_is_wrong() {
         ],
     );
     check("prt = 1", &["unknown field `prt`"]);
-    check("urdf = \"nowhere.urdf\"", &["nowhere.urdf"]);
+    check("robot = \"nowhere.toml\"", &["nowhere.toml"]);
 }
 
 #[test]

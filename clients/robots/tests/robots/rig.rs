@@ -26,7 +26,7 @@ pub(crate) const STEP_RAD: f64 = core::f64::consts::TAU / 4096.0;
 
 /// Where the servos stand at the start: in the middle of their joints' travel, rad.
 pub(crate) fn middle_rad() -> Vec<f64> {
-    let joints = joints::of(joints::BUILT_IN).unwrap();
+    let joints = joints::of("two-hand-arm").unwrap();
     let middle = joints
         .iter()
         .map(|joint| 0.5 * (joint.lower_rad + joint.upper_rad));
@@ -35,7 +35,7 @@ pub(crate) fn middle_rad() -> Vec<f64> {
 
 /// A map of the two-hand arm; every second shaft turns against its joint.
 pub(crate) fn two_hands() -> MapFile {
-    let joints = joints::of(joints::BUILT_IN).unwrap();
+    let joints = joints::of("two-hand-arm").unwrap();
     let servo = |(index, joint): (usize, &joints::Joint)| {
         let is_left = index < HAND;
         ServoEntry {
@@ -62,7 +62,7 @@ pub(crate) fn two_hands() -> MapFile {
         servos: servos.to_vec(),
     };
     MapFile {
-        urdf: joints::BUILT_IN.to_owned(),
+        robot: "two-hand-arm".to_owned(),
         ports: vec![
             port("dynamixel", &servos[..HAND]),
             port("feetech", &servos[HAND..]),

@@ -15,7 +15,7 @@ const MS_NS: u64 = 1_000_000;
 /// Read once: the properties ask for it often.
 fn joints() -> &'static [Joint] {
     static JOINTS: OnceLock<Vec<Joint>> = OnceLock::new();
-    JOINTS.get_or_init(|| joints::of(joints::BUILT_IN).unwrap())
+    JOINTS.get_or_init(|| joints::of("two-hand-arm").unwrap())
 }
 
 fn held_rad(joint: usize) -> f64 {

@@ -97,6 +97,7 @@ pub(super) fn plan(
 ) -> Result<Plan> {
     let objects = Task::Grasp.objects().map_err(Error::from_part)?;
     Ok(Plan {
+        robot: robot_model::TWO_HAND_ARM,
         task: Task::Grasp,
         trials: seeds * objects.len() as u64,
         objects,

@@ -17,7 +17,7 @@ use clearance::check_paths;
 use core::f64::consts::TAU;
 use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, TO_X, TO_YAW, WIDTH};
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, Side, Workspace};
+use robot_model::{GraspFrame, HandModel, Side};
 use shm_schemas::{Cause, GoalRequest, Reason};
 
 /// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
@@ -36,6 +36,9 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
     }
     let hands = Side::BOTH.map(|side| (side, side == goal.side() || goal.demands().both_hands));
     for (side, takes_part) in hands {
+        if takes_part && !now.robot.hand(side).is_present() {
+            return Err(Reason::of(Cause::NO_HAND).about(side.index()));
+        }
         if takes_part && !now.wiring.hands[side.index()].required {
             return Err(Reason::of(Cause::NO_SENSOR).about(side.index()));
         }
@@ -49,8 +52,11 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
         check_reach(&goal, now)?;
     }
     if goal.demands().both_hands {
-        let [least_m, most_m] = Workspace::TWO_HAND_ARM.opening_m;
-        check_range(request.helper_width_m, (least_m, most_m), HELPER_WIDTH)?;
+        let helper = now.robot.hand(Side::BOTH[1 - goal.side().index()]);
+        check_range(request.helper_width_m, openings_m(helper), HELPER_WIDTH)?;
+    }
+    if goal.demands().turns && !now.robot.hand(goal.side()).abilities().turns_caps {
+        return Err(Reason::of(Cause::CANNOT_TURN).about(goal.side().index()));
     }
     if request.kind.is_stream() {
         check_sides(&goal, now)?;
@@ -59,18 +65,25 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
     Ok(goal)
 }
 
-/// Where a client will lead the hands is not known: each arm must be on its own side of the table, each led hand in its box.
+/// Where a client will lead the hands is not known: each led hand has its box, and of two arms each is on its own side of the
+/// table.
 fn check_sides(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
-    for side in Side::BOTH {
+    let beside_another = now.robot.sides().count() > 1;
+    for side in now.robot.sides() {
         let (hand, q_rad) = (now.robot.hand(side), now.hand_rad(side));
-        if let Some(reason) = across_the_middle(hand, &q_rad) {
+        let across = across_the_middle(hand, &q_rad).filter(|_| beside_another);
+        if let Some(reason) = across {
             return Err(reason);
         }
-        let led = side == goal.side() || goal.demands().both_hands;
-        let centre_m = frame_of(hand, &hand.forward(&q_rad)).centre_m;
-        let [_, [least_m, most_m], _] = FollowSpace::of(side).centre_m;
-        if led && !(least_m..=most_m).contains(&centre_m.y) {
-            let (inner_m, y_m) = (least_m.abs().min(most_m.abs()), centre_m.y.abs());
+        if side != goal.side() && !goal.demands().both_hands {
+            continue;
+        }
+        let space = FollowSpace::of(now.robot, side);
+        let space = space.ok_or(Reason::of(Cause::NO_WORKSPACE).about(side.index()))?;
+        let [_, [least_m, most_m], _] = space.centre_m;
+        let y_m = frame_of(hand, &hand.forward(&q_rad)).centre_m.y;
+        if beside_another && !(least_m..=most_m).contains(&y_m) {
+            let (inner_m, y_m) = (least_m.abs().min(most_m.abs()), y_m.abs());
             return Err(Reason::limit(Cause::ACROSS_THE_MIDDLE, y_m, inner_m).about(side.index()));
         }
     }
@@ -84,6 +97,14 @@ fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(
     } else {
         Err(Reason::limit(Cause::OUT_OF_RANGE, value, limit).about(index))
     }
+}
+
+/// Least and greatest opening that a hand may be asked for, m.
+fn openings_m(hand: &HandModel) -> (f64, f64) {
+    let bounds_m = hand
+        .workspace()
+        .map_or([0.0, f64::MAX], |workspace| workspace.opening_m);
+    bounds_m.into()
 }
 
 /// Every place that the task takes the hand to must lie in the workspace, and the arm must have a posture for it.
@@ -108,9 +129,6 @@ fn check_place(
 ) -> Result<(), Reason> {
     let (side, width_m) = (goal.side(), goal.request().width_m);
     let hand = now.robot.hand(side);
-    let workspace = Workspace::TWO_HAND_ARM;
-    let (left, right) = (side == Side::Left, workspace.right_y_m);
-    let y_m = if left { [-right[1], -right[0]] } else { right };
     let travel_m = goal.travel_height_m();
     let reach = |value: f64, [lower, upper]: [f64; 2], index: usize| {
         check_range(value, (lower, upper), index).map_err(|r| Reason {
@@ -118,18 +136,23 @@ fn check_place(
             ..r
         })
     };
-    reach(x, workspace.x_m, index)?;
-    reach(y, y_m, index + 1)?;
-    reach(z, workspace.z_m, index + 2)?;
-    reach(travel_m, workspace.z_m, LIFT)?;
     // The hand comes open by the clearance on each side.
-    let [least_m, most_m] = workspace.opening_m;
-    let widest_m = most_m - 2.0 * now.settings.motion.clearance_m;
-    reach(width_m, [least_m, widest_m], WIDTH)?;
+    let wide_m = 2.0 * now.settings.motion.clearance_m;
+    let mut open_m = width_m + wide_m;
+    if let Some(workspace) = hand.workspace() {
+        reach(x, workspace.x_m, index)?;
+        reach(y, workspace.y_m, index + 1)?;
+        reach(z, workspace.z_m, index + 2)?;
+        reach(travel_m, workspace.z_m, LIFT)?;
+        let [least_m, most_m] = workspace.opening_m;
+        reach(width_m, [least_m, most_m - wide_m], WIDTH)?;
+        // Every opening of the box has a posture.
+        open_m = width_m;
+    }
     for height_m in [z, travel_m] {
         let centre_m = Vector3::new(x, y, height_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
-        let frame = GraspFrame::from_above(centre_m, yaw_rad, width_m);
+        let frame = GraspFrame::from_above(centre_m, yaw_rad, open_m);
         if let Err(error) = hand.posture_for(&frame) {
             let error_m = error.best.tip_error_m;
             return Err(Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(index));

@@ -7,7 +7,7 @@
 //! at bodies on the tick. The box also keeps fingertips off the table.
 
 use nalgebra::Vector3;
-use robot_model::{HandModel, HandVector, Side, Workspace};
+use robot_model::{HandModel, HandVector, RobotModel, Side};
 use shm_schemas::{Cause, Reason};
 
 /// Nearest that a centre may come to the middle, m (ours: with fingers along y, opened wide, their knuckles then stay
@@ -18,6 +18,7 @@ pub(super) const MIDDLE_M: f64 = 0.003;
 
 /// The box of one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FollowSpace {
     /// Least and greatest x, y and z of the centre, m.
     pub centre_m: [[f64; 2]; 3],
@@ -26,20 +27,22 @@ pub struct FollowSpace {
 }
 
 impl FollowSpace {
-    /// Where this hand may be led.
+    /// Where this hand may be led: in the workspace of its robot file, and beside another arm on its own side. `None` without
+    /// a workspace.
     #[must_use]
-    pub fn of(side: Side) -> Self {
-        let workspace = Workspace::TWO_HAND_ARM;
-        let [farthest_m, _] = workspace.right_y_m;
+    pub fn of(robot: &RobotModel, side: Side) -> Option<Self> {
+        let workspace = robot.hand(side).workspace()?;
+        let [least_m, most_m] = workspace.y_m;
         let y_m = match side {
-            Side::Right => [farthest_m, -NEAREST_Y_M],
-            Side::Left => [NEAREST_Y_M, -farthest_m],
+            _ if robot.sides().count() == 1 => [least_m, most_m],
+            Side::Right => [least_m, most_m.min(-NEAREST_Y_M)],
+            Side::Left => [least_m.max(NEAREST_Y_M), most_m],
         };
         let [_, widest_m] = workspace.opening_m;
-        Self {
+        Some(Self {
             centre_m: [workspace.x_m, y_m, workspace.z_m],
             opening_m: [0.0, widest_m],
-        }
+        })
     }
 }
 

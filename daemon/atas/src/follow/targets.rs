@@ -4,7 +4,7 @@ use super::bounds::FollowSpace;
 use crate::goal::ActiveGoal;
 use crate::tick::{Tick, nanoseconds};
 use core::f64::consts::TAU;
-use robot_model::Side;
+use robot_model::{RobotModel, Side};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, GraspTarget, GripOrder, Reason};
 
@@ -51,9 +51,11 @@ impl CheckedTarget {
 }
 
 /// The stream that a goal has opened, if one has.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TargetIntake {
+    /// Where each hand may be led; `None` for one that may not.
+    spaces: [Option<FollowSpace>; HANDS],
     stream: Option<Stream>,
     newest: [Option<CheckedTarget>; HANDS],
     warned_ns: Option<u64>,
@@ -70,6 +72,17 @@ struct Stream {
 }
 
 impl TargetIntake {
+    /// Listens to nobody yet.
+    #[must_use]
+    pub fn new(robot: &RobotModel) -> Self {
+        Self {
+            spaces: Side::BOTH.map(|side| FollowSpace::of(robot, side)),
+            stream: None,
+            newest: [None; HANDS],
+            warned_ns: None,
+        }
+    }
+
     /// Listens to the client of this goal from now on, or to nobody.
     pub fn follow(&mut self, goal: Option<&ActiveGoal>, tick: Tick) {
         let stream = goal.filter(|goal| goal.request.kind.is_stream());
@@ -91,7 +104,7 @@ impl TargetIntake {
             return finding;
         };
         for target in targets {
-            match stream.check(target, tick) {
+            match stream.check(target, &self.spaces, tick) {
                 Ok((hand, checked)) => self.newest[hand] = Some(checked),
                 Err(reason) => finding = reason,
             }
@@ -129,6 +142,7 @@ impl Stream {
     fn check(
         &mut self,
         target: &GraspTarget,
+        spaces: &[Option<FollowSpace>; HANDS],
         tick: Tick,
     ) -> Result<(usize, CheckedTarget), Reason> {
         if !target.is_intact() {
@@ -144,7 +158,8 @@ impl Stream {
         if !target.grip.is_known() {
             return Err(unknown(target.grip.0));
         }
-        check_values(target, Side::BOTH[hand])?;
+        let space = spaces[hand].ok_or(unknown(target.hand.0))?;
+        check_values(target, &space)?;
         self.next_sequence = target.stamp.sequence.saturating_add(1);
         let target = *target;
         Ok((
@@ -171,12 +186,11 @@ impl Stream {
 }
 
 /// Every number finite, and where the hand may be led.
-fn check_values(target: &GraspTarget, side: Side) -> Result<(), Reason> {
+fn check_values(target: &GraspTarget, space: &FollowSpace) -> Result<(), Reason> {
     let values = target.values();
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {
         return Err(Reason::of(Cause::TARGET_NOT_FINITE).about(index));
     }
-    let space = FollowSpace::of(side);
     let [x_m, y_m, z_m] = space.centre_m;
     let opening_m = match target.grip {
         GripOrder::HOLD => [f64::NEG_INFINITY, f64::INFINITY],

@@ -5,9 +5,9 @@
 //! fast the fingers close and the hand goes along its path. A table has no words for giving up: one that takes the hand back
 //! for [`BACK_MAX_S`] altogether has given the object up, and the object is set down. Without a table it proposes nothing.
 
-use super::force_limit::too_heavy;
-use super::slip::{is_loading, slips_grossly, turns};
-use super::{Context, Module, Proposal, RELEASE_SHARE, Roles, Verdict, force_range_n};
+use super::force_limit::{exceeds_f2, too_heavy};
+use super::slip::{is_loading, slips_grossly, turns, uses_up};
+use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
 use crate::perception::{FingerPercept, Percept};
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::{ModuleId, SensorBit};
@@ -74,23 +74,12 @@ impl BehaviourTable {
     fn feel(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.grasp;
         let (_, strongest_n) = force_range_n(percept);
-        let f2_n = context.thresholds.f2_n;
-        self.above_f2 = strongest_n
-            > if self.above_f2 {
-                RELEASE_SHARE * f2_n
-            } else {
-                f2_n
-            };
+        self.above_f2 = exceeds_f2(strongest_n, self.above_f2, context.thresholds.f2_n);
         let mut slips = false;
         let fingers = percept.virtual_fingers.iter();
         for ((finger, slipping), turning) in fingers.zip(&mut self.slipping).zip(&mut self.turning)
         {
-            let limit = if *slipping {
-                settings.slip_off
-            } else {
-                settings.slip_on
-            };
-            *slipping = finger.utilisation > limit;
+            *slipping = uses_up(finger, *slipping, settings);
             *turning = turns(finger, *turning, context);
             slips |= *slipping
                 || *turning

@@ -31,12 +31,7 @@ impl Module for ForceLimit {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
         let (_, strongest_n) = force_range_n(percept);
-        self.active = strongest_n
-            > if self.active {
-                RELEASE_SHARE * f2_n
-            } else {
-                f2_n
-            };
+        self.active = exceeds_f2(strongest_n, self.active, f2_n);
         let ceiling_m_s = match self.active {
             true if strongest_n > settings.relieve_at * f2_n => -settings.relieve_m_s,
             true => 0.0,
@@ -66,6 +61,11 @@ pub(super) fn too_heavy(strongest_n: f64, context: &Context<'_>) -> Reason {
         Cause::TOO_HEAVY
     };
     Reason::limit(cause, strongest_n, f2_n)
+}
+
+/// Whether the fingers press with more than F_2, with hysteresis.
+pub(super) fn exceeds_f2(strongest_n: f64, exceeded: bool, f2_n: f64) -> bool {
+    strongest_n > if exceeded { RELEASE_SHARE * f2_n } else { f2_n }
 }
 
 impl ForceLimit {

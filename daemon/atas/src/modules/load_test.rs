@@ -6,7 +6,7 @@
 //! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
 
 use super::force_limit::too_heavy;
-use super::{Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n};
+use super::{Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, load_n};
 use crate::perception::Percept;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
@@ -141,9 +141,4 @@ impl Tug {
         let keeps = self.load_n < LOAD_FLOOR_N || self.least_n >= HANGING_SHARE * self.load_n;
         (self.frames > FRAMES).then_some(keeps)
     }
-}
-
-/// Tangential force that all fingers carry, N.
-fn load_n(percept: &Percept) -> f64 {
-    percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
 }

@@ -49,6 +49,7 @@ mod transfer;
 pub(crate) use force_limit::RELEASE_SHARE;
 pub use proposal::{
     Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, force_range_n, force_up_n,
+    load_n,
 };
 pub use selection::Selection;
 

@@ -175,6 +175,12 @@ pub fn force_range_n(percept: &Percept) -> (f64, f64) {
     )
 }
 
+/// Tangential force that the virtual fingers carry together, N.
+#[must_use]
+pub fn load_n(percept: &Percept) -> f64 {
+    percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
+}
+
 /// Vertical force of the object on all fingers that grip, base frame, N; negative while the object hangs.
 #[must_use]
 pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>]) -> f64 {

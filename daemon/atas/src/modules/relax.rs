@@ -6,7 +6,7 @@
 //! least force of a grip, nor below the force, for the present load, at which opening made it necessary to press again.
 
 use super::slip::STEADY_SHARE;
-use super::{Context, Module, Proposal, force_range_n};
+use super::{Context, Module, Proposal, force_range_n, load_n};
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{FingerPercept, Percept};
 use robot_model::VIRTUAL_FINGERS;
@@ -138,11 +138,6 @@ impl Relax {
         });
         self.utilisation
     }
-}
-
-/// Tangential force that all fingers carry, N.
-fn load_n(percept: &Percept) -> f64 {
-    percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
 }
 
 /// Utilisation if the friction is as much less than remembered as noise may have added to it. A patch that is sheared and

@@ -16,6 +16,7 @@
 use super::fall::Fall;
 use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::{FingerPercept, Percept};
+use crate::settings::Grasp;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
@@ -75,12 +76,7 @@ impl Module for Slip {
             cause |= *turning;
         }
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
-            *slipping = finger.utilisation
-                > if *slipping {
-                    settings.slip_off
-                } else {
-                    settings.slip_on
-                };
+            *slipping = uses_up(finger, *slipping, settings);
             cause |= *slipping
                 || slips_grossly(finger, context)
                 || (!brakes && is_loading(finger, context));
@@ -140,6 +136,16 @@ fn hangs(context: &Context<'_>) -> bool {
 fn conveys(context: &Context<'_>) -> bool {
     let ahead_m = context.path.end().centre_m - context.frame.centre_m;
     ahead_m.xy().norm() > CONVEYS_M
+}
+
+/// Whether a finger uses up its friction, with hysteresis.
+pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, settings: &Grasp) -> bool {
+    finger.utilisation
+        > if used_up {
+            settings.slip_off
+        } else {
+            settings.slip_on
+        }
 }
 
 /// Whether what is lifted is about to turn in the hand, with hysteresis.

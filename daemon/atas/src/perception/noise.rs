@@ -36,10 +36,10 @@ impl Noise {
         share: f64,
         step_s: f64,
     ) {
-        if let Some(before_n) = self.before_n
+        if let Some(before_n) = &self.before_n
             && share > 0.0
         {
-            let changes = elements_n[..count].iter().zip(&before_n);
+            let changes = elements_n[..count].iter().zip(before_n);
             let sum: f64 = changes
                 .map(|([_, t1, t2], [_, b1, b2])| (t1 - b1) * (t1 - b1) + (t2 - b2) * (t2 - b2))
                 .sum();

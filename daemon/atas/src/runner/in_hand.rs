@@ -8,7 +8,7 @@
 //!   the grip, and the lever gets shorter.
 //! * **Loss**: what is gone has no weight, whatever a drifting sensor says of the grip.
 
-use crate::modules::Finding;
+use crate::modules::{Finding, load_n};
 use crate::perception::Percept;
 use shm_schemas::{Cause, Reason};
 
@@ -76,7 +76,7 @@ impl InHand {
 
     fn feel(&mut self, percept: &Percept, step_s: f64) {
         let fingers = &percept.virtual_fingers;
-        let load_n: f64 = fingers.iter().map(|f| f.tangential_n).sum();
+        let load_n = load_n(percept);
         if load_n < LOAD_MIN_N {
             return;
         }

@@ -12,6 +12,8 @@ pub struct Demands {
     pub visits_target: bool,
     /// A turn begins at the grasp, so the hand comes with its fingertips displaced.
     pub grasps_to_turn: bool,
+    /// The fingertips pass each other, as turning a cap needs.
+    pub turns: bool,
     /// The task begins by letting go, so the hand may be full.
     pub lets_go_first: bool,
     /// Both hands take part.
@@ -38,6 +40,7 @@ impl Task {
             ]),
             visits_target: visits(&[Waypoint::OverTarget]) || does(track, Motion::Lower),
             grasps_to_turn: does(track, Motion::Square) && !visits(&[Waypoint::TurnStart]),
+            turns: does(track, Motion::Square),
             lets_go_first: track
                 .first()
                 .is_some_and(|s| matches!(s.motion, Motion::Open | Motion::LetGo)),

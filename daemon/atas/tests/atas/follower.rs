@@ -192,7 +192,7 @@ proptest! {
         left in any::<bool>(),
     ) {
         let side = if left { Side::Left } else { Side::Right };
-        let pose = pose_in(&FollowSpace::of(side), shares, yaw_rad);
+        let pose = pose_in(&FollowSpace::of(robot(), side).expect("its robot file has a workspace"), shares, yaw_rad);
         let (error_m, across) = posture(side, &pose, yaw_rad);
         prop_assert!(error_m < 1e-4, "{pose:?}: {error_m}");
         prop_assert_eq!(across, None, "{:?}", pose);

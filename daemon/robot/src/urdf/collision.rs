@@ -2,6 +2,7 @@
 
 use std::format;
 use std::string::String;
+use std::vec;
 use std::vec::Vec;
 
 use nalgebra::Vector3;
@@ -11,9 +12,11 @@ use super::error::{Misfit, misfit};
 use super::framed::Framed;
 use super::tree::{Tree, finite, transform};
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
+use crate::robot_file::FingerEntry;
 
-/// Radius of the one collision sphere of a tip link, metres.
-pub(super) fn dome_radius(tree: &Tree, tip_link: &str) -> Result<f64, Misfit> {
+/// Radius of a fingertip's dome: what the robot file says, else that of the one collision sphere of its link, metres.
+pub(super) fn dome_radius(tree: &Tree, entry: &FingerEntry) -> Result<f64, Misfit> {
+    let tip_link = &entry.tip;
     let spheres: Vec<f64> = tree
         .link(tip_link)?
         .collision
@@ -23,18 +26,26 @@ pub(super) fn dome_radius(tree: &Tree, tip_link: &str) -> Result<f64, Misfit> {
             _ => None,
         })
         .collect();
-    match spheres[..] {
+    let radii = entry
+        .dome_radius_m
+        .map_or(spheres, |radius_m| vec![radius_m]);
+    match radii[..] {
         [radius] if radius.is_finite() && radius > 0.0 => Ok(radius),
         _ => Err(misfit(
             format!("the collision of link `{tip_link}`"),
-            format!("spheres of radius {spheres:?}"),
-            "exactly one sphere of positive radius, the dome (m)",
+            format!("spheres of radius {radii:?}"),
+            "exactly one sphere of positive radius, the dome (m), or `dome_radius_m` in the robot file",
         )),
     }
 }
 
-/// The collision capsules of every link that a hand's frames move, each in its frame.
-pub(super) fn load_capsules(tree: &Tree, frames: &[Framed]) -> Result<Capsules, Misfit> {
+/// The collision capsules of every link that a hand's frames move, each in its frame. A hand that is alone has no other to
+/// keep apart from, so what is no capsule may be passed over.
+pub(super) fn load_capsules(
+    tree: &Tree,
+    frames: &[Framed],
+    alone: bool,
+) -> Result<Capsules, Misfit> {
     let mut capsules = Capsules::new();
     for link in &tree.robot().links {
         let Some((mover, path)) = tree.mover(&link.name)? else {
@@ -46,12 +57,15 @@ pub(super) fn load_capsules(tree: &Tree, frames: &[Framed]) -> Result<Capsules, 
         let framed = &frames[index];
         for collision in &link.collision {
             let what = || format!("the collision of link `{}`", link.name);
-            let (radius_m, half_length_m) = capsule_size(&collision.geometry, what)?;
+            if alone && matches!(collision.geometry, Geometry::Mesh { .. }) {
+                continue;
+            }
+            let (radius_m, along_m) = capsule_size(&collision.geometry, what)?;
             let frame_from_shape = framed
                 .frame_from_link
                 .then(&path)
                 .then(&transform(&collision.origin, what)?);
-            let end = |sign: f64| frame_from_shape.point(&(Vector3::z() * (sign * half_length_m)));
+            let end = |sign: f64| frame_from_shape.point(&(along_m * sign));
             let capsule = Capsule {
                 a_m: end(-1.0),
                 b_m: end(1.0),
@@ -70,26 +84,27 @@ pub(super) fn load_capsules(tree: &Tree, frames: &[Framed]) -> Result<Capsules, 
     Ok(capsules)
 }
 
-/// Radius and half length of the capsule around a shape, metres.
-fn capsule_size(geometry: &Geometry, what: impl Fn() -> String) -> Result<(f64, f64), Misfit> {
-    let (radius, length) = match *geometry {
+/// Radius of the capsule around a shape, and the way from its middle to an end, in the shape's frame, metres.
+fn capsule_size(
+    geometry: &Geometry,
+    what: impl Fn() -> String,
+) -> Result<(f64, Vector3<f64>), Misfit> {
+    let (radius, length, axis) = match *geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
-            (radius, length)
+            (radius, length, 2)
         }
-        Geometry::Sphere { radius } => (radius, 0.0),
-        Geometry::Box { .. } => {
-            return Err(misfit(what(), "a box", "a cylinder, a capsule or a sphere"));
-        }
+        Geometry::Sphere { radius } => (radius, 0.0, 2),
+        Geometry::Box { size } => around_box(size.0),
         Geometry::Mesh { .. } => {
-            return Err(misfit(
-                what(),
-                "a mesh",
-                "a cylinder, a capsule or a sphere",
-            ));
+            let needs =
+                "a cylinder, a capsule, a box or a sphere, because the arms must keep apart";
+            return Err(misfit(what(), "a mesh", needs));
         }
     };
     if finite(&[radius, length]) && radius > 0.0 && length >= 0.0 {
-        Ok((radius, length / 2.0))
+        let mut along_m = Vector3::zeros();
+        along_m[axis] = length / 2.0;
+        Ok((radius, along_m))
     } else {
         Err(misfit(
             what(),
@@ -97,4 +112,13 @@ fn capsule_size(geometry: &Geometry, what: impl Fn() -> String) -> Result<(f64, 
             "a positive radius and a length (m)",
         ))
     }
+}
+
+/// Radius, length and axis of the capsule around a box with these edges: along the longest one, as thick as the other two need.
+fn around_box(edges_m: [f64; 3]) -> (f64, f64, usize) {
+    let axis = (0..3)
+        .max_by(|a, b| edges_m[*a].total_cmp(&edges_m[*b]))
+        .unwrap_or(2);
+    let [across_m, other_m] = [edges_m[(axis + 1) % 3], edges_m[(axis + 2) % 3]];
+    (libm::hypot(across_m, other_m) / 2.0, edges_m[axis], axis)
 }

@@ -17,6 +17,21 @@ pub enum ModelError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// No robot of this name ships, and it is no robot file.
+    #[error(
+        "could not load the robot {name:?} because no robot of this name ships, needs one of {known} or the path of a robot file (.toml); `atas robot list` shows them"
+    )]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The names of those that ship.
+        known: String,
+    },
+    /// A URDF alone does not say where the fingertips are.
+    #[error(
+        "could not load the robot {0:?} because it is a URDF, needs the robot file (.toml) that names it; write one: `atas robot check` tells what is missing"
+    )]
+    NoRobotFile(String),
     /// The text is not a URDF.
     #[error(
         "could not load the robot because its text was not a URDF ({0}), needs well-formed URDF; check the XML"

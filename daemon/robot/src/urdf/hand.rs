@@ -5,7 +5,7 @@ use std::format;
 use std::string::String;
 use std::vec::Vec;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::collision::{dome_radius, load_capsules};
 use super::error::{Findings, Misfit, misfit};
@@ -22,6 +22,7 @@ use crate::sizes::{
 };
 use crate::transform::Transform;
 use crate::vector::HandVector;
+use crate::workspace::Workspace;
 
 /// How closely a finger's joint must be parallel to the closing axis to tilt the finger about it, as the cosine between them.
 const TILTS_COS: f64 = 0.99;
@@ -34,11 +35,13 @@ struct Chains<'a> {
 
 type Entries = BTreeMap<String, JointEntry>;
 
+/// Loads a hand; `alone` if the robot has no other.
 pub(super) fn load_hand(
     tree: &Tree,
     side: Side,
     entry: &HandEntry,
     entries: &Entries,
+    alone: bool,
     findings: &mut Findings,
 ) -> Option<HandModel> {
     check_sides(entry, findings);
@@ -52,8 +55,10 @@ pub(super) fn load_hand(
     load_joints(&mut hand, &order, tree, entries, findings)?;
     let frames = load_frames(&mut hand, &order, &chains, findings)?;
     load_links(&mut hand, tree, entry, &chains, &frames, findings)?;
-    hand.capsules = findings.note(load_capsules(tree, &frames))?;
+    hand.capsules = findings.note(load_capsules(tree, &frames, alone))?;
+    turn_tips(&mut hand, entry, findings);
     settle(&mut hand, entry);
+    check_rest(&hand, entry, findings);
     Some(hand)
 }
 
@@ -306,16 +311,42 @@ fn load_links(
     hand.palm = mounted(&chains.palm, frames).0;
     for (index, (chain, entry)) in chains.tips.iter().zip(&entry.fingers).enumerate() {
         let link = findings.note(name(&entry.tip));
-        let radius_m = findings.note(dome_radius(tree, &entry.tip));
+        let radius_m = findings.note(dome_radius(tree, entry));
         let finger = &mut hand.fingers[index];
         (finger.link, hand.dome_radius_m[index]) = (link?, radius_m?);
         let (tip, moved_by) = mounted(chain, frames);
         finger.tip = tip;
+        let dome_m = Vector3::from(entry.dome_m.unwrap_or_default());
+        finger.tip.frame_from_link.translation_m = tip.frame_from_link.point(&dome_m);
         for frame in moved_by {
             finger.moved_by[frame] = true;
         }
     }
     Some(())
+}
+
+/// Turns the tip frames of links whose sensor faces a direction of its own, as [`crate::HandPose::base_from_tip`] has them.
+fn turn_tips(hand: &mut HandModel, entry: &HandEntry, findings: &mut Findings) {
+    let straight = hand.forward(&HandVector::zeros(hand.joint_count));
+    let pointing = straight.hand_axis();
+    for (index, finger) in entry.fingers.iter().enumerate() {
+        let Some(facing) = finger.facing.map(Vector3::from) else {
+            continue;
+        };
+        let base_from_link = straight.base_from_tip()[index].rotation;
+        let along = base_from_link.transpose() * pointing;
+        let axis = facing.try_normalize(1e-9).unwrap_or_default();
+        let down = (along - axis * axis.dot(&along)).try_normalize(1e-6);
+        let (Some(down), true) = (down, axis.iter().all(|x| x.is_finite())) else {
+            let item = format!("the facing of fingertip `{}`", finger.tip);
+            let needs = "a direction across that in which the hand points";
+            findings.add(misfit(item, format!("{:?}", facing.as_slice()), needs));
+            continue;
+        };
+        let link_from_tip = Matrix3::from_columns(&[down, axis.cross(&down), axis]);
+        let tip = &mut hand.fingers[index].tip.frame_from_link;
+        tip.rotation *= link_from_tip;
+    }
 }
 
 /// The end of a chain, and the frames that move it.
@@ -358,4 +389,40 @@ fn settle(hand: &mut HandModel, entry: &HandEntry) {
     let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
     hand.home_m = entry.home_m.map_or(middle_m, Vector3::from);
     hand.home_opening_m = entry.home_opening_m.unwrap_or(open_m);
+    let reference_yaw_rad = hand.yaw_of_joints_rad(&hand.reference_rad, &hand.home_m);
+    hand.home_yaw_rad = entry
+        .home_yaw_deg
+        .map_or(reference_yaw_rad, f64::to_radians);
+    hand.object_m = entry.object_m.unwrap_or([hand.home_m.x, hand.home_m.y]);
+    hand.workspace = entry.workspace.map(|entry| Workspace {
+        x_m: entry.x_m,
+        y_m: entry.y_m,
+        z_m: entry.z_m,
+        opening_m: entry.opening_m,
+    });
+}
+
+/// Where a hand rests, and its workspace, are numbers that make sense.
+fn check_rest(hand: &HandModel, entry: &HandEntry, findings: &mut Findings) {
+    let item = |what: &str| format!("the {what} of palm `{}`", entry.palm);
+    let numbers = [
+        hand.home_m.as_slice(),
+        &[hand.home_opening_m, hand.home_yaw_rad],
+        &hand.object_m,
+    ];
+    if numbers.concat().iter().any(|value| !value.is_finite()) {
+        findings.add(misfit(item("home"), "not finite", "finite numbers"));
+        return;
+    }
+    if hand
+        .workspace
+        .is_some_and(|workspace| !workspace.is_sound())
+    {
+        let needs = "finite numbers, the least before the greatest";
+        findings.add(misfit(
+            item("workspace"),
+            format!("{:?}", entry.workspace),
+            needs,
+        ));
+    }
 }

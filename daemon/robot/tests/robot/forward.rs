@@ -143,7 +143,7 @@ fn check_against_climb(urdf: &Robot, robot: &RobotModel, side: Side, q: &HandVec
 
 /// The built-in robot with every joint's origin and axis moved, and a fixed spacer in each forearm.
 fn reshaped(seeds: Vec<[f64; 9]>) -> Robot {
-    let mut urdf = urdf_rs::read_from_string(TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
+    let mut urdf = urdf_rs::read_from_string(&TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
     for (joint, seed) in urdf.joints.iter_mut().zip(seeds) {
         for axis in 0..3 {
             joint.origin.xyz[axis] += 0.05 * seed[axis];
@@ -176,7 +176,7 @@ fn reshaped(seeds: Vec<[f64; 9]>) -> Robot {
 proptest! {
     #[test]
     fn built_in_robot_equals_an_independent_climb(side in side(), fractions in fractions()) {
-        let urdf = urdf_rs::read_from_string(TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
+        let urdf = urdf_rs::read_from_string(&TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
         check_against_climb(&urdf, &ROBOT, side, &between_limits(ROBOT.hand(side), &fractions));
     }
 
@@ -188,7 +188,7 @@ proptest! {
     ) {
         let urdf = reshaped(seeds);
         let text = urdf_rs::write_to_string(&urdf).expect("the reshaped robot prints");
-        let robot = RobotModel::from_urdf(&text).expect("the reshaped robot loads");
+        let robot = RobotModel::load(&text, &TWO_HAND_ARM.robot_file).expect("the reshaped robot loads");
         check_against_climb(&urdf, &robot, side, &between_limits(robot.hand(side), &fractions));
     }
 }
@@ -233,7 +233,7 @@ fn fingers_close_inward_with_positive_knuckle_and_distal() {
 
 #[test]
 fn joints_of_the_robot_run_left_then_right_as_in_the_urdf() {
-    let urdf = urdf_rs::read_from_string(TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
+    let urdf = urdf_rs::read_from_string(&TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
     let moving = urdf.joints.iter();
     let moving = moving.filter(|joint| joint.joint_type != JointType::Fixed);
     let wanted: Vec<_> = moving.map(|joint| joint.name.clone()).collect();

@@ -25,11 +25,11 @@ proptest! {
             let hand_axis = jacobian.hand_axis.column(joint).into_owned();
             assert_near("hand axis", hand_axis, slope(&HandPose::hand_axis), TOLERANCE);
             for finger in 0..hand.finger_count() {
-                let tip = jacobian.tip[finger].column(joint).into_owned();
+                let tip = jacobian.tips[finger].position.column(joint).into_owned();
                 assert_near("tip", tip, slope(&|pose| pose.tip_m(finger)), TOLERANCE);
-                let dome = jacobian.dome_axis[finger].column(joint).into_owned();
+                let dome = jacobian.tips[finger].dome_axis.column(joint).into_owned();
                 assert_near("dome axis", dome, slope(&|pose| pose.dome_axis(finger)), TOLERANCE);
-                let turn = jacobian.tip_angular[finger].column(joint).into_owned();
+                let turn = jacobian.tips[finger].angular.column(joint).into_owned();
                 let x = pose.base_from_tip()[finger].x_axis();
                 assert_near("turn", turn.cross(&x), slope(&|pose| pose.base_from_tip()[finger].x_axis()), TOLERANCE);
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use robot_model::{Placement, RobotModel, RobotVector, Side, Skeleton, TWO_HAND_ARM};
+use robot_model::{Placement, RobotVector, SHIPPED, Side, Skeleton, TWO_HAND_ARM};
 
 use crate::support::{ROBOT, between_limits, fractions};
 
@@ -28,7 +28,7 @@ proptest! {
     #[test]
     fn fingertips_are_where_the_controller_has_them(at in fractions(), side in 0..2_usize) {
         let side = Side::BOTH[side];
-        let skeleton = Skeleton::two_hand_arm().expect("built in");
+        let skeleton = TWO_HAND_ARM.skeleton().expect("it ships");
         let hand = ROBOT.hand(side);
         let q_hand_rad = between_limits(hand, &at);
         let mut q_rad = RobotVector::zeros(ROBOT.joint_count());
@@ -47,19 +47,48 @@ proptest! {
 
 #[test]
 fn joints_are_named_in_the_order_of_joint_vectors() {
-    let skeleton = Skeleton::two_hand_arm().expect("built in");
-    let robot = RobotModel::two_hand_arm().expect("built in");
-    let names: Vec<&str> = robot.joints().map(|joint| joint.name.as_str()).collect();
-    assert_eq!(skeleton.joint_names(), names);
-    let shapes: usize = skeleton.limbs().iter().map(|limb| limb.shapes.len()).sum();
-    assert_eq!(shapes, TWO_HAND_ARM.urdf.matches("<visual>").count());
+    for files in SHIPPED {
+        let (skeleton, robot) = (
+            files.skeleton().expect("it ships"),
+            files.load().expect("it ships"),
+        );
+        let names: Vec<&str> = robot.joints().map(|joint| joint.name.as_str()).collect();
+        assert_eq!(skeleton.joint_names(), names);
+        let shapes: usize = skeleton.limbs().iter().map(|limb| limb.shapes.len()).sum();
+        assert_eq!(shapes, files.urdf.matches("<visual>").count());
+    }
+}
+
+#[test]
+fn a_jaw_that_mimics_another_follows_it() {
+    for files in SHIPPED {
+        let (skeleton, robot) = (
+            files.skeleton().expect("it ships"),
+            files.load().expect("it ships"),
+        );
+        let hand = robot.hand(robot.acting_side());
+        let mut q_rad = RobotVector::zeros(robot.joint_count());
+        q_rad[robot.joint_range(hand.side())].copy_from_slice(hand.reference_rad());
+        let base_from = placed(&skeleton, &q_rad);
+        let pose = hand.forward(hand.reference_rad());
+        for (finger, name) in hand.tip_links().enumerate() {
+            let index = skeleton
+                .limbs()
+                .iter()
+                .position(|limb| limb.name == name)
+                .expect("a tip");
+            let off_m = base_from[index].translation.vector - pose.tip_m(finger);
+            assert!(off_m.norm() < 1e-9, "{} {name}: {off_m}", files.name);
+        }
+    }
 }
 
 #[test]
 fn what_is_no_tree_is_refused_by_name() {
     let check = |body: &str, part: &str| {
         let text = format!("<robot name=\"r\">{body}</robot>");
-        let error = Skeleton::from_urdf(&text).expect_err(body).to_string();
+        let error = Skeleton::read(&text, vec!["j".into(), "k".into()]);
+        let error = error.expect_err(body).to_string();
         assert!(error.contains(part), "{error}");
     };
     let links = "<link name=\"a\"/><link name=\"b\"/>";

@@ -1,14 +1,19 @@
 //! The URDF loader: what it takes, and what it says about what it refuses.
 
-use robot_model::{RobotModel, Side, TWO_HAND_ARM};
+use robot_model::{ModelError, RobotFiles, RobotModel, SHIPPED, Side, TWO_HAND_ARM};
 
 use crate::support::ROBOT;
+
+/// The two-hand arm with another URDF.
+fn with_urdf(urdf: &str) -> Result<RobotModel, ModelError> {
+    RobotModel::load(urdf, &TWO_HAND_ARM.robot_file)
+}
 
 /// Loads the built-in URDF with the first `from` replaced by `to` and compares the error.
 #[track_caller]
 fn check(from: &str, to: &str, wanted: &str) {
     assert!(TWO_HAND_ARM.urdf.contains(from), "the URDF has no {from}");
-    let error = RobotModel::from_urdf(&TWO_HAND_ARM.urdf.replacen(from, to, 1))
+    let error = with_urdf(&TWO_HAND_ARM.urdf.replacen(from, to, 1))
         .expect_err("refused")
         .to_string();
     assert!(error.contains(wanted), "said: {error}\nlacks: {wanted}");
@@ -142,8 +147,8 @@ fn a_structure_that_does_not_fit_is_named() {
         ),
         (
             r#"<cylinder radius="0.033" length="0.25"/></geometry></collision>"#,
-            r#"<box size="1 1 1"/></geometry></collision>"#,
-            "the collision of link `left_forearm` was a box",
+            r#"<box size="0 0 NaN"/></geometry></collision>"#,
+            "the collision of link `left_forearm` was radius 0",
         ),
         (
             r#"<cylinder radius="0.033" length="0.25"/></geometry></collision>"#,
@@ -164,9 +169,7 @@ fn text_that_is_no_urdf_is_refused() {
         "<robot name=\"empty\"/>",
         "<html></html>",
     ] {
-        let error = RobotModel::from_urdf(text)
-            .expect_err("refused")
-            .to_string();
+        let error = with_urdf(text).expect_err("refused").to_string();
         assert!(
             error.starts_with("could not load the robot because"),
             "{text:?}: {error}"
@@ -186,26 +189,40 @@ fn too_many_collision_shapes_are_refused() {
 }
 
 #[test]
-fn a_missing_file_is_named() {
-    let error = RobotModel::from_urdf_file("/nowhere/robot.urdf")
-        .expect_err("no such file")
-        .to_string();
-    assert!(
-        error.contains("/nowhere/robot.urdf was unreadable"),
-        "{error}"
+fn what_cannot_be_found_is_named() {
+    let check = |robot: &str, part: &str| {
+        let error = RobotModel::find(robot)
+            .expect_err("no such robot")
+            .to_string();
+        assert!(error.contains(part), "{error}");
+    };
+    check("/nowhere/robot.toml", "/nowhere/robot.toml was unreadable");
+    check(
+        "/nowhere/robot.urdf",
+        "needs the robot file (.toml) that names it",
+    );
+    check(
+        "two-hand-arn",
+        "needs one of two-hand-arm, arm7-gripper, test-bench",
     );
 }
 
 #[test]
 fn a_file_gives_the_same_robot_as_its_text() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/robots/two-hand-arm/robot.urdf"
-    );
-    assert_eq!(
-        RobotModel::from_urdf_file(path).expect("the file loads"),
-        *ROBOT
-    );
+    for shipped in SHIPPED {
+        let (folder, name) = (env!("CARGO_MANIFEST_DIR"), &shipped.name);
+        let read =
+            RobotFiles::find(&format!("{folder}/robots/{name}/robot.toml")).expect("readable");
+        assert_eq!(
+            (&read.urdf, &read.robot_file),
+            (&shipped.urdf, &shipped.robot_file)
+        );
+        assert_eq!(
+            RobotModel::find(name).expect("it ships"),
+            read.load().expect("it ships")
+        );
+    }
+    assert_eq!(TWO_HAND_ARM.load().expect("it ships"), *ROBOT);
 }
 
 #[test]
@@ -215,7 +232,7 @@ fn limits_come_from_the_file() {
         &ELBOW.replace("2.618", "1.2").replace("0.0873", "0.2"),
         1,
     );
-    let robot = RobotModel::from_urdf(&text).expect("other limits fit");
+    let robot = with_urdf(&text).expect("other limits fit");
     let hand = robot.hand(Side::Left);
     assert_eq!(
         (hand.joints()[2].lower_rad, hand.joints()[2].upper_rad),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
+use robot_model::{RobotModel, TWO_HAND_ARM};
 use shm_bus::BusName;
 use sim_backend::Scene;
 use sim_backend::faults::Fault;
@@ -58,6 +59,7 @@ pub(crate) enum Command {
 const RUN_EXAMPLES: &str = "\
 Examples:
   atas-sim run --object wood
+  atas-sim run --object wood --robot test-bench
   atas-sim run --scene assembly --vary --seed 7
   atas-sim run --object wood --errors crosstalk=3,centre-of-mass
   atas-sim run --object bottle@0.3,-0.1,45 --lockstep --duration 20 --fault drop=0.3@2+0.5:right
@@ -83,9 +85,9 @@ pub(crate) struct RunArgs {
     /// Inject a fault, see `atas-sim faults`. May be given several times.
     #[arg(long = "fault", value_name = "FAULT")]
     pub(crate) faults: Vec<Fault>,
-    /// Robot to simulate: a URDF of the built-in robot's structure.
-    #[arg(long, value_name = "URDF")]
-    pub(crate) robot: Option<PathBuf>,
+    /// Robot to simulate: one that ships (`atas robot list`), or a robot file.
+    #[arg(long, value_name = "NAME|FILE", default_value_t = TWO_HAND_ARM.name.to_string())]
+    pub(crate) robot: String,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -97,8 +99,8 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 impl RunArgs {
     /// The scene that the arguments describe.
-    pub(crate) fn scene(&self) -> Result<Scene, Failure> {
-        self.scene.scene(self.seed)
+    pub(crate) fn scene(&self, robot: &RobotModel) -> Result<Scene, Failure> {
+        self.scene.scene(robot, self.seed)
     }
 }
 
@@ -114,7 +116,10 @@ mod tests {
             .map_err(|error| error.to_string())?
             .command
         {
-            Command::Run(args) => args.scene().map_err(|failure| failure.to_string()),
+            Command::Run(args) => {
+                let robot = RobotModel::find(&args.robot).map_err(|error| error.to_string())?;
+                args.scene(&robot).map_err(|failure| failure.to_string())
+            }
             other => Err(format!("{other:?}")),
         }
     }
@@ -129,6 +134,13 @@ mod tests {
             ([0.3, -0.1], 45_f64.to_radians())
         );
         assert!(placed[1].position_m[1] > 0.0, "in front of the left hand");
+    }
+
+    #[test]
+    fn another_robot_has_its_objects_before_it() {
+        let scene = scene("--robot test-bench --object wood").expect("a scene");
+        assert_eq!(scene.objects[0].position_m, [0.3, 0.0]);
+        assert_eq!(scene.grasp_hint(0).expect("told").from_m[..2], [0.3, 0.0]);
     }
 
     #[test]
@@ -166,6 +178,12 @@ mod tests {
             let message = scene(arguments).expect_err(arguments);
             assert!(message.contains(part), "{arguments}: {message}");
         };
+        check("--robot benc", "needs one of two-hand-arm");
+        check(
+            "--robot test-bench --hand left",
+            "the robot has no left hand",
+        );
+        check("--robot test-bench --scene assembly", "needs both hands");
         check("--object botle", "did you mean \"bottle\"?");
         check("--object wood@here", "needs X,Y or X,Y,YAW");
         check("--object /no/such.toml", "check the path");

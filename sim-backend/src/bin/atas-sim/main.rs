@@ -58,11 +58,8 @@ fn main() -> ExitCode {
 
 fn run(args: &RunArgs) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
-    let robot = match &args.robot {
-        Some(path) => RobotModel::from_urdf_file(path)?,
-        None => RobotModel::two_hand_arm()?,
-    };
-    let scene = args.scene()?;
+    let robot = RobotModel::find(&args.robot)?;
+    let scene = args.scene(&robot)?;
     let world = World::new(&robot, &scene, args.seed)?;
     let bus = Bus::open(&args.bus, "atas-sim", shm_bus::Realtime::Yes)?;
     let mut session = Session::open(&bus, world, &args.faults, args.seed)?;
@@ -79,7 +76,7 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
 /// Says what is simulated, and where a client would grasp it.
 fn announce(args: &RunArgs, scene: &Scene) {
     let pace = if args.lockstep { "lock-step" } else { "1 kHz" };
-    tracing::info!(bus = %args.bus, seed = args.seed, pace, "simulating");
+    tracing::info!(bus = %args.bus, robot = args.robot, seed = args.seed, pace, "simulating");
     for (index, placed) in scene.objects.iter().enumerate() {
         if let Some(hint) = scene.grasp_hint(index) {
             let [x, y, z] = hint.from_m;

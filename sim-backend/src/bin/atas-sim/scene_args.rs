@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use robot_model::Side;
+use robot_model::{HandModel, RobotModel, Side};
 use sim_backend::{Errors, Object, Placed, Scene};
 
 use crate::failure::Failure;
@@ -22,9 +22,10 @@ pub(crate) struct SceneArgs {
     /// Bottle to screw it on: a built-in name or a TOML file with a neck [default: open-bottle]
     #[arg(long, value_name = "NAME|FILE")]
     bottle: Option<String>,
-    /// Hand in front of which objects without a place stand; in assembly the hand that screws.
-    #[arg(long, value_enum, default_value = "right")]
-    hand: HandArg,
+    /// Hand in front of which objects without a place stand; in assembly the hand that screws [default: right, where the
+    /// robot has it]
+    #[arg(long, value_enum)]
+    hand: Option<HandArg>,
     /// Draw the objects' true properties and poses, and the place's height, from their families, by the seed.
     #[arg(long)]
     vary: bool,
@@ -102,18 +103,26 @@ impl FromStr for ObjectArg {
 }
 
 impl SceneArgs {
-    /// The scene that the arguments describe.
-    pub(crate) fn scene(&self, seed: u64) -> Result<Scene, Failure> {
+    /// The scene that the arguments describe, before a robot.
+    pub(crate) fn scene(&self, robot: &RobotModel, seed: u64) -> Result<Scene, Failure> {
+        let side = self.hand.map_or(robot.acting_side(), HandArg::side);
+        if !robot.hand(side).is_present() {
+            return Err(Failure::Usage(match side {
+                Side::Left => "the robot has no left hand; leave out --hand",
+                Side::Right => "the robot has no right hand; leave out --hand",
+            }));
+        }
         let scene = Scene {
             noise_factor: self.noise,
             sensor_rate_hz: [self.rate_hz; 2],
-            ..self.nominal()?
+            ..self.nominal(robot, side)?
         };
         let scene = if self.vary { scene.varied(seed) } else { scene };
         Ok(scene.with_errors(&self.errors, seed))
     }
 
-    fn nominal(&self) -> Result<Scene, Failure> {
+    fn nominal(&self, robot: &RobotModel, side: Side) -> Result<Scene, Failure> {
+        let hand = robot.hand(side);
         let has_parts = self.cap.is_some() || self.bottle.is_some();
         match self.scene {
             SceneKind::Table | SceneKind::PickPlace if has_parts => Err(Failure::Usage(
@@ -122,30 +131,32 @@ impl SceneArgs {
             SceneKind::Screw | SceneKind::Assembly if !self.objects.is_empty() => Err(
                 Failure::Usage("it has no place for --object; use --cap and --bottle"),
             ),
-            SceneKind::Table => self.table(),
-            SceneKind::PickPlace => self.pick_place(),
-            SceneKind::Screw => Ok(Scene::screw(self.cap()?, self.bottle()?, self.hand.side())),
-            SceneKind::Assembly => Ok(Scene::assembly(
-                self.cap()?,
-                self.bottle()?,
-                self.hand.side(),
+            SceneKind::Table => self.table(hand),
+            SceneKind::PickPlace => Ok(self.pick_place(side)?.before(hand)),
+            SceneKind::Screw => Ok(Scene::screw(self.cap()?, self.bottle()?, side).before(hand)),
+            SceneKind::Assembly if robot.sides().count() < 2 => Err(Failure::Usage(
+                "it needs both hands; choose a robot that has them",
             )),
+            SceneKind::Assembly => {
+                Ok(Scene::assembly(self.cap()?, self.bottle()?, side).before(hand))
+            }
         }
     }
 
-    fn table(&self) -> Result<Scene, Failure> {
+    fn table(&self, hand: &HandModel) -> Result<Scene, Failure> {
         let mut scene = Scene::default();
+        let yaw_rad = hand.home_yaw_rad();
         for ObjectArg { name, place } in &self.objects {
             let object = Object::named_or_file(name)?;
             scene.objects.push(match *place {
                 Some((position_m, yaw_rad)) => Placed::new(object, position_m, yaw_rad),
-                None => Placed::before(object, self.hand.side()),
+                None => Placed::new(object, hand.object_m(), yaw_rad),
             });
         }
         Ok(scene)
     }
 
-    fn pick_place(&self) -> Result<Scene, Failure> {
+    fn pick_place(&self, side: Side) -> Result<Scene, Failure> {
         let name = match &self.objects[..] {
             [] => Scene::OBJECT,
             [ObjectArg { name, place: None }] => name,
@@ -160,10 +171,7 @@ impl SceneArgs {
                 ));
             }
         };
-        Ok(Scene::pick_place(
-            Object::named_or_file(name)?,
-            self.hand.side(),
-        ))
+        Ok(Scene::pick_place(Object::named_or_file(name)?, side))
     }
 
     fn cap(&self) -> Result<Object, Failure> {

@@ -1,0 +1,281 @@
+//! `atas robot`: what a robot is, what it reaches, what it can do.
+//!
+//! ```text
+//!  name or robot file ─▶ RobotFiles ─▶ RobotModel ─┬─ list ──▶ a line per robot that ships
+//!                                                 └─ check ─▶ joints and fingertips, reach, abilities, tasks; picture
+//! ```
+//!
+//! * **Invariants:** everything that does not fit is told at once, by the loader. What a hand can do is tried by the inverse
+//!   kinematics, and told for the tasks as `demo` and `eval` will judge it.
+
+mod picture;
+mod reach;
+
+use std::path::Path;
+
+use anyhow::Context;
+use atas_console::arguments::RobotAction;
+use atas_console::{Ended, Exit, Output, number, table};
+use atas_evaluation::Task;
+use robot_model::{HandModel, Joint, JointKind, RobotFiles, RobotModel, SHIPPED, Side};
+use serde_json::{Value, json};
+
+use reach::Reach;
+
+/// How far a dome may be turned from the other side, as the cosine between them (ours: 60°).
+const FACES_COS: f64 = 0.5;
+
+/// `atas robot`.
+pub(crate) fn robot(action: &RobotAction, output: &mut Output) -> anyhow::Result<()> {
+    match action {
+        RobotAction::List => list(output),
+        RobotAction::Check { robot, out } => check(robot, out.as_deref(), output),
+    }
+}
+
+fn list(output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["robot", "joints", "fingers", "tasks"]);
+    let mut robots = Vec::new();
+    for files in SHIPPED {
+        let robot = files.load()?;
+        let (joints, fingers, tasks) = (robot.joint_count(), fingers(&robot), tasks(&robot));
+        rows.add_row([
+            files.name.to_string(),
+            joints.to_string(),
+            fingers.to_string(),
+            tasks.join(", "),
+        ]);
+        robots.push(
+            json!({ "name": files.name, "joints": joints, "fingers": fingers, "tasks": tasks }),
+        );
+    }
+    if output.is_json() {
+        return output.json(&json!({ "robots": robots }));
+    }
+    output.table(rows)
+}
+
+fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<()> {
+    let unusable = |error: robot_model::ModelError| Ended::with(Exit::Usage, error.to_string());
+    let files = RobotFiles::find(name).map_err(unusable)?;
+    let robot = files.load().map_err(unusable)?;
+    if let Some(out) = out {
+        let svg = picture::draw(&files, &robot).map_err(unusable)?;
+        std::fs::write(out, svg).with_context(|| {
+            format!(
+                "could not write {}; name a file in a folder that exists",
+                out.display()
+            )
+        })?;
+    }
+    let hands: Vec<Value> = robot
+        .sides()
+        .map(|side| hand_json(robot.hand(side)))
+        .collect();
+    if output.is_json() {
+        return output.json(&json!({
+            "name": files.name,
+            "joints": robot.joint_count(),
+            "fingers": fingers(&robot),
+            "tasks": tasks(&robot),
+            "hands": hands,
+        }));
+    }
+    output.line(format_args!(
+        "{}: {} joints, {} fingertips",
+        files.name,
+        robot.joint_count(),
+        fingers(&robot)
+    ))?;
+    for side in robot.sides() {
+        print_hand(robot.hand(side), output)?;
+    }
+    let (can, cannot): (Vec<Task>, Vec<Task>) = Task::ALL
+        .into_iter()
+        .partition(|task| task.is_within(&robot));
+    let names = |tasks: &[Task]| {
+        tasks
+            .iter()
+            .map(|task| task.name())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    output.line(format_args!("\ncan do: {}", names(&can)))?;
+    if !cannot.is_empty() {
+        output.line(format_args!("cannot do: {}", names(&cannot)))?;
+    }
+    match out {
+        Some(out) => output.line(format_args!("wrote {}", out.display())),
+        None => Ok(()),
+    }
+}
+
+fn fingers(robot: &RobotModel) -> usize {
+    robot
+        .sides()
+        .map(|side| robot.hand(side).finger_count())
+        .sum()
+}
+
+fn tasks(robot: &RobotModel) -> Vec<&'static str> {
+    let within = Task::ALL.into_iter().filter(|task| task.is_within(robot));
+    within.map(Task::name).collect()
+}
+
+fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
+    let name = side_name(hand);
+    output.line(format_args!("\n{name} hand"))?;
+    let mut rows = table(&[
+        "joint",
+        "moves",
+        "from",
+        "to",
+        "rests at",
+        "per s",
+        "stiffness",
+    ]);
+    for (index, joint) in hand.joints().iter().enumerate() {
+        let shown = |value: f64| shown(joint, value);
+        rows.add_row([
+            joint.name.to_string(),
+            moves(hand, index),
+            shown(joint.lower_rad),
+            shown(joint.upper_rad),
+            shown(hand.reference_rad()[index]),
+            shown(joint.velocity_max_rad_s),
+            number(joint.stiffness_n_m_rad, 0),
+        ]);
+    }
+    output.table(rows)?;
+    for (finger, link) in hand.tip_links().enumerate() {
+        let (side, radius_mm) = (
+            hand.virtual_finger(finger) + 1,
+            hand.dome_radius_m()[finger] * 1e3,
+        );
+        output.line(format_args!(
+            "fingertip {link}: presses from side {side}, dome of {radius_mm:.1} mm"
+        ))?;
+    }
+    for link in turned_away(hand) {
+        output.line(format_args!(
+            "fingertip {link} does not face the other side where the hand rests: say `facing`, or mend `side` or `rest_deg`"
+        ))?;
+    }
+    let home_m = hand.home_m();
+    output.line(format_args!(
+        "rests at {:.3},{:.3},{:.3} m, {:.0} mm open, closing axis {:.0}°",
+        home_m.x,
+        home_m.y,
+        home_m.z,
+        hand.home_opening_m() * 1e3,
+        hand.home_yaw_rad().to_degrees()
+    ))?;
+    match (hand.workspace(), Reach::of(hand)) {
+        (Some(space), _) => output.line(format_args!(
+            "workspace of its robot file: {}",
+            reach::entry(space)
+        ))?,
+        (None, Some(reach)) => output.line(format_args!(
+            "reaches with this closing axis, on a grid of {:.0} mm; as an entry of its robot file:\n  workspace = {}",
+            reach::STEP_M * 1e3,
+            reach::entry(&reach.space)
+        ))?,
+        (None, None) => output.line("reaches nothing about where it rests: see `rest_deg`, `down` and `home_m`")?,
+    }
+    let able = hand.abilities();
+    let words = [
+        (able.lifts, "lift"),
+        (able.carries, "carry aside"),
+        (able.turns_caps, "turn a cap between its fingertips"),
+    ];
+    for (can, what) in words {
+        output.line(format_args!(
+            "{} {what}",
+            if can { "can" } else { "cannot" }
+        ))?;
+    }
+    Ok(())
+}
+
+/// Fingertips whose domes do not face the other side in the reference posture, so that nothing can be held.
+fn turned_away(hand: &HandModel) -> Vec<&str> {
+    let pose = hand.forward(hand.reference_rad());
+    let faces = |finger: usize| {
+        let across =
+            pose.side_m(1 - hand.virtual_finger(finger)) - pose.side_m(hand.virtual_finger(finger));
+        // Written so that NaN does not face it.
+        across
+            .try_normalize(1e-9)
+            .is_some_and(|across| pose.dome_axis(finger).dot(&across) > FACES_COS)
+    };
+    let links = hand.tip_links().enumerate();
+    links
+        .filter(|(finger, _)| !faces(*finger))
+        .map(|(_, link)| link)
+        .collect()
+}
+
+fn hand_json(hand: &HandModel) -> Value {
+    let joint = |(index, joint): (usize, &Joint)| {
+        json!({
+            "name": joint.name.as_str(),
+            "slides": joint.kind == JointKind::Prismatic,
+            "arm": hand.arm_joints().contains(&index),
+            "lower": joint.lower_rad,
+            "upper": joint.upper_rad,
+            "rest": hand.reference_rad()[index],
+            "velocity": joint.velocity_max_rad_s,
+            "stiffness": joint.stiffness_n_m_rad,
+        })
+    };
+    let tip = |(finger, link): (usize, &str)| {
+        json!({
+            "link": link,
+            "side": hand.virtual_finger(finger) + 1,
+            "dome_radius_m": hand.dome_radius_m()[finger],
+        })
+    };
+    let space = hand
+        .workspace()
+        .copied()
+        .or_else(|| Reach::of(hand).map(|reach| reach.space));
+    let able = hand.abilities();
+    json!({
+        "side": side_name(hand),
+        "joints": hand.joints().iter().enumerate().map(joint).collect::<Vec<_>>(),
+        "fingertips": hand.tip_links().enumerate().map(tip).collect::<Vec<_>>(),
+        "home_m": hand.home_m().as_slice(),
+        "home_opening_m": hand.home_opening_m(),
+        "workspace": space.map(|space| json!({
+            "x_m": space.x_m, "y_m": space.y_m, "z_m": space.z_m, "opening_m": space.opening_m,
+        })),
+        "turned_away": turned_away(hand),
+        "abilities": { "lifts": able.lifts, "carries": able.carries, "turns_caps": able.turns_caps },
+    })
+}
+
+fn side_name(hand: &HandModel) -> &'static str {
+    match hand.side() {
+        Side::Left => "left",
+        Side::Right => "right",
+    }
+}
+
+/// What a joint moves: the whole hand, several fingertips, or one.
+fn moves(hand: &HandModel, joint: usize) -> String {
+    if hand.arm_joints().contains(&joint) {
+        return "hand".into();
+    }
+    let moved = (0..hand.finger_count())
+        .filter(|finger| hand.movers(*finger).any(|mover| mover.joint == joint))
+        .map(|finger| (finger + 1).to_string());
+    format!("tip {}", moved.collect::<Vec<_>>().join(", "))
+}
+
+/// A coordinate of a joint in the unit that people use for it.
+fn shown(joint: &Joint, value: f64) -> String {
+    match joint.kind {
+        JointKind::Prismatic => format!("{} mm", number(value * 1e3, 1)),
+        JointKind::Revolute => format!("{}°", number(value.to_degrees(), 1)),
+    }
+}

@@ -1,0 +1,55 @@
+//! What a hand can do of what tasks need, tried by the inverse kinematics about where it rests.
+
+use nalgebra::Vector3;
+
+use crate::model::HandModel;
+use crate::sizes::VIRTUAL_FINGERS;
+use crate::target::GraspFrame;
+
+/// How far it must be able to rise from where it rests, or sink, m (ours: a lift).
+const RISE_M: f64 = 0.02;
+/// How far it must be able to go aside, m (ours: enough to set an object down beside where it stood).
+const ASIDE_M: f64 = 0.05;
+/// How far each fingertip must be able to pass the other, m (ours: a sixth of a turn of the smallest cap).
+const PASS_M: f64 = 0.006;
+/// How wide a cap is that it is tried on, m.
+const CAP_M: f64 = 0.03;
+
+/// What a hand can do of what tasks need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Abilities {
+    /// It can lift: every task needs that.
+    pub lifts: bool,
+    /// It can carry an object to another place over the table.
+    pub carries: bool,
+    /// Its fingertips can pass each other, as turning a cap between them needs.
+    pub turns_caps: bool,
+}
+
+impl HandModel {
+    /// What the hand can do; some milliseconds of computing, so not for the tick.
+    #[must_use]
+    pub fn abilities(&self) -> Abilities {
+        let reaches = |frame: &GraspFrame| self.posture_for(frame).is_ok();
+        let home = GraspFrame::from_above(self.home_m, self.home_yaw_rad, self.home_opening_m);
+        let moved = |by_m: Vector3<f64>| {
+            let mut frame = home;
+            frame.centre_m += by_m;
+            reaches(&frame)
+        };
+        let either = |axis: Vector3<f64>, by_m: f64| moved(axis * by_m) || moved(axis * -by_m);
+        let turned = |by_m: f64| {
+            let mut frame = home;
+            frame.half_opening_m = [CAP_M / 2.0; VIRTUAL_FINGERS];
+            frame.tangential_m = [by_m, -by_m];
+            reaches(&frame)
+        };
+        Abilities {
+            lifts: self.is_present() && either(Vector3::z(), RISE_M),
+            carries: self.is_present()
+                && either(Vector3::x(), ASIDE_M)
+                && either(Vector3::y(), ASIDE_M),
+            turns_caps: self.is_present() && turned(PASS_M) && turned(-PASS_M),
+        }
+    }
+}

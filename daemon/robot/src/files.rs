@@ -1,0 +1,113 @@
+//! The texts that a robot is made of: those that ship, and finding others by the path of a robot file.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::string::{String, ToString};
+use std::vec::Vec;
+
+use crate::model::RobotModel;
+use crate::robot_file::RobotFile;
+use crate::urdf::ModelError;
+
+/// The two texts of a robot, and what users call it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RobotFiles {
+    /// A robot that ships, or the path of a robot file: what `--robot` was told.
+    pub name: Cow<'static, str>,
+    /// Text of its URDF.
+    pub urdf: Cow<'static, str>,
+    /// Text of its robot file.
+    pub robot_file: Cow<'static, str>,
+}
+
+macro_rules! shipped {
+    ($name:literal) => {
+        RobotFiles {
+            name: Cow::Borrowed($name),
+            urdf: Cow::Borrowed(include_str!(concat!("../robots/", $name, "/robot.urdf"))),
+            robot_file: Cow::Borrowed(include_str!(concat!("../robots/", $name, "/robot.toml"))),
+        }
+    };
+}
+
+/// The paper's two-hand arm, the default.
+pub const TWO_HAND_ARM: RobotFiles = shipped!("two-hand-arm");
+
+/// The robots that ship, the default first.
+pub const SHIPPED: [RobotFiles; 3] = [
+    TWO_HAND_ARM,
+    shipped!("arm7-gripper"),
+    shipped!("test-bench"),
+];
+
+impl RobotFiles {
+    /// Finds a robot that ships by its name, or another by the path of its robot file, which names its URDF or has it beside
+    /// itself under its own name.
+    ///
+    /// # Errors
+    /// [`ModelError`] if there is none of this name, or its files cannot be read.
+    pub fn find(robot: &str) -> Result<Self, ModelError> {
+        let shipped = SHIPPED.into_iter().find(|shipped| shipped.name == robot);
+        if let Some(shipped) = shipped {
+            return Ok(shipped);
+        }
+        let path = Path::new(robot);
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("toml") => Self::read(path),
+            Some("urdf" | "xml" | "xacro") => Err(ModelError::NoRobotFile(robot.into())),
+            _ => Err(ModelError::Unknown {
+                name: robot.into(),
+                known: shipped_names().collect::<Vec<_>>().join(", "),
+            }),
+        }
+    }
+
+    fn read(path: &Path) -> Result<Self, ModelError> {
+        let robot_file = text(path.to_path_buf())?;
+        let named = RobotFile::parse(&robot_file)?.urdf;
+        let beside = named.map_or_else(
+            || path.with_extension("urdf"),
+            |urdf| path.with_file_name(urdf),
+        );
+        Ok(Self {
+            name: Cow::Owned(path.display().to_string()),
+            urdf: Cow::Owned(text(beside)?),
+            robot_file: Cow::Owned(robot_file),
+        })
+    }
+
+    /// Makes the robot of them.
+    ///
+    /// # Errors
+    /// As [`RobotModel::load`]; none for those that ship: a test loads every one.
+    pub fn load(&self) -> Result<RobotModel, ModelError> {
+        RobotModel::load(&self.urdf, &self.robot_file)
+    }
+}
+
+/// Names of the robots that ship, the default first.
+pub fn shipped_names() -> impl Iterator<Item = String> {
+    SHIPPED.into_iter().map(|shipped| shipped.name.to_string())
+}
+
+fn text(path: PathBuf) -> Result<String, ModelError> {
+    std::fs::read_to_string(&path).map_err(|source| ModelError::Read { path, source })
+}
+
+impl RobotModel {
+    /// The paper's robot.
+    ///
+    /// # Errors
+    /// None in a released crate: a test loads it.
+    pub fn two_hand_arm() -> Result<RobotModel, ModelError> {
+        TWO_HAND_ARM.load()
+    }
+
+    /// The robot of a name or robot file: see [`RobotFiles::find`].
+    ///
+    /// # Errors
+    /// As [`RobotFiles::find`] and [`RobotModel::load`].
+    pub fn find(robot: &str) -> Result<RobotModel, ModelError> {
+        RobotFiles::find(robot)?.load()
+    }
+}

@@ -1,0 +1,193 @@
+//! Other robots than the two-hand arm, through the command line and on the bus: what each can do it does, what it cannot is
+//! refused by name, a robot file of a user's own is one like those that ship, and a recording of one replays.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use robot_model::SHIPPED;
+use serde_json::Value;
+use shm_bus::FreshBus;
+use system_tests::{Process, alone, binary, wait_for};
+
+/// Exit code, last line of standard output as JSON, and standard error.
+fn atas(arguments: &str) -> (i32, Value, String) {
+    let output = Command::new(binary("atas"))
+        .args(arguments.split_whitespace())
+        .env_remove("ATAS_BUS")
+        .env_remove("RUST_LOG")
+        .stdin(Stdio::null())
+        .output()
+        .expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let value = text.lines().last().unwrap_or_default();
+    (
+        output.status.code().expect("a code"),
+        serde_json::from_str(value).unwrap_or(Value::Null),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
+fn listed() -> Vec<Value> {
+    let (code, list, error) = atas("robot list --format json");
+    assert_eq!(code, 0, "{error}");
+    list["robots"].as_array().expect("robots").clone()
+}
+
+#[test]
+fn those_that_ship_are_listed_with_what_they_can_do() {
+    let robots = listed();
+    let names: Vec<&str> = robots
+        .iter()
+        .filter_map(|robot| robot["name"].as_str())
+        .collect();
+    assert_eq!(names, SHIPPED.map(|files| files.name.to_string()));
+    let tasks = |index: usize| robots[index]["tasks"].as_array().map_or(0, Vec::len);
+    assert_eq!([tasks(0), tasks(1), tasks(2)], [4, 2, 1], "{robots:?}");
+}
+
+#[test]
+fn each_does_in_a_demo_what_it_can() {
+    let _alone = alone();
+    for robot in listed().iter().skip(1) {
+        for task in robot["tasks"].as_array().expect("tasks") {
+            let (task, name) = (
+                task.as_str().expect("a name"),
+                robot["name"].as_str().expect("a name"),
+            );
+            let (code, told, error) = atas(&format!(
+                "demo {task} --robot {name} --lockstep --format json"
+            ));
+            assert_eq!(
+                (code, &told["as_expected"]),
+                (0, &Value::Bool(true)),
+                "{task} {name}: {told} {error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_a_robot_cannot_do_is_refused_by_name() {
+    let check = |arguments: &str, part: &str| {
+        let (code, _, error) = atas(arguments);
+        assert_eq!(code, 2, "{arguments}: {error}");
+        assert!(error.contains(part), "{arguments}: {error}");
+    };
+    check(
+        "demo pick-place --robot test-bench",
+        "could not try pick-place because the robot cannot do it",
+    );
+    check("demo screw --robot arm7-gripper", "could not try screw");
+    check(
+        "demo grasp --robot no-such",
+        "needs one of two-hand-arm, arm7-gripper, test-bench",
+    );
+    check(
+        "robot check arm.urdf",
+        "needs the robot file (.toml) that names it",
+    );
+}
+
+/// The test bench as a user's own: its files copied, the URDF under another name.
+fn own_robot(folder: &Path) -> String {
+    let bench = SHIPPED
+        .into_iter()
+        .find(|files| files.name == "test-bench")
+        .expect("it ships");
+    std::fs::write(folder.join("drawing.urdf"), bench.urdf.as_bytes()).expect("written");
+    let file = folder.join("mine.toml");
+    let text = format!("urdf = \"drawing.urdf\"\n{}", bench.robot_file);
+    std::fs::write(&file, text).expect("written");
+    file.to_str().expect("UTF-8").to_owned()
+}
+
+#[test]
+fn a_robot_file_of_ones_own_is_checked_and_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, picture) = (own_robot(folder.path()), folder.path().join("mine.svg"));
+    let (code, told, error) = atas(&format!(
+        "robot check {file} --out {} --format json",
+        picture.display()
+    ));
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(told["tasks"], serde_json::json!(["grasp"]), "{told}");
+    assert!(
+        told["hands"][0]["workspace"]["z_m"][1].as_f64() > Some(0.1),
+        "{told}"
+    );
+    let svg = std::fs::read_to_string(picture).expect("a picture");
+    for view in ["front", "side", "above"] {
+        assert!(svg.contains(view), "no view from the {view}");
+    }
+    // Everything at once, each with its place.
+    let text = std::fs::read_to_string(&file).expect("readable");
+    let spoilt = text
+        .replace("\"left_tip\"", "\"no_tip\"")
+        .replace("stiffness = 40000", "stiffness = -1");
+    std::fs::write(&file, spoilt).expect("written");
+    let (code, _, error) = atas(&format!("robot check {file}"));
+    assert_eq!(code, 2);
+    assert!(
+        error.contains("link `no_tip` was missing") && error.contains("stage"),
+        "{error}"
+    );
+}
+
+/// Daemon and simulator with a robot file of a user's own, recorded; the daemon's refusals name what the hand lacks.
+#[test]
+fn a_recording_of_ones_own_robot_replays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (robot, out) = (own_robot(folder.path()), folder.path().join("run.mcap"));
+    let out_text = out.to_str().expect("UTF-8");
+    let bus = FreshBus::new("robot");
+    let name = bus.as_str();
+    let mut recorder = Process::start("atas", &["record", "--bus", name, "--out", out_text]);
+    wait_for("the recorder", || out.exists().then_some(()));
+    let _simulator = Process::start(
+        "atas-sim",
+        &[
+            "run",
+            "--bus",
+            name,
+            "--lockstep",
+            "--object",
+            "wood",
+            "--robot",
+            &robot,
+        ],
+    );
+    let mut daemon = Process::start(
+        "atasd",
+        &[
+            "--bus",
+            name,
+            "--lockstep",
+            "--record-stream",
+            "--config",
+            "/dev/null",
+            "--robot",
+            &robot,
+        ],
+    );
+    wait_for("the daemon", || {
+        (atas(&format!("status --bus {name} --format json")).0 == 0).then_some(())
+    });
+    let goal = "--at 0.3,0,0.0345 --width 50 --lift 10 --hold 0.05 --format json";
+    let (code, told, error) = atas(&format!("grasp --bus {name} {goal}"));
+    assert_eq!(
+        (code, &told["state"]),
+        (0, &Value::from("succeeded")),
+        "{told} {error}"
+    );
+    let (code, told, _) = atas(&format!("grasp --bus {name} --hand left {goal}"));
+    assert!(
+        code != 0 && told["reason"].to_string().contains("no left hand"),
+        "{told}"
+    );
+    daemon.signal(rustix::process::Signal::TERM);
+    daemon.wait();
+    recorder.signal(rustix::process::Signal::INT);
+    assert!(recorder.wait().success(), "{}", recorder.log());
+    let (code, _, error) = atas(&format!("replay {out_text}"));
+    assert_eq!(code, 0, "{error}");
+}
