@@ -4,8 +4,8 @@ use ::mcap::MessageStream;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 use shm_schemas::{
-    EventKind, HandFrame, HandWiringRecord, JointState, ModuleEvent, ModuleId, RunHeader, Stamp,
-    Text, TickInputs, TickReport,
+    EventKind, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent, ModuleId, RunHeader,
+    Stamp, Text, TickInputs, TickReport,
 };
 
 use super::*;
