@@ -21,6 +21,11 @@ use std::time::{Duration, Instant};
 #[doc = include_str!("../../CONTRIBUTING.md")]
 struct Contributing;
 
+/// The examples of the guide.
+#[cfg(doctest)]
+#[doc = include_str!("../../clients/guide/src/module.md")]
+struct Guide;
+
 /// Long enough for any machine; nothing is measured against it.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 

@@ -6,8 +6,8 @@
 //!                                   ├─ estop ───────────▶ a stop, on a way of its own
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
-//!                                   ├─ recordings, explain ──▶ atas-recording
-//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, robot, calibrate, bench, record, replay; `atas-live`: dashboard
+//!                                   ├─ recordings ───────────▶ atas-recording
+//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, robot, calibrate, bench, record, replay, explain; `atas-live`: dashboard
 //! ```
 //!
 //! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
@@ -20,7 +20,6 @@ mod control;
 mod doctor;
 mod estop;
 mod events;
-mod explain;
 mod follow;
 mod goals;
 mod latency;
@@ -69,7 +68,6 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
             }
         },
         Command::Diff { first, second } => recordings::diff(first, second, output),
-        Command::Explain(arguments) => explain::explain(arguments, output),
         Command::Export(arguments) => recordings::export(arguments, interrupt, output),
         Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
         Command::Completions { shell } => {
@@ -86,6 +84,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Calibrate { .. }
         | Command::Robot { .. }
         | Command::Replay { .. }
+        | Command::Explain(_)
         | Command::Dashboard(_) => neighbours::hand_over(command.program()),
     }
 }

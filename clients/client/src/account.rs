@@ -55,20 +55,28 @@ pub struct Moment {
     pub times: u32,
 }
 
-/// The events of the last goal, from the tick in which it began to its end; empty if none began.
+/// Whether a goal begins to run with this event.
+#[must_use]
+pub fn begins(event: &ModuleEvent) -> bool {
+    event.kind == EventKind::GOAL && event.text.as_str() == GoalState::RUNNING.name()
+}
+
+/// The events of the last goal, from its first step to its end; empty if none began.
 #[must_use]
 pub fn last_goal(events: &[ModuleEvent]) -> &[ModuleEvent] {
-    let begins = |event: &ModuleEvent| {
-        event.kind == EventKind::GOAL && event.text.as_str() == GoalState::RUNNING.name()
-    };
-    let Some(begun) = events.iter().rposition(begins) else {
+    let Some(runs) = events.iter().rposition(begins) else {
         return &[];
     };
+    // Its first step is announced when it is accepted: before it runs, and after any goal before it.
+    let before = events[..runs].iter().rev();
+    let mut before = before.take_while(|event| event.kind != EventKind::GOAL);
+    let first = before.find(|event| event.kind == EventKind::STEP);
+    let first = first.unwrap_or(&events[runs]).tick;
+    let begin = events.partition_point(|event| event.tick < first);
     let ends = |event: &ModuleEvent| event.kind == EventKind::GOAL && !begins(event);
-    let end = events[begun..].iter().position(ends);
-    let end = end.map_or(events.len(), |after| begun + after + 1);
-    let begin = events.partition_point(|event| event.tick < events[begun].tick);
-    &events[begin.min(begun)..end]
+    let end = events[runs..].iter().position(ends);
+    let end = end.map_or(events.len(), |after| runs + after + 1);
+    &events[begin.min(runs)..end]
 }
 
 /// Tells a goal by its events, oldest first; `None` if there are none.
@@ -76,7 +84,7 @@ pub fn last_goal(events: &[ModuleEvent]) -> &[ModuleEvent] {
 pub fn tell(events: &[ModuleEvent]) -> Option<Account> {
     let (first, last) = (events.first()?, events.last()?);
     let mut goals = events.iter().filter(|event| event.kind == EventKind::GOAL);
-    let is_final = |event: &&ModuleEvent| event.text.as_str() != GoalState::RUNNING.name();
+    let is_final = |event: &&ModuleEvent| !begins(event);
     let end = goals.clone().rfind(is_final).or_else(|| goals.next_back());
     Some(Account {
         state: end.map_or("running".to_owned(), |end| end.text.to_string()),
@@ -210,5 +218,12 @@ mod tests {
         // The beginning, its step, the slip in it, the next step, two slips in that, the end.
         assert_eq!(told, [(10, 1), (10, 1), (30, 1), (40, 1), (50, 2), (70, 1)]);
         assert_eq!(tell(last_goal(&[])), None);
+        // The first step is announced when a goal is accepted, a tick before it runs.
+        let mut accepted = events[..2].to_vec();
+        accepted.push(at(9, EventKind::STEP, "reach"));
+        accepted.extend(&events[2..]);
+        let account = tell(last_goal(&accepted)).expect("told");
+        assert_eq!(account.steps[0].name, "reach");
+        assert_eq!(account.state, "failed");
     }
 }

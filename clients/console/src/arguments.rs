@@ -41,7 +41,7 @@ pub use follows::Follow;
 pub use goals::{
     Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,
 };
-pub use plots::{Drawn, Plot};
+pub use plots::{Drawn, Plot, PlotRecorded};
 pub use records::{Record, RecordAction};
 pub use robots::RobotAction;
 pub use topics::Topic;
@@ -80,11 +80,15 @@ pub enum Command {
         #[command(subcommand)]
         task: Eval,
     },
-    /// Draw a task as SVG: forces, modules, trajectories, from a seeded offline run
+    /// Draw the goals of recorded runs, or a rehearsed task: forces, modules, trajectories; SVG, PNG or PDF
+    #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
     Plot {
-        /// Which figure
+        /// A rehearsal instead of recordings: a seeded run in this process
         #[command(subcommand)]
-        figure: Plot,
+        rehearsal: Option<Plot>,
+        /// Which recordings
+        #[command(flatten)]
+        recorded: Option<PlotRecorded>,
     },
     /// Grasp an object, lift it and hold it; Ctrl-C cancels
     Grasp(Grasp),
@@ -202,7 +206,8 @@ impl Command {
             | Self::Calibrate { .. }
             | Self::Robot { .. }
             | Self::Record { action: None, .. }
-            | Self::Replay { .. } => Program::Lab,
+            | Self::Replay { .. }
+            | Self::Explain(_) => Program::Lab,
             Self::Dashboard(_) => Program::Live,
             _ => Program::Operator,
         }

@@ -49,6 +49,8 @@ fn accepted() {
         "atas eval recording a.csv --labels l --positive 3,10 --negative 4 --train b.csv --save m.toml",
     );
     check("atas plot grasp --out grasp.svg");
+    check("atas plot run.mcap --out run.png");
+    check("atas plot run.mcap other.mcap --from lift --out both.pdf");
     check("atas plot screw --object ./cap.toml --seed 7 --out screw.svg");
     check("atas grasp --at 0.32,-0.15,0.04 --width 50");
     check("atas grasp --at -0.1,0.2,0.1 --yaw -30 --width 50 --hand left --lift 20 --hold 2");
@@ -89,6 +91,7 @@ fn accepted() {
     check("atas topic echo status --count 3");
     check("atas topic hz view --seconds 0.5");
     check("atas explain run.mcap run-001.mcap");
+    check("atas explain run.mcap --out why.pdf");
     check("atas explain last --bus b");
     check("atas completions bash");
     check("atas man pages");
@@ -155,6 +158,9 @@ fn refused() {
         "atas export run.mcap --to mcap --pictures-hz 0",
         "above zero",
     );
+    check("atas plot", "<RECORDING>");
+    check("atas plot run.mcap", "--out");
+    check("atas plot run.mcap --out run.gif", ".svg, .png, .pdf");
     check("atas topic echo", "<SERVICE>");
     check("atas topic hz view --seconds 0", "above zero");
     check("atas status --format xml", "human, json");

@@ -1,11 +1,12 @@
 //! `atas-lab`: the laboratory's part of the `atas` command, which needs the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|plot|robot|calibrate|bench|record|replay ─▶ atas-lab
+//!  atas demo|eval|plot|robot|explain|calibrate|bench|record|replay ─▶ atas-lab
 //!   ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
 //!   ├─ eval ────▶ atas-evaluation on all cores
-//!   ├─ plot ────▶ atas-evaluation, one run, as a figure
+//!   ├─ plot ────▶ atas-evaluation, recorded runs or a rehearsal, as a figure
 //!   ├─ robot ───▶ what a robot is, reaches and can do
+//!   ├─ explain ─▶ why a goal ended as it did, from a recording or a running daemon, with a figure
 //!   ├─ calibrate ▶ recorded presses into a calibration of a sensor
 //!   ├─ bench ───▶ this machine, beside cyclictest and other transports
 //!   ├─ record ──▶ atas-recording, with the controller beside it
@@ -21,6 +22,8 @@ mod bench;
 mod calibrate;
 mod demo;
 mod eval;
+mod explain;
+mod picture;
 mod plot;
 mod record;
 mod replay;
@@ -39,7 +42,11 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
     match command {
         Command::Demo { task } => demo::demo(task, interrupt, output),
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
-        Command::Plot { figure } => plot::plot(figure, output),
+        Command::Plot {
+            rehearsal,
+            recorded,
+        } => plot::plot(rehearsal.as_ref(), recorded.as_ref(), output),
+        Command::Explain(arguments) => explain::explain(arguments, output),
         Command::Bench { what } => bench::bench(what, interrupt, output),
         Command::Robot { action } => robot::robot(action, output),
         Command::Calibrate { action } => calibrate::calibrate(action, interrupt, output),

@@ -1,17 +1,39 @@
-//! `atas plot`: a figure of one offline run, into a file.
+//! `atas plot`: the goals of recorded runs, or one rehearsed offline, as a figure in a file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use anyhow::Context;
-use atas_console::arguments::Plot;
+use atas_console::arguments::{Drawn, Plot, PlotRecorded};
 use atas_console::{Ended, Exit, Output};
-use atas_evaluation::{Task, figures};
+use atas_evaluation::Task;
+use atas_evaluation::figures::{self, Course};
 use serde_json::json;
 use sim_backend::{Object, ObjectError};
 
+use crate::picture;
+
 /// `atas plot`.
-pub(crate) fn plot(plot: &Plot, output: &mut Output) -> anyhow::Result<()> {
-    let (task, arguments) = match plot {
+pub(crate) fn plot(
+    rehearsal: Option<&Plot>,
+    recorded: Option<&PlotRecorded>,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let (svg, out) = match (rehearsal, recorded) {
+        (Some(rehearsal), _) => rehearsed(rehearsal)?,
+        (None, Some(recorded)) => (overlaid(recorded)?, &recorded.out),
+        (None, None) => {
+            let sentence = "needs a recording, or a task to rehearse; see `atas plot --help`";
+            return Err(Ended::with(Exit::Usage, sentence));
+        }
+    };
+    picture::write(out, &svg)?;
+    if output.is_json() {
+        return output.json(&json!({ "file": out.display().to_string() }));
+    }
+    output.line(format_args!("wrote {}", out.display()))
+}
+
+fn rehearsed(plot: &Plot) -> anyhow::Result<(String, &PathBuf)> {
+    let (task, arguments): (Task, &Drawn) = match plot {
         Plot::Grasp(arguments) => (Task::Grasp, arguments),
         Plot::PickPlace(arguments) => (Task::PickPlace, arguments),
         Plot::Screw(arguments) => (Task::Screw, arguments),
@@ -23,16 +45,18 @@ pub(crate) fn plot(plot: &Plot, output: &mut Output) -> anyhow::Result<()> {
         None => figures::usual(task).map_err(usage)?,
     };
     let svg = figures::draw(task, &object, arguments.seed)?;
-    write(&arguments.out, &svg)?;
-    if output.is_json() {
-        return output.json(&json!({ "file": arguments.out.display().to_string() }));
-    }
-    output.line(format!("wrote {}", arguments.out.display()))
+    Ok((svg, &arguments.out))
 }
 
-fn write(path: &Path, svg: &str) -> anyhow::Result<()> {
-    std::fs::write(path, svg).with_context(|| {
-        let path = path.display();
-        format!("could not write {path}; name a file in a folder that exists and may be written")
-    })
+fn overlaid(arguments: &PlotRecorded) -> anyhow::Result<String> {
+    let runs = atas_recording::runs(&arguments.files)?.into_iter();
+    let courses = runs.map(|files| Course::recorded(&name(&files[0]), &files));
+    let courses = courses.collect::<anyhow::Result<Vec<Course>>>()?;
+    figures::overlay(&courses, arguments.from.as_deref())
+}
+
+/// What a run is called: its first file, without folder and ending.
+pub(crate) fn name(file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
 }

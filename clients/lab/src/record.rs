@@ -29,8 +29,24 @@ pub(crate) fn record(
         .max_size
         .map(|_| Box::<Shadow>::default() as Box<dyn Follower>);
     let stop = interrupt.flag();
-    let tally = atas_recording::record(session.bus(), &out, bounds, notes, follower, stop)?;
+    let tally = atas_recording::record(
+        session.bus(),
+        &out,
+        bounds,
+        notes,
+        follower,
+        tell_service_manager,
+        stop,
+    )?;
     print(&tally, output)
+}
+
+/// As a service the recorder is there when nothing is missed any more: the daemon starts after it. Does nothing without a
+/// service manager.
+fn tell_service_manager() {
+    if let Err(error) = sd_notify::notify(&[sd_notify::NotifyState::Ready]) {
+        tracing::warn!(%error, "the service manager could not be told");
+    }
 }
 
 fn default_out() -> PathBuf {

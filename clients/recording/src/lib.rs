@@ -28,6 +28,7 @@ mod reader;
 mod recorder;
 mod rotation;
 mod rows;
+mod runs;
 mod writer;
 
 pub use check::{Contents, check, repair};
@@ -40,3 +41,4 @@ pub use reader::{Entry, Reader, payload};
 pub use recorder::record;
 pub use rotation::{Bounds, Tally};
 pub use rows::{Row, RowInputs, Rows};
+pub use runs::runs;

@@ -40,6 +40,7 @@ enum Message {
 }
 
 /// Records until `stop` is set or the bytes are used up. With a `follower`, every file of a run can be replayed by itself.
+/// `listening` is called once nothing that a daemon says can be missed: before, it should not begin.
 ///
 /// # Errors
 /// The bus or the files cannot be opened, read or written.
@@ -49,10 +50,12 @@ pub fn record(
     bounds: Bounds,
     notes: BTreeMap<String, String>,
     follower: Option<Box<dyn Follower>>,
+    listening: impl FnOnce(),
     stop: &AtomicBool,
 ) -> anyhow::Result<Tally> {
     let mut ports = Ports::open(bus)?;
     let recording = Recording::create(out, bounds, notes, follower)?;
+    listening();
     tracing::info!(file = %out.display(), "recording until Ctrl-C");
     let (send, receive) = sync_channel(WAITING);
     let writing = std::thread::spawn(move || write(recording, &receive));

@@ -1,4 +1,4 @@
-//! The systemd unit: accepted by systemd, closed to everything it does not need, and true to the daemon.
+//! The systemd units: accepted by systemd, closed to everything they do not need, and true to the programs.
 //!
 //! `systemd-analyze` is in the Debian package `systemd`. Where it is not installed, the two tests that need it say so
 //! and check nothing.
@@ -11,20 +11,51 @@ use tempfile::TempDir;
 
 const UNIT: &str = include_str!("../../systemd/atasd.service");
 const USERS: &str = include_str!("../../systemd/atas.sysusers.conf");
-/// Highest exposure that is accepted, in tenths: 1.0 of 10.
-const EXPOSURE_TENTHS: &str = "10";
+const MANUAL: &str = include_str!("../../systemd/atasd.8");
+/// Every unit with the highest exposure that is accepted of it, in tenths of 10. Sensors and servos see serial ports, sensors the
+/// network as well.
+const UNITS: [(&str, &str, &str); 5] = [
+    ("atasd.service", UNIT, "10"),
+    (
+        "atas-record.service",
+        include_str!("../../systemd/atas-record.service"),
+        "15",
+    ),
+    (
+        "atas-robot@.service",
+        include_str!("../../systemd/atas-robot@.service"),
+        "20",
+    ),
+    (
+        "atas-sensor@.service",
+        include_str!("../../systemd/atas-sensor@.service"),
+        "25",
+    ),
+    (
+        "atas-sim.service",
+        include_str!("../../systemd/atas-sim.service"),
+        "15",
+    ),
+];
 
-/// What `systemd-analyze` says about the unit, with the daemon that was built in place of the installed one.
-fn analyze(arguments: &[&str]) -> Option<Output> {
+/// What `systemd-analyze` says about a unit, with a program that was built in place of the installed ones.
+fn analyze(name: &str, unit: &str, arguments: &[&str]) -> Option<Output> {
     let folder = TempDir::new().expect("a temporary folder");
-    let file = folder.path().join("atasd.service");
-    let unit = UNIT.replace("/usr/bin/atasd", env!("CARGO_BIN_EXE_atasd"));
+    let file = folder.path().join(name);
+    let line = |line: &str| match line.strip_prefix("ExecStart=") {
+        Some(command) => {
+            let (_, words) = command.split_once(' ').expect("arguments");
+            format!("ExecStart={} {words}\n", env!("CARGO_BIN_EXE_atasd"))
+        }
+        None => format!("{line}\n"),
+    };
+    let unit: String = unit.lines().map(line).collect();
     fs::write(&file, unit).expect("writable");
     let mut command = Command::new("systemd-analyze");
     match command.args(arguments).arg(&file).output() {
         Ok(output) => Some(output),
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            let line = "SKIPPED: systemd-analyze is not installed (Debian package systemd); the unit was not checked";
+            let line = "SKIPPED: systemd-analyze is not installed (Debian package systemd); the units were not checked";
             // A closed standard error is no reason to fail.
             let _ = writeln!(std::io::stderr(), "{line}");
             None
@@ -33,25 +64,75 @@ fn analyze(arguments: &[&str]) -> Option<Output> {
     }
 }
 
-fn check(arguments: &[&str]) {
-    if let Some(output) = analyze(arguments) {
+fn check(name: &str, unit: &str, arguments: &[&str]) {
+    if let Some(output) = analyze(name, unit, arguments) {
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let (said, wrong) = (text(&output.stdout), text(&output.stderr));
-        assert!(output.status.success(), "{said}{wrong}");
+        assert!(output.status.success(), "{name}: {said}{wrong}");
         // Keys that this systemd does not know are warnings, and would be ignored.
-        assert!(!wrong.contains("atasd.service:"), "{wrong}");
+        assert!(!wrong.contains(&format!("{name}:")), "{wrong}");
     }
 }
 
 #[test]
-fn systemd_accepts_the_unit() {
-    check(&["verify"]);
+fn systemd_accepts_the_units() {
+    for (name, unit, _) in UNITS {
+        check(name, unit, &["verify"]);
+    }
 }
 
 #[test]
-fn the_unit_is_exposed_to_next_to_nothing() {
-    let threshold = format!("--threshold={EXPOSURE_TENTHS}");
-    check(&["security", "--offline=true", &threshold]);
+fn the_units_are_exposed_to_next_to_nothing() {
+    for (name, unit, most) in UNITS {
+        let threshold = format!("--threshold={most}");
+        check(name, unit, &["security", "--offline=true", &threshold]);
+    }
+}
+
+/// All processes of the bus are one user's, and its folder outlives each of them.
+#[test]
+fn the_units_share_the_bus() {
+    for (name, unit, _) in UNITS {
+        let same = [
+            "User=atas",
+            "Group=atas",
+            "RuntimeDirectory=atas",
+            "RuntimeDirectoryPreserve=yes",
+            "RemoveIPC=false",
+            "ReadWritePaths=/dev/shm",
+        ];
+        for line in same {
+            assert!(unit.lines().any(|l| l == line), "{name} lacks {line}");
+        }
+        let first = name == "atasd.service" || unit.contains("Before=atasd.service");
+        assert!(first, "{name} must be there before the daemon");
+    }
+}
+
+#[test]
+fn the_manual_has_every_flag() {
+    let help = Command::new(env!("CARGO_BIN_EXE_atasd"))
+        .arg("--help")
+        .output()
+        .expect("atasd starts");
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    let is_flag = |word: &&str| word.starts_with("--") && word.len() > 3;
+    let mut flags = 0;
+    for line in help.lines().map(str::trim_start) {
+        let Some(flag) = line
+            .split([' ', ','])
+            .find(is_flag)
+            .filter(|_| line.starts_with('-'))
+        else {
+            continue;
+        };
+        assert!(
+            MANUAL.contains(&flag.replace('-', "\\-")),
+            "the manual lacks {flag}"
+        );
+        flags += 1;
+    }
+    assert!(flags > 6, "{help}");
 }
 
 /// The value of a key that stands once in the unit.

@@ -1,5 +1,6 @@
-//! Why a grasp did not succeed, and its recording as other programs read it.
+//! Why a grasp did not succeed, told and drawn, and its recording as other programs read it.
 
+use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
@@ -69,10 +70,64 @@ fn a_refused_grasp_is_explained_with_its_forces_and_limits_and_exported_whole() 
         assert!(exported["ticks"].as_u64() > Some(1000), "{exported}");
         assert!(folder.path().join(made).exists(), "{made}");
     }
+    drawn(folder.path(), name, &steps);
     assert_eq!(atas(&["explain", "no/such.mcap"]).0, Some(1));
     assert_eq!(
         atas(&["export", name, "--to", "csv"]).0,
         Some(1),
         "nothing is overwritten"
     );
+}
+
+/// The recording's figures: every phase has its name, in every kind of file, alone and over itself.
+fn drawn(folder: &Path, recording: &str, steps: &[Value]) {
+    let file = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
+    let svg = |name: &str| std::fs::read_to_string(file(name)).expect("a figure");
+    let draw = |words: &[&str], out: &str| {
+        let out = file(out);
+        let words = [words, &["--out", &out]].concat();
+        assert_eq!(atas(&words).0, Some(0), "{words:?}");
+    };
+    let is_there = |svg: &str, word: &str| svg.contains(&format!(">\n{word}\n<"));
+    draw(&["explain", recording], "why.svg");
+    draw(&["plot", recording], "run.svg");
+    let other = file("wood.mcap");
+    assert_eq!(recorded::grasp("wood", &other), Some(0), "a usual block");
+    draw(&["plot", recording, &other, "--from", "lift"], "both.svg");
+    let both = svg("both.svg");
+    for word in ["run", "wood", "lift", "leave", "Grip (N)"] {
+        assert!(is_there(&both, word), "{word}");
+    }
+    draw(&["plot", recording], "run.png");
+    draw(&["plot", recording], "run.pdf");
+    let (why, run) = (svg("why.svg"), svg("run.svg"));
+    for step in steps.iter().filter_map(Value::as_str) {
+        assert!(is_there(&why, step) && is_there(&run, step), "{step}");
+    }
+    for word in [
+        "F_1",
+        "F_2",
+        "F_n finger 1",
+        "Slip S",
+        "2 slip",
+        "Height (mm)",
+    ] {
+        assert!(is_there(&run, word), "{word}");
+    }
+    assert!(
+        why.contains("too heavy") && !run.contains("too heavy"),
+        "the account"
+    );
+    assert!(!run.contains("NaN") && !run.contains("inf"));
+    let png = std::fs::read(file("run.png")).expect("a picture");
+    let pdf = std::fs::read(file("run.pdf")).expect("a page");
+    let width = u32::from_be_bytes([png[16], png[17], png[18], png[19]]);
+    assert!(png.starts_with(b"\x89PNG") && width == 1760 && png.len() > 20_000);
+    let text = String::from_utf8_lossy(&pdf);
+    assert!(
+        text.starts_with("%PDF") && text.contains("/FontFile"),
+        "words are text"
+    );
+    let far = ["plot", recording, "--from", "fly", "--out", &file("no.svg")];
+    assert_eq!(atas(&far).0, Some(1), "no such step");
 }

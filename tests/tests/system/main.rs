@@ -6,6 +6,7 @@ mod determinism;
 mod explain;
 mod faults;
 mod follow;
+mod guide;
 mod imports;
 mod optoforce;
 mod readme;

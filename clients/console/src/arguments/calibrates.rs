@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::{finite, svg};
+use super::values::{finite, picture};
 
 /// The steps of a calibration.
 #[derive(Debug, Subcommand)]
@@ -67,7 +67,7 @@ pub struct CalibrateFit {
     #[arg(long, value_name = "FILE.toml")]
     pub daemon: Option<PathBuf>,
     /// The errors of the presses to draw
-    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
     pub figure: Option<PathBuf>,
 }
 

@@ -122,6 +122,14 @@ const HELPS: &[Help] = &[
         "one object: judged, n, objects, balanced_accuracy, specificity, sensitivity, auc; mae_n; touches",
     ),
     Help(
+        "plot",
+        &[
+            "atas plot run.mcap --out run.svg",
+            "atas plot monday.mcap tuesday.mcap --from lift --out both.pdf",
+        ],
+        "one object: file",
+    ),
+    Help(
         "plot grasp",
         &["atas plot grasp --object bottle --out grasp.svg"],
         "one object: file",
@@ -269,8 +277,12 @@ const HELPS: &[Help] = &[
     ),
     Help(
         "explain",
-        &["atas explain run.mcap", "atas explain last"],
-        "one object: state, reason, took_s, steps, moments",
+        &[
+            "atas explain run.mcap",
+            "atas explain run.mcap --out why.png",
+            "atas explain last",
+        ],
+        "one object: state, reason, took_s, steps, moments, picture",
     ),
     Help(
         "export",

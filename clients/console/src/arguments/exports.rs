@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::BusArgument;
-use super::values::frequency_hz;
+use super::values::{frequency_hz, picture};
 
 /// `atas export`.
 #[derive(Args, Clone, Debug)]
@@ -33,6 +33,9 @@ pub struct Explain {
     /// The files of one run, in order; or `last`: the last goal of a running daemon
     #[arg(required = true, value_name = "FILE|last")]
     pub files: Vec<PathBuf>,
+    /// Draw it, too, with the moments that decided; what the picture is, its ending says
+    #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
+    pub out: Option<PathBuf>,
     /// Which daemon, for `last`
     #[command(flatten)]
     pub bus: BusArgument,

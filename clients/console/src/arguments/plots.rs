@@ -4,9 +4,23 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::values::svg;
+use super::values::picture;
 
-/// The figures of `atas plot`.
+/// `atas plot RECORDING`.
+#[derive(Args, Clone, Debug)]
+pub struct PlotRecorded {
+    /// Recordings, up to seven runs; files that go on with a run belong to it
+    #[arg(required = true, value_name = "RECORDING")]
+    pub files: Vec<PathBuf>,
+    /// Begin where the goal first enters this step, so that several runs lie over each other [default: where it begins]
+    #[arg(long, value_name = "STEP")]
+    pub from: Option<String>,
+    /// The picture to write; what it is, its ending says
+    #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
+    pub out: PathBuf,
+}
+
+/// The rehearsals of `atas plot`.
 #[derive(Debug, Subcommand)]
 pub enum Plot {
     /// Forces between F_1 and F_2, the lift, and which module worked when
@@ -29,7 +43,7 @@ pub struct Drawn {
     /// Which member of its family, as in `atas eval`
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The SVG file to write
-    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
+    /// The picture to write; what it is, its ending says
+    #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
     pub out: PathBuf,
 }

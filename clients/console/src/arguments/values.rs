@@ -26,26 +26,31 @@ pub(super) fn event_kind(text: &str) -> Result<EventKind, String> {
 }
 
 /// A file that a command makes, whose name ends as its content is: nothing else is written under it.
-fn file(text: &str, suffix: &str) -> Result<PathBuf, String> {
+fn file(text: &str, suffixes: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    match path.extension() {
-        Some(found) if found == suffix => Ok(path),
-        _ => Err(format!(
-            "needs a name that ends in .{suffix}, because that is what is written"
-        )),
+    let is_known = path
+        .extension()
+        .is_some_and(|found| suffixes.iter().any(|suffix| found == *suffix));
+    if is_known {
+        Ok(path)
+    } else {
+        Err(format!(
+            "needs a name that ends in .{}, because that is what is written",
+            suffixes.join(", .")
+        ))
     }
 }
 
-pub(super) fn svg(text: &str) -> Result<PathBuf, String> {
-    file(text, "svg")
+pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
+    file(text, &["svg", "png", "pdf"])
 }
 
 pub(super) fn mcap(text: &str) -> Result<PathBuf, String> {
-    file(text, "mcap")
+    file(text, &["mcap"])
 }
 
 pub(super) fn html(text: &str) -> Result<PathBuf, String> {
-    file(text, "html")
+    file(text, &["html"])
 }
 
 pub(super) fn position_m(text: &str) -> Result<[f64; 3], String> {

@@ -4,6 +4,7 @@ use plotters::style::RGBColor;
 use robot_model::Side;
 
 use super::figure::{self, *};
+use super::phases::Phases;
 use super::screwing::{CAP, draw_cap};
 use super::trace::Trace;
 use crate::task::SIDE;
@@ -12,8 +13,11 @@ use crate::task::SIDE;
 const HANDS: [RGBColor; 2] = [BLUE, ORANGE];
 
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
-    let time_s = 0.0..trace.end_s();
+    let mut time_s = 0.0..trace.end_s();
     let sides = [SIDE, Side::BOTH[1 - SIDE.index()]];
+    for side in sides {
+        time_s.end = Phases::end(&time_s, &trace.steps(side));
+    }
     let grip = |side: Side| {
         trace.series(&time_s, POINTS, |t| {
             t.hands[side.index()].pressed_n.iter().sum::<f64>() / 2.0
@@ -22,16 +26,18 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let grips = sides.map(grip);
     let title =
         "Assembly: the left hand holds the bottle, the right hand places and screws the cap";
-    figure(64 + 2 * 64 + 300 + CAP, title, |area| {
+    let steps = sides.map(|side| Phases::of(&time_s, &trace.steps(side)));
+    let strips_px = steps.iter().map(Phases::height).sum::<u32>();
+    figure(64 + strips_px + 300 + CAP, title, |area| {
         let mut rest = area.clone();
-        for (side, colour) in sides.into_iter().zip(HANDS) {
-            let (strip, below) = rest.split_vertically(64);
+        for ((side, steps), colour) in sides.into_iter().zip(&steps).zip(HANDS) {
+            let (strip, below) = rest.split_vertically(steps.height());
             let name = if side == Side::Right {
                 "right hand"
             } else {
                 "left hand"
             };
-            figure::strip(&strip, time_s.clone(), (name, colour), &trace.steps(side))?;
+            steps.draw(&strip, name, colour)?;
             rest = below;
         }
         let (forces, cap) = rest.split_vertically(300);

@@ -29,13 +29,13 @@ const GRID: RGBColor = RGBColor(224, 227, 232);
 /// Width of a figure, px.
 pub(super) const WIDTH: u32 = 1760;
 /// Room left of a panel for its labels, px: the same for all, so that panels share their time axis.
-const LEFT: u32 = 220;
-const RIGHT: u32 = 30;
+pub(super) const LEFT: u32 = 220;
+pub(super) const RIGHT: u32 = 30;
 const BOTTOM: u32 = 76;
 const TEXT: f64 = 30.0;
-const SMALL: f64 = 27.0;
+pub(super) const SMALL: f64 = 27.0;
 /// Mean width of a character over the height of the text (sans-serif).
-const CHARACTER: f64 = 0.54;
+pub(super) const CHARACTER: f64 = 0.54;
 /// Points of a line: more than one per pixel would not be seen.
 pub(super) const POINTS: usize = 1400;
 
@@ -79,7 +79,7 @@ impl Bold for TextStyle<'_> {
     }
 }
 
-fn text(size: f64, colour: RGBColor) -> TextStyle<'static> {
+pub(super) fn text(size: f64, colour: RGBColor) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&colour)
 }
 
@@ -130,28 +130,19 @@ fn number(value: f64) -> String {
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
-/// Every second step as a band, with the names of those that have room.
+/// Every second step as a band; their names stand above the panels ([`super::phases`]).
 fn bands(
     chart: &mut Chart<'_, '_>,
     x: &Range<f64>,
     y: &Range<f64>,
     steps: &[(String, Range<f64>)],
 ) -> Drawing {
-    let per_px = (x.end - x.start) / f64::from(WIDTH - LEFT - RIGHT);
-    for (index, (name, time_s)) in steps.iter().enumerate() {
+    let px = (x.end - x.start) / f64::from(WIDTH - LEFT - RIGHT);
+    for (_, time_s) in steps.iter().step_by(2) {
         let (from, to) = (time_s.start.max(x.start), time_s.end.min(x.end));
-        if from >= to {
-            continue;
-        }
-        if index % 2 == 0 {
+        if to - from > px {
             let band = Rectangle::new([(from, y.start), (to, y.end)], BAND.filled());
             chart.draw_series([band])?;
-        }
-        let room_px = (to - from) / per_px;
-        if room_px > name.len() as f64 * SMALL * CHARACTER + 8.0 {
-            let style = text(SMALL, GREY).pos(Pos::new(HPos::Center, VPos::Bottom));
-            let at = ((from + to) / 2.0, y.end);
-            chart.draw_series([Text::new(name.clone(), at, style)])?;
         }
     }
     Ok(())
@@ -230,38 +221,6 @@ pub(super) fn legend(area: &Area<'_>, top: i32, entries: &[(&str, RGBColor, bool
         area.draw(&Text::new((*name).to_owned(), (x + 48, top), style))?;
         x += width;
     }
-    Ok(())
-}
-
-/// A hand's steps in a row, with the names of those that have room.
-pub(super) fn strip(
-    area: &Area<'_>,
-    x: Range<f64>,
-    (name, colour): (&str, RGBColor),
-    steps: &[(String, Range<f64>)],
-) -> Drawing {
-    let mut builder = ChartBuilder::on(area);
-    builder.margin_top(6).margin_right(RIGHT).margin_left(LEFT);
-    let mut chart = builder.build_cartesian_2d(x.clone(), 0.0..1.0)?;
-    let per_px = (x.end - x.start) / f64::from(WIDTH - LEFT - RIGHT);
-    for (index, (step, time_s)) in steps.iter().enumerate() {
-        let tint = colour.mix(if index % 2 == 0 { 0.28 } else { 0.14 });
-        let corners = [(time_s.start, 0.0), (time_s.end, 1.0)];
-        chart.draw_series([Rectangle::new(corners, tint.filled())])?;
-        let room_px = (time_s.end - time_s.start) / per_px;
-        if room_px > step.len() as f64 * SMALL * CHARACTER + 6.0 {
-            let style = text(SMALL, INK).pos(Pos::new(HPos::Center, VPos::Center));
-            let at = ((time_s.start + time_s.end) / 2.0, 0.5);
-            chart.draw_series([Text::new(step.clone(), at, style)])?;
-        }
-    }
-    let middle = area.dim_in_pixel().1 as i32 / 2 + 3;
-    let style = text(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Center));
-    area.draw(&Text::new(
-        name.to_owned(),
-        (LEFT as i32 - 14, middle),
-        style,
-    ))?;
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use plotters::style::RGBColor;
 use shm_schemas::ModuleId;
 
 use super::figure::{self, *};
+use super::phases::Phases;
 use super::trace::{Tick, Trace};
 use crate::task::SIDE;
 
@@ -21,7 +22,8 @@ const LANES: [(ModuleId, &str, RGBColor); 7] = [
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let steps = trace.steps(SIDE);
     let begin_s = trace.step_s(SIDE, "approach").map_or(0.0, |s| s.end - 0.4);
-    let time_s = begin_s.max(0.0)..trace.end_s();
+    let mut time_s = begin_s.max(0.0)..trace.end_s();
+    time_s.end = Phases::end(&time_s, &steps);
     let series = |value: fn(&Tick) -> f64| trace.series(&time_s, POINTS, value);
     let pressed = [series(|t| finger(t, 0)), series(|t| finger(t, 1))];
     let sheared = series(|t| mean(t, |f| f.tangential_n));
@@ -37,7 +39,8 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         trace.scene.objects[0].object.mass_kg * 1e3,
         trace.scene.objects[0].object.friction,
     );
-    let height = 64 + 480 + 200 + lanes_height(lanes.len());
+    let phases = Phases::of(&time_s, &steps);
+    let height = 64 + phases.height() + 480 + 200 + lanes_height(lanes.len());
     figure(height, &title, |area| {
         legend(
             area,
@@ -51,7 +54,9 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
                 ("needed", GREY, true),
             ],
         )?;
-        let (forces, rest) = area.split_vertically(480);
+        let (strip, rest) = area.split_vertically(phases.height());
+        phases.draw(&strip, "step", GREY)?;
+        let (forces, rest) = rest.split_vertically(480);
         let (heights, work) = rest.split_vertically(200);
         let top_n = figure::highest(&[&pressed[0], &pressed[1], &f2]);
         let axes = |y| Axes { x: "", y };

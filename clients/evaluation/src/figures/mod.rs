@@ -1,8 +1,9 @@
 //! Figures of a task as SVG: what the fingertips felt, which module worked when, and what truly became of it.
 //!
-//! **In:** a task, an object, a seed. **Out:** one file, the same bytes every time. The trace of a run is
-//! drawn by one file per figure; `figure` holds what they share. Forces, thresholds and modules are the controller's own
-//! reports; heights, torques and the support's force are the simulator's truth, which no controller sees.
+//! **In:** a task, an object, a seed ([`draw`]); or the recordings of real runs, each its [`Course`]. **Out:** one file, the
+//! same bytes every time. The trace of a rehearsal is drawn by one file per figure; `figure` and `phases` hold what they
+//! share. Forces, thresholds and modules are the controller's own reports; heights, torques and the support's force of a
+//! rehearsal are the simulator's truth, which no controller sees, and which no recording has.
 //!
 //! | figure | shows |
 //! |---|---|
@@ -10,12 +11,16 @@
 //! | `placing` | the release: the support's force, the grip, opening and height around the contact |
 //! | `screwing` | Fig. 6 (the square and what contact made of it, cycle by cycle), the cap's angle and torque |
 //! | `assembling` | what both hands do, their grips, the cap's angle and torque |
+//! | `pursuing` | of real runs: forces between thresholds, height, slip, modules; several over each other; what decided |
 //! | `residuals` | errors of a calibration over the known force |
 
 mod assembling;
+mod course;
 mod figure;
 mod grasping;
+mod phases;
 mod placing;
+mod pursuing;
 mod residuals;
 mod screwing;
 mod trace;
@@ -25,6 +30,8 @@ use sim_backend::{Object, Scene};
 use crate::task::Task;
 use trace::Trace;
 
+pub use course::Course;
+pub use pursuing::{explained, overlay};
 pub use residuals::residuals;
 
 /// Runs a task offline with an object and draws it.

@@ -29,7 +29,9 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     figure(64 + path_px + CAP, &title, |area| {
         let (above, turning) = area.split_vertically(path_px);
         draw_path(trace, &cycles, &path, &above)?;
-        draw_cap(trace, screw_s.start - 1.0..screw_s.end + 1.5, &turning)
+        let from_s = (screw_s.start - 1.0).max(0.0);
+        let to_s = (screw_s.end + 1.5).min(trace.end_s());
+        draw_cap(trace, from_s..to_s, &turning)
     })
 }
 
@@ -156,7 +158,6 @@ pub(super) const CAP: u32 = 280 + 360;
 
 /// A cap's angle and torque over time, with the moment of Module 4.
 pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Drawing {
-    let time_s = time_s.start.max(0.0)..time_s.end.min(trace.end_s());
     let cap = &trace.truth.objects[0];
     let angle = trace.series(&time_s, POINTS, |t| t.object.cap_angle_rad.to_degrees());
     let torque = trace.series(&time_s, POINTS, |t| t.object.cap_torque_n_m * 1e3);

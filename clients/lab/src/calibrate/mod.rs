@@ -18,6 +18,8 @@ use atas_sensors::calibration::{
 use serde::Serialize;
 use shm_schemas::Layout;
 
+use crate::picture;
+
 /// How far above what a silent sensor shows motion must lie to count (ours; a stable touch moves more than silence).
 const MOTION_CLEARANCE: f64 = 1.5;
 /// Frames per second of a table without times.
@@ -83,7 +85,7 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
     }
     if let Some(path) = &arguments.figure {
         let title = format!("errors of {}", arguments.out.display());
-        write(path, &figures::residuals(&title, &fitted.residuals)?)?;
+        picture::write(path, &figures::residuals(&title, &fitted.residuals)?)?;
     }
     let quality = fitted.calibration.quality;
     Ok(Report {
@@ -253,10 +255,6 @@ fn write_new(path: &Path, text: &str) -> anyhow::Result<()> {
         .with_context(|| format!("could not write {name}; it is never overwritten"))?;
     std::io::Write::write_all(&mut file, text.as_bytes())
         .with_context(|| format!("could not write {name}"))
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("could not write {}", path.display()))
 }
 
 fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {

@@ -3,8 +3,9 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 
+use super::Sink;
+use super::subject::Subject;
 use super::table::{Cell, Column, columns};
-use super::{Sink, Subject};
 use crate::rows::Row;
 
 /// The file.

@@ -1,9 +1,11 @@
 //! Recordings for other people's programs.
 //!
 //! ```text
-//!  Rows ─▶ Export ─┬─ mcap    ROS 2 messages (ros, cdr): Rerun, Foxglove, PlotJuggler
+//!  Rows ─▶ export ─┬─ messages (ros, cdr) ─▶ mcap: Rerun, Foxglove, PlotJuggler
 //!                  └─ table ─▶ csv, parquet: one row per tick, for notebooks
 //! ```
+//!
+//! One thread reads, another writes.
 //!
 //! * **Invariants:** sensor time becomes wall-clock time by one offset for the whole run ([`crate::Clock`]). A file never
 //!   overwrites another. What was not recorded is left out, not made up.
@@ -12,22 +14,25 @@
 mod cdr;
 mod csv;
 mod mcap;
+mod messages;
 mod parquet;
 mod ros;
+mod subject;
 mod table;
 
 use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
 
 use anyhow::Context;
-use robot_model::{Side, Skeleton};
-use shm_schemas::Layout;
 
-use crate::clock::Clock;
-use crate::origin;
 use crate::rows::{Row, Rows};
+use subject::Subject;
+
+/// Rows that may wait between the reading and the writing thread (ours: half a second, some 8 MiB).
+const WAITING: usize = 512;
 
 /// What an exported file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,19 +65,6 @@ pub struct Exported {
     pub seconds: f64,
 }
 
-/// What a file is written about: the robot, its sensors, the clock.
-struct Subject {
-    urdf: String,
-    skeleton: Skeleton,
-    /// Names of the links that carry the fingertips, per hand.
-    tips: [Vec<String>; 2],
-    layouts: [Layout; 2],
-    fingers: [usize; 2],
-    clock: Clock,
-    /// Version of the daemon and hash of its configuration.
-    made_by: [(&'static str, String); 2],
-}
-
 /// A file in the making.
 trait Sink {
     fn row(&mut self, row: &Row) -> anyhow::Result<()>;
@@ -89,24 +81,36 @@ pub fn export(
     choices: &Choices,
     stop: &AtomicBool,
 ) -> anyhow::Result<Exported> {
-    let mut rows = Rows::open(files)?;
-    let subject = Subject::of(&rows)?;
+    let rows = Rows::open(files)?;
+    let subject = Subject::recorded(&rows)?;
     let mut sink = sink(out, choices, subject)?;
+    let (send, receive) = sync_channel(WAITING);
+    let written = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            let wanted = |_: &_| !stop.load(Ordering::Relaxed);
+            // The other end is gone when it could not write.
+            rows.take_while(wanted).all(|row| send.send(row).is_ok());
+        });
+        write(receive, &mut *sink)
+    });
+    // Also what ends early is a whole file.
+    let finished = sink.finish();
+    let exported = written.with_context(|| format!("could not export into {}", out.display()))?;
+    finished.with_context(|| format!("could not write {}", out.display()))?;
+    Ok(exported)
+}
+
+fn write(rows: Receiver<anyhow::Result<Row>>, sink: &mut dyn Sink) -> anyhow::Result<Exported> {
     let mut exported = Exported::default();
     let mut first_ns = None;
-    let mut read = rows.by_ref().take_while(|_| !stop.load(Ordering::Relaxed));
-    let written = read.try_for_each(|row| {
+    for row in rows {
         let row = row?;
         let first_ns = *first_ns.get_or_insert(row.captured_ns);
         exported.ticks += 1;
         exported.seconds = row.captured_ns.saturating_sub(first_ns) as f64 * 1e-9;
-        sink.row(&row)
-            .with_context(|| format!("could not write {}", out.display()))
-    });
-    // Also what ends early is a whole file.
-    sink.finish()
-        .with_context(|| format!("could not write {}", out.display()))?;
-    written.map(|()| exported)
+        sink.row(&row)?;
+    }
+    Ok(exported)
 }
 
 fn sink(out: &Path, choices: &Choices, subject: Subject) -> anyhow::Result<Box<dyn Sink>> {
@@ -118,37 +122,6 @@ fn sink(out: &Path, choices: &Choices, subject: Subject) -> anyhow::Result<Box<d
         Kind::Csv => Box::new(csv::Csv::new(file, &subject, choices.elements)?),
         Kind::Parquet => Box::new(parquet::Parquet::new(file, &subject, choices.elements)?),
     })
-}
-
-impl Subject {
-    fn of(rows: &Rows) -> anyhow::Result<Self> {
-        let header = rows.header();
-        let files = origin::robot(header)?;
-        let skeleton = files
-            .skeleton()
-            .context("could not load the recorded robot")?;
-        let robot = files.load().context("could not load the recorded robot")?;
-        let tips = |side| robot.hand(side).tip_links().map(str::to_owned).collect();
-        let text = |text: Option<String>| text.unwrap_or_else(|| "not recorded".to_owned());
-        Ok(Self {
-            urdf: files.urdf.into_owned(),
-            skeleton,
-            tips: Side::BOTH.map(tips),
-            layouts: origin::layouts(header),
-            fingers: origin::fingers(header),
-            clock: rows.clock(),
-            made_by: [
-                (
-                    "atas.daemon_version",
-                    text(header.map(|h| h.version.to_string())),
-                ),
-                (
-                    "atas.config_hash",
-                    text(header.map(|h| format!("{:016x}", h.config_hash))),
-                ),
-            ],
-        })
-    }
 }
 
 #[cfg(test)]

@@ -11,8 +11,9 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
+use super::Sink;
+use super::subject::Subject;
 use super::table::{Cell, Column, Form, columns};
-use super::{Sink, Subject};
 use crate::rows::Row;
 
 /// Ticks that are written together (ours: 16 s at 1 kHz, some 20 MiB in memory).

@@ -5,8 +5,10 @@ use shm_schemas::Layout;
 
 use super::cdr::Cdr;
 
-/// A message type: its name, its definition, and the types in it.
-pub(super) struct Type {
+/// A ROS 2 message type: its name, its definition, and the types in it.
+#[derive(Debug)]
+pub(super) struct MessageType {
+    /// Its name, for example `std_msgs/msg/Float64`.
     pub(super) name: &'static str,
     definition: &'static str,
     parts: &'static [(&'static str, &'static str)],
@@ -19,12 +21,12 @@ const STAMPED: (&str, &str) = (
 );
 const VECTOR: (&str, &str) = ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z");
 
-pub(super) const JOINT_STATE: Type = Type {
+pub(super) const JOINT_STATE: MessageType = MessageType {
     name: "sensor_msgs/msg/JointState",
     definition: "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort",
     parts: &[STAMPED, TIME],
 };
-pub(super) const TRANSFORMS: Type = Type {
+pub(super) const TRANSFORMS: MessageType = MessageType {
     name: "tf2_msgs/msg/TFMessage",
     definition: "geometry_msgs/TransformStamped[] transforms",
     parts: &[
@@ -45,7 +47,7 @@ pub(super) const TRANSFORMS: Type = Type {
         TIME,
     ],
 };
-pub(super) const CLOUD: Type = Type {
+pub(super) const CLOUD: MessageType = MessageType {
     name: "sensor_msgs/msg/PointCloud2",
     definition: "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool is_bigendian\n\
                  uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense",
@@ -59,7 +61,7 @@ pub(super) const CLOUD: Type = Type {
         TIME,
     ],
 };
-pub(super) const WRENCH: Type = Type {
+pub(super) const WRENCH: MessageType = MessageType {
     name: "geometry_msgs/msg/WrenchStamped",
     definition: "std_msgs/Header header\ngeometry_msgs/Wrench wrench",
     parts: &[
@@ -72,25 +74,30 @@ pub(super) const WRENCH: Type = Type {
         TIME,
     ],
 };
-pub(super) const SCALAR: Type = Type {
+pub(super) const SCALAR: MessageType = MessageType {
     name: "std_msgs/msg/Float64",
     definition: "float64 data",
     parts: &[],
 };
-pub(super) const TEXT: Type = Type {
+pub(super) const TEXT: MessageType = MessageType {
     name: "std_msgs/msg/String",
     definition: "string data",
     parts: &[],
 };
-pub(super) const LOG: Type = Type {
+pub(super) const LOG: MessageType = MessageType {
     name: "rcl_interfaces/msg/Log",
     definition: "byte DEBUG=10\nbyte INFO=20\nbyte WARN=30\nbyte ERROR=40\nbyte FATAL=50\nbuiltin_interfaces/Time stamp\n\
                  uint8 level\nstring name\nstring msg\nstring file\nstring function\nuint32 line",
     parts: &[TIME],
 };
 
-impl Type {
-    /// The definition with those of its parts, as MCAP wants it (`ros2msg`).
+impl MessageType {
+    /// The language of its definition, as MCAP names it.
+    pub(super) const LANGUAGE: &'static str = "ros2msg";
+    /// How its messages are written.
+    pub(super) const ENCODING: &'static str = "cdr";
+
+    /// The definition with those of its parts.
     pub(super) fn schema(&self) -> String {
         let parts = self
             .parts
@@ -191,30 +198,28 @@ impl Cdr {
 }
 
 /// Where each valid element sits and the force on it, tip frame, m and N; at last the normal force.
-pub(super) fn points(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> Vec<[f32; 7]> {
+pub(super) fn points<'a>(
+    layout: &'a Layout,
+    valid: u64,
+    force_n: &'a [[f32; 3]],
+) -> impl Iterator<Item = [f32; 7]> + 'a {
     let count = layout.count.min(force_n.len());
-    let is_valid = |element: &usize| valid >> element & 1 == 1;
-    (0..count)
-        .filter(is_valid)
-        .map(|element| {
-            let (d, force) = (
-                layout.normal[element],
-                force_on(layout, element, force_n[element]),
-            );
-            let [x, y, z] = d.map(|d| (d * layout.radius_m) as f32);
-            let [fx, fy, fz] = force.map(|f| f as f32);
-            [x, y, z, fx, fy, fz, force_n[element][0]]
-        })
-        .collect()
+    let is_valid = move |element: &usize| valid >> element & 1 == 1;
+    (0..count).filter(is_valid).map(|element| {
+        let (d, force) = (
+            layout.normal[element],
+            force_on(layout, element, force_n[element]),
+        );
+        let [x, y, z] = d.map(|d| (d * layout.radius_m) as f32);
+        let [fx, fy, fz] = force.map(|f| f as f32);
+        [x, y, z, fx, fy, fz, force_n[element][0]]
+    })
 }
 
 /// The force of the object on the whole tip and its torque about the dome's centre, tip frame, N and N·m.
 pub(super) fn wrench(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> [[f64; 3]; 2] {
     let mut sum = [[0.0; 3]; 2];
-    for [x, y, z, fx, fy, fz, _] in points(layout, valid, force_n)
-        .iter()
-        .map(|p| p.map(f64::from))
-    {
+    for [x, y, z, fx, fy, fz, _] in points(layout, valid, force_n).map(|p| p.map(f64::from)) {
         let torque = [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx];
         for (sum, part) in sum.iter_mut().zip([[fx, fy, fz], torque]) {
             sum.iter_mut()

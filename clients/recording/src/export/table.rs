@@ -3,7 +3,7 @@
 use robot_model::Skeleton;
 use shm_schemas::{FingerReport, Hand, HandReport, JointState, ModuleId, TickReport};
 
-use super::Subject;
+use super::subject::Subject;
 use crate::rows::Row;
 
 /// What a cell holds; empty where nothing was recorded.
@@ -130,7 +130,7 @@ fn of_hand(hand: usize, fingers: usize) -> Vec<Column> {
         }));
     }
     for id in ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE) {
-        let what = format!("module_{}", super::mcap::word(*id));
+        let what = format!("module_{}", super::messages::word(*id));
         columns.push(of_report(name(&what), Form::Whole, move |report| {
             Cell::Whole((report.hands[hand].modules_active >> id.0 & 1).into())
         }));

@@ -6,8 +6,8 @@ use ::parquet::record::Field;
 use robot_model::TWO_HAND_ARM;
 use shm_schemas::layout::robot_hash;
 use shm_schemas::{
-    EventKind, HandFrame, HandWiringRecord, JointState, ModuleEvent, ModuleId, RunHeader, Stamp,
-    Text, TickInputs, TickReport,
+    EventKind, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent, ModuleId, RunHeader,
+    Stamp, Text, TickInputs, TickReport,
 };
 
 use super::*;

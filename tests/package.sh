@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# The Debian package built, installed, run, upgraded, removed and purged: in a root of its own (dpkg --root, whose scripts are
+# told by DPKG_ROOT where to work), so that nothing of this machine is touched and no chroot is needed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+work=$(mktemp -d)
+root=$work/root
+trap 'rm -rf "$work"' EXIT
+check() { "$@" || { echo "package: not so: $*"; exit 1; }; }
+in_root() { dpkg --root="$root" --force-script-chrootless --force-depends --force-not-root --force-confold "$@"; }
+state() { dpkg-query --root="$root" -W -f '${db:Status-Abbrev} ${Version}' atas 2>/dev/null || true; }
+
+first=$PWD/$(.ci/package dev 0.1.0-1)
+# The next version: the same files.
+dpkg-deb -R "$first" "$work/next"
+sed -i 's/^Version: .*/Version: 0.1.0-2/' "$work/next/DEBIAN/control"
+dpkg-deb --root-owner-group -Zgzip -z1 -b "$work/next" "$work/next.deb" >/dev/null
+
+mkdir -p "$root"/var/lib/dpkg/{info,updates} "$root"/etc
+touch "$root"/var/lib/dpkg/{status,available}
+in_root -i "$first"
+check test "$(state)" = "ii  0.1.0-1"
+check grep -q '^atas:' "$root/etc/passwd"
+for file in usr/bin/{atasd,atas,atas-lab,atas-live,atas-robot,atas-sensor,atas-sim,ebts} etc/atas/{atas.toml,sensors,robots,conf.d} \
+    usr/lib/systemd/system/{atasd,atas-sim,atas-record,atas-sensor@,atas-robot@}.service usr/lib/sysusers.d/atas.conf \
+    usr/lib/udev/rules.d/60-atas.rules usr/share/man/man1/atas{,-grasp,-sim-run}.1.gz usr/share/man/man8/atasd.8.gz \
+    usr/share/bash-completion/completions/atas.bash usr/include/atas.h; do
+    check test -e "$root/$file"
+done
+check bash -n "$root/usr/share/bash-completion/completions/atas.bash"
+
+# Daemon, simulator and client from the package's files, under a notify socket of this test's own.
+python3 - "$root" "$work" <<'RUN'
+import json, os, signal, socket, subprocess, sys
+root, work = sys.argv[1:]
+notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+notify.bind(f"{work}/notify")
+notify.settimeout(60)
+environment = {"PATH": f"{root}/usr/bin:/usr/bin:/bin", "ATAS_BUS": f"package-{os.getpid()}"}
+
+def start(*words, **more):
+    return subprocess.Popen([f"{root}/usr/bin/{words[0]}", *words[1:]], env=environment | more)
+
+def ask(*words):
+    told = subprocess.run([f"{root}/usr/bin/atas", *words, "--format", "json"], env=environment, capture_output=True, text=True)
+    assert told.returncode == 0, (words, told)
+    return json.loads(told.stdout.splitlines()[-1])
+
+def until(word):
+    while word not in notify.recv(4096).decode():
+        pass
+
+robot = start("atas-sim", "run", "--lockstep", "--object", "wood")
+daemon = start("atasd", "--lockstep", "--config", f"{root}/etc/atas/atas.toml", NOTIFY_SOCKET=f"{work}/notify")
+try:
+    until("READY=1")
+    goal = ask("grasp", "--at", "0.32,-0.15,0.0345", "--width", "50", "--lift", "10", "--hold", "0.05")
+    assert goal["state"] == "succeeded", goal
+    assert ask("status")["mode"], "a mode"
+    # The laboratory's program is found beside this one.
+    assert ask("explain", "last")["state"] == "succeeded"
+    daemon.send_signal(signal.SIGTERM)
+    until("STOPPING=1")
+    assert daemon.wait(60) == 0
+finally:
+    for process in (robot, daemon):
+        process.kill()
+        process.wait()
+print("package: daemon, simulator and client ran from its files")
+RUN
+
+echo '# mine' >> "$root/etc/atas/atas.toml"
+mkdir -p "$root/var/lib/atas/recordings" && touch "$root/var/lib/atas/recordings/run.mcap"
+in_root -i "$work/next.deb"
+check test "$(state)" = "ii  0.1.0-2"
+check grep -q '^# mine' "$root/etc/atas/atas.toml"
+in_root -r atas
+check test ! -e "$root/usr/bin/atasd"
+check grep -q '^# mine' "$root/etc/atas/atas.toml"
+in_root -P atas
+check test -z "$(state)"
+check test ! -e "$root/etc/atas"
+check test -e "$root/var/lib/atas/recordings/run.mcap"
+echo "package: installed, upgraded, removed and purged"
