@@ -108,6 +108,8 @@ code! {
         SLIPPED_IN_HAND = 53, "slipped-in-hand";
         /// The ways of the task are too long, or those of both hands together too many, to be checked.
         TASK_TOO_LONG = 60, "task-too-long";
+        /// The hand holds nothing that the task could go on with.
+        HAND_EMPTY = 61, "hand-empty";
         /// The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
         TARGETS_STOPPED = 70, "targets-stopped";
         /// A target failed its checksum.
