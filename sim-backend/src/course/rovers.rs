@@ -121,6 +121,18 @@ impl Course {
         self.light_m(robot, light).map(|at_m| place.sees(at_m))
     }
 
+    /// Distance to the nearest robot of those before this one in the layout, between the middles of the bases, m.
+    #[must_use]
+    pub fn nearest_before_m(&self, robot: usize) -> Option<f64> {
+        let place = self.place(robot);
+        let distance_m = |other: &Rover| {
+            let [ahead_m, left_m] = place.sees(other.base.place().at_m);
+            libm::hypot(ahead_m, left_m)
+        };
+        let others = self.rovers[..robot].iter().map(distance_m);
+        others.min_by(f64::total_cmp)
+    }
+
     /// Says at which levels a robot's wheels shall turn from now on.
     pub fn steer(&mut self, robot: usize, wheels: Wheels) {
         self.rovers[robot].wheels = wheels;
