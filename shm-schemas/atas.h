@@ -370,9 +370,14 @@ enum atas_cause {
     ATAS_CAUSE_SLIPPED_IN_HAND = 53,
     // The ways of the task are too long, or those of both hands together too many, to be checked.
     ATAS_CAUSE_TASK_TOO_LONG = 60,
+    // The robot has no such hand.
     ATAS_CAUSE_NO_HAND = 61,
+    // The fingertips cannot pass each other, as turning a cap needs.
     ATAS_CAUSE_CANNOT_TURN = 62,
+    // A client can lead only a hand whose robot file states a workspace.
     ATAS_CAUSE_NO_WORKSPACE = 63,
+    // The hand holds nothing that the task could go on with.
+    ATAS_CAUSE_HAND_EMPTY = 64,
     // The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
     ATAS_CAUSE_TARGETS_STOPPED = 70,
     // A target failed its checksum.

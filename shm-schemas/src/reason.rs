@@ -114,6 +114,8 @@ code! {
         CANNOT_TURN = 62, "cannot-turn";
         /// A client can lead only a hand whose robot file states a workspace.
         NO_WORKSPACE = 63, "no-workspace";
+        /// The hand holds nothing that the task could go on with.
+        HAND_EMPTY = 64, "hand-empty";
         /// The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
         TARGETS_STOPPED = 70, "targets-stopped";
         /// A target failed its checksum.

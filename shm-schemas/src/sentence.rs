@@ -100,6 +100,11 @@ impl Reason {
                     Hand(index)
                 )
             }
+            Cause::HAND_EMPTY => write!(
+                f,
+                "the {} hand holds nothing to go on with; grasp the object first with `atas grasp`",
+                Hand(index)
+            ),
             Cause::ARMS_COLLIDE if index != 0 => {
                 let [ours, theirs] = BodyPair::read(index).0;
                 let (value_mm, limit_mm) = (value * 1e3, limit * 1e3);

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::contact::Wrench;
+use crate::ride::Ride;
 use crate::shape::Shape;
 use crate::support::{Ground, RimLoad};
 
@@ -164,6 +165,9 @@ impl Body {
     /// One step under the applied wrenches, gravity and the supports; forgets the wrenches.
     pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
         let mut load = self.take_load();
+        if ground.ride.moves() {
+            self.lag_behind(&ground.ride, &mut load, dt_s);
+        }
         self.stand(ground, &mut load, dt_s);
         // The centre of mass moves by the forces; the middle follows it as the body turns.
         let lever_m = self.lever_m();
@@ -174,6 +178,21 @@ impl Body {
         let lever_after_m = self.lever_m();
         self.velocity_m_s = velocity_m_s - self.angular_rad_s.cross(&lever_after_m);
         self.position_m += velocity_m_s * dt_s + (lever_m - lever_after_m);
+    }
+
+    /// Adds what the base's motion does to a body that is described in the base's frame. What the floor carries does not
+    /// feel the base's heave.
+    fn lag_behind(&mut self, ride: &Ride, load: &mut Wrench, dt_s: f64) {
+        let lever_m = self.lever_m();
+        let centre_m = self.position_m + lever_m;
+        let velocity_m_s = self.velocity_m_s + self.angular_rad_s.cross(&lever_m);
+        let mut inertial_n = ride.inertial_m_s2(&centre_m, &velocity_m_s) * self.mass_kg;
+        if self.table_n > 0.0 {
+            inertial_n.z = 0.0;
+        }
+        load.force_n += inertial_n;
+        load.moment_n_m += lever_m.cross(&inertial_n);
+        self.angular_rad_s += ride.inertial_rad_s2(&self.angular_rad_s) * dt_s;
     }
 
     /// Adds the supports' forces to the load.

@@ -18,7 +18,8 @@
 //!     hold, and the grip stays (`tests/grasp.rs`).
 //!   * Whatever is commanded, the world stays finite; if it ever does not, it says so ([`World::fault`]) and stands still.
 //!   * Simulating allocates nothing.
-//! * **Beside it:** [`swarm`], the field of methodology 2 as its host runs it, frame by frame.
+//! * **Beside it:** [`swarm`], the field of methodology 2 as its host runs it, frame by frame; [`course`], a field with wheeled
+//!   bases that carry robots: how a base moves is told to the world of its robot ([`World::ride`]).
 //! * **Two ways to use it:** in process, in virtual time (tests, `atas eval`), or as the process `atas-sim` on the bus.
 //! * **Absent on purpose:** contact of links other than the fingertips, of fingertips with each other and with the table,
 //!   and of objects with each other, but for a cap and its bottle (`closure.rs`); fingertips do not feel plates; rigid-body coupling between joints (the servos hide it, see `plant.rs`). A fingertip
@@ -29,6 +30,7 @@ mod body;
 mod clock;
 mod closure;
 mod contact;
+pub mod course;
 mod drive;
 mod encoder;
 pub mod faults;
@@ -38,6 +40,7 @@ mod object;
 mod pad;
 mod plant;
 pub mod random;
+mod ride;
 mod scene;
 mod sensor;
 mod shape;
@@ -53,6 +56,7 @@ pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
 pub use object::{Neck, Object, ObjectError};
+pub use ride::Ride;
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,
     home_rad,

@@ -39,6 +39,8 @@ const VIBRATION_M: f64 = 1e-5;
 /// Deepest grasp below an object's top, m. Ours: the hand comes in 60 mm above its grasp, and its domes (15 mm) must clear
 /// the top of what it shall grasp.
 const GRASP_DEPTH_MAX_M: f64 = 0.040;
+/// Farthest that an object may stand from the robot along one axis, m. Ours: across the field of a course.
+const FARTHEST_M: f64 = 10.0;
 /// Rate of a sensor that keeps up with the tick, Hz.
 const FULL_RATE_HZ: u32 = 1000;
 
@@ -265,8 +267,9 @@ impl Scene {
 
     fn check_places(&self) -> Result<(), SceneError> {
         for placed in &self.objects {
-            in_range("an object's x in metres", placed.position_m[0], -2.0, 2.0)?;
-            in_range("an object's y in metres", placed.position_m[1], -2.0, 2.0)?;
+            let [x_m, y_m] = placed.position_m;
+            in_range("an object's x in metres", x_m, -FARTHEST_M, FARTHEST_M)?;
+            in_range("an object's y in metres", y_m, -FARTHEST_M, FARTHEST_M)?;
             in_range("an object's yaw in radians", placed.yaw_rad, -10.0, 10.0)?;
         }
         for plate in &self.plates {
@@ -357,6 +360,9 @@ pub(crate) mod stream {
     pub(crate) const TIP_ERRORS: u64 = 30;
     /// Plus the hand's index.
     pub(crate) const HAND_ERRORS: u64 = 40;
+    /// A course's layout, and the floor under its robots, plus the robot's index.
+    pub(crate) const COURSE: u64 = 90;
+    pub(crate) const FLOOR: u64 = 91;
     /// Plus five for every object before it.
     pub(crate) const OBJECT_ERRORS: u64 = 50;
 }

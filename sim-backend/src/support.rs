@@ -1,11 +1,13 @@
 //! What bodies stand on: the table, plates on it, and the rim of a bottle's neck.
 //!
 //! All are level. A corner of a body stands on the highest support that it has not sunk below, so that a body beside a
-//! plate does not stand on it. Fingertips feel none of them.
+//! plate does not stand on it. Fingertips feel none of them. Under a robot whose base drives, the table is the floor: it
+//! moves by below the base; plates stand on the base and go with it.
 
 use nalgebra::Vector3;
 
 use crate::contact::Wrench;
+use crate::ride::Ride;
 
 /// Depth below a plate or a rim at which a corner counts as beside it, m. Ours: no corner that stands sinks by a tenth of it.
 const BESIDE_M: f64 = 0.005;
@@ -34,6 +36,7 @@ pub(crate) struct Rim {
 pub(crate) struct Ground<'a> {
     pub(crate) plates: &'a [Plate],
     pub(crate) rim: Option<Rim>,
+    pub(crate) ride: Ride,
 }
 
 /// What is under a point.
@@ -74,7 +77,11 @@ impl Ground<'_> {
             .filter(|rim| rim.holds(point_m) && rim.centre_m.z > height_m);
         Support {
             height_m: rim.map_or(height_m, |rim| rim.centre_m.z),
-            velocity_m_s: rim.map_or_else(Vector3::zeros, |rim| rim.velocity_m_s),
+            velocity_m_s: match rim {
+                Some(rim) => rim.velocity_m_s,
+                None if height_m > 0.0 || !self.ride.moves() => Vector3::zeros(),
+                None => self.ride.floor_m_s(point_m),
+            },
             is_rim: rim.is_some(),
         }
     }
@@ -119,6 +126,7 @@ mod tests {
             let ground = Ground {
                 plates: &[PLATE],
                 rim: with_rim.then_some(rim),
+                ride: Ride::STILL,
             };
             let support = ground.under(&Vector3::from(at_m));
             assert_eq!(support.height_m, expected_m, "{at_m:?}");

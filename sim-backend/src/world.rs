@@ -10,6 +10,7 @@ use crate::drive::Drive;
 use crate::encoder;
 use crate::hand::Hand;
 use crate::random::Random;
+use crate::ride::Ride;
 use crate::scene::{Scene, SceneError, in_range, stream};
 use crate::sensor::HandSensor;
 use crate::support::{Ground, Plate};
@@ -56,6 +57,7 @@ pub struct World {
     objects: Vec<WorldObject>,
     plates: Vec<Plate>,
     closure: Option<Closure>,
+    ride: Ride,
     drive: Drive,
     clock: Clock,
     joint_sequence: u64,
@@ -109,6 +111,7 @@ impl World {
             objects,
             plates: scene.plates.clone(),
             closure,
+            ride: Ride::STILL,
             drive: Drive::holding(start_rad, joint_speeds_rad_s(robot)),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
@@ -163,6 +166,17 @@ impl World {
             return in_range("the index of a pulled object", object as f64, 0.0, last);
         };
         pulled.body.pull_n = force_n.into();
+        Ok(())
+    }
+
+    /// Says how the robot's base moves from now on, until told otherwise: what the robot does not hold moves by, what it
+    /// holds feels the base's accelerations.
+    ///
+    /// # Errors
+    /// [`SceneError::OutOfRange`] when a number is not finite or beyond any base; nothing changes then.
+    pub fn ride(&mut self, ride: &Ride) -> Result<(), SceneError> {
+        ride.check()?;
+        self.ride = *ride;
         Ok(())
     }
 
@@ -271,9 +285,10 @@ impl World {
                 continue;
             }
             let rim = closure.and_then(|closure| closure.rim_for(index, &self.objects));
-            let plates = &self.plates;
-            self.objects[index].step(&Ground { plates, rim }, SUBSTEP_S);
+            let (plates, ride) = (&self.plates, self.ride);
+            self.objects[index].step(&Ground { plates, rim, ride }, SUBSTEP_S);
         }
+        self.ride.go_on(SUBSTEP_S);
         if let Some(closure) = &mut self.closure {
             closure.follow(&mut self.objects, SUBSTEP_S);
         }
@@ -288,6 +303,7 @@ impl World {
             let ground = Ground {
                 plates: &self.plates,
                 rim,
+                ride: self.ride,
             };
             let object = &mut self.objects[index];
             let open = object.has_neck() && !closed;

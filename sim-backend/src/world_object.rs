@@ -79,7 +79,10 @@ impl WorldObject {
     /// The objects of a scene in their places.
     pub(crate) fn all(scene: &Scene) -> Vec<Self> {
         let plates = &scene.plates;
-        let ground = Ground { plates, rim: None };
+        let ground = Ground {
+            plates,
+            ..Ground::default()
+        };
         let objects = scene.objects.iter();
         objects.map(|placed| Self::new(placed, &ground)).collect()
     }

@@ -3,7 +3,7 @@
 //! In: places and sizes as the client believes them, SI units. Out: a request; the session adds its timestamp and id. What the
 //! robot can do is the daemon's to say.
 
-use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, Hand};
+use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, Hand, Text};
 
 /// Usual lift of a grasp, m (ours: clear of the table, seen at a glance).
 pub const LIFT_M: f64 = 0.040;
@@ -48,6 +48,17 @@ pub fn pick_place(object: &Target, hand: Hand, to_m: [f64; 3], lift_m: f64) -> G
         to_m,
         to_yaw_rad: object.yaw_rad,
         ..grasp(object, hand, lift_m, 0.0)
+    }
+}
+
+/// Set down what the hand holds at a place, as it lies in the hand: `object` is where it was grasped, and goes back to if
+/// there is no support.
+#[must_use]
+pub fn set_down(object: &Target, hand: Hand, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
+    GoalRequest {
+        kind: GoalKind::CUSTOM,
+        task: Text::new("set-down"),
+        ..pick_place(object, hand, to_m, lift_m)
     }
 }
 

@@ -31,9 +31,12 @@ mod values;
 pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
 pub use dashboards::Dashboard;
-pub use demos::{Demo, DemoAssembly, DemoGrasp, DemoPickPlace, DemoScrew, DemoSwarm, Running};
+pub use demos::{
+    Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoPickPlace, DemoScrew, DemoSwarm, Running,
+};
 pub use evals::{
-    Eval, Evaluation, RecordedEvaluation, ReflexEvaluation, Summary, TaskName, Tuning,
+    Eval, Evaluation, HybridEvaluation, RecordedEvaluation, ReflexEvaluation, Summary, TaskName,
+    Tuning,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};

@@ -10,6 +10,8 @@
 //!
 //!  a clumsy policy ─▶ reflex: the same targets with a reflex beneath and without it
 //!
+//!  a behaviour table and modules in one robot ─▶ hybrid: fetch, carry on wheels, set down
+//!
 //!  recordings of real fingertips ─▶ recorded: production perception, judged by labels
 //! ```
 //!
@@ -25,6 +27,7 @@ mod condition;
 mod execute;
 pub mod figures;
 mod finding;
+pub mod hybrid;
 pub mod judge;
 mod markdown;
 pub mod offline;

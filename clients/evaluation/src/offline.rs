@@ -11,7 +11,7 @@ use shm_schemas::{
     GoalRequest, GoalState, GoalUpdate, GraspTarget, Hand, HandFrame, JointCommand, Mode, Reason,
     WorldTruth,
 };
-use sim_backend::{GraspHint, Scene, SceneError, Sensed, TICK_NS, World};
+use sim_backend::{GraspHint, Ride, Scene, SceneError, Sensed, TICK_NS, World};
 
 /// Longest time that the controller may take to become ready, ticks.
 const READY_WITHIN_TICKS: u64 = 1000;
@@ -99,6 +99,25 @@ impl OfflineRun {
         self.targets.push(target);
     }
 
+    /// Says how the robot's base moves from now on; see [`World::ride`].
+    ///
+    /// # Errors
+    /// [`SceneError`] when no base moves like that.
+    pub fn ride(&mut self, ride: &Ride) -> Result<(), SceneError> {
+        self.world.ride(ride)
+    }
+
+    /// The order to pursue a goal, or the reason against it.
+    ///
+    /// # Errors
+    /// The [`Reason`] for the refusal.
+    pub fn order(&self, goal: &GoalRequest) -> Result<Order, Reason> {
+        let now = self
+            .controller
+            .circumstances(&self.robot, self.task.as_slice());
+        atas_core::check::check(goal, &now).map(Order::Start)
+    }
+
     /// One tick: sense, decide, move.
     pub fn step(&mut self, order: Option<&Order>) -> &Outputs {
         self.step_through(order, |_| {})
@@ -164,13 +183,10 @@ impl OfflineRun {
             reason,
             ..GoalUpdate::default()
         };
-        let task = self.task.as_slice();
-        let now = self.controller.circumstances(&self.robot, task);
-        let checked = match atas_core::check::check(goal, &now) {
-            Ok(checked) => checked,
+        let mut order = match self.order(goal) {
+            Ok(order) => Some(order),
             Err(reason) => return ended(GoalState::REJECTED, reason),
         };
-        let mut order = Some(Order::Start(checked));
         for _ in 0..(limit_s * 1e9) as u64 / TICK_NS {
             let outputs = *self.step(order.take().as_ref());
             watch(&outputs, &self.world);
@@ -225,6 +241,12 @@ pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> Goa
 #[must_use]
 pub fn pick_place_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
     goal::pick_place(&target(hint), Hand::BOTH[side.index()], to_m, lift_m)
+}
+
+/// The goal that a client would send to set down, at a place, what it grasped at the hint.
+#[must_use]
+pub fn set_down_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
+    goal::set_down(&target(hint), Hand::BOTH[side.index()], to_m, lift_m)
 }
 
 /// The goal that a client would send to close a cap where it sits.

@@ -6,7 +6,8 @@
 //! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
 //! select; [`evaluate`] turns genomes into fitness with the `field` crate's simulators, on as many threads as [`workers`]
 //! has; [`run`] puts these together for one seed; [`checkpoint`] and [`experiment`] keep runs on disk; [`analysis`] looks at
-//! what evolved, [`results`] and [`plot`] write it down; [`agents`] drives the robots of a field on the bus.
+//! what evolved, [`results`] and [`plot`] write it down; [`agents`] drives the robots of a field on the bus. The same algorithm
+//! evolves tables for other agents: a hand ([`grasp`]), and the base of a robot with hands ([`course`]).
 //!
 //! Invariants:
 //!
@@ -24,6 +25,7 @@ pub mod analysis;
 pub mod built_in;
 pub mod checkpoint;
 pub mod condition;
+pub mod course;
 pub mod error;
 pub mod evaluate;
 pub mod experiment;

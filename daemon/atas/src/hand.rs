@@ -258,9 +258,21 @@ impl HandControl {
         };
         let now = *servo.frame();
         let (waypoints, width_m) = Waypoints::of(&self.model, &now, goal, settings);
-        self.modules.reset();
         self.arbiter.rest();
         let wishes = (width_m, request.hold_s);
+        if let Some(runner) = self.runner.as_mut().filter(|runner| runner.grips())
+            && acts
+            && goal.demands().takes_over
+        {
+            runner.take_over(
+                (track, waypoints, wishes),
+                &now,
+                settings,
+                &mut self.modules,
+            );
+            return;
+        }
+        self.modules.reset();
         let runner = Runner::start(track, waypoints, &now, wishes, settings);
         self.runner = Some(runner.with_table(task.table));
     }

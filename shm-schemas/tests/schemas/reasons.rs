@@ -90,6 +90,10 @@ fn table() -> Vec<(Reason, &'static str)> {
             "the right hand still holds an object; release it first with `atas release --hand right`",
         ),
         (
+            limit(Cause::HAND_EMPTY, 0.0, 0.0, 1),
+            "the right hand holds nothing to go on with; grasp the object first with `atas grasp`",
+        ),
+        (
             limit(Cause::NO_SENSOR, 0.0, 0.0, 0),
             "the left hand has no tactile sensor in the configuration; use the other hand",
         ),

@@ -65,7 +65,13 @@ impl Bench {
             for index in 0..2 {
                 let rim = self.closure.rim_for(index, &self.objects);
                 if !self.closure.drives(index) {
-                    self.objects[index].step(&Ground { plates: &[], rim }, DT_S);
+                    self.objects[index].step(
+                        &Ground {
+                            rim,
+                            ..Ground::default()
+                        },
+                        DT_S,
+                    );
                 }
             }
             self.closure.follow(&mut self.objects, DT_S);

@@ -9,6 +9,8 @@ use super::values::html;
 /// What the simulator's scenes have where nothing is said; a test holds them to it.
 const OBJECT: &str = "wood";
 const CAP: &str = "cap";
+/// The table of `ebts evolve course` that ships.
+pub(super) const COURSE_TABLE: &str = "course";
 
 /// The tasks of `atas demo`.
 #[derive(Debug, Subcommand)]
@@ -24,6 +26,9 @@ pub enum Demo {
     Assembly(DemoAssembly),
     /// Let a team of mobile robots carry its object to eight goals, each robot by an evolved behaviour table
     Swarm(DemoSwarm),
+    /// Let a robot on wheels fetch an object, carry it to a goal and set it down: an evolved behaviour table drives, modules
+    /// grasp. In process, in virtual time
+    Hybrid(DemoHybrid),
 }
 
 /// How a demo's processes run.
@@ -112,6 +117,26 @@ pub struct DemoSwarm {
     /// Write an animation of the eight trials: one web page that needs nothing else
     #[arg(long, value_name = "FILE.html", value_parser = html)]
     pub replay: Option<PathBuf>,
+}
+
+/// `atas demo hybrid`.
+#[derive(Args, Clone, Debug)]
+pub struct DemoHybrid {
+    /// Robots on the course, 1 or 2
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub robots: u8,
+    /// Seed of the course, the bumps of its floor, the object and the sensors' noise
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub seed: u64,
+    /// A table file of `ebts evolve course`, or the table that ships
+    #[arg(long, value_name = "NAME|FILE", default_value = COURSE_TABLE)]
+    pub table: String,
+    /// A built-in object, or the file of one
+    #[arg(long, value_name = "NAME|FILE", default_value = OBJECT)]
+    pub object: String,
+    /// Freeze the fingers once the object is lifted: what are the reflexes worth on the way?
+    #[arg(long)]
+    pub frozen: bool,
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::demos::COURSE_TABLE;
 use super::values::finite;
 
 /// The tasks of `atas eval`.
@@ -25,6 +26,9 @@ pub enum Eval {
     /// A reflex beneath a policy: one that closes too weakly or too hard and moves with jerks, ten times a second and 50 ms late,
     /// with the daemon's touch beneath it and without
     Reflex(ReflexEvaluation),
+    /// Both methodologies in one robot: fetch an object, carry it over a field on wheels, set it down at a goal. A behaviour table
+    /// drives the base, modules move the hand
+    Hybrid(HybridEvaluation),
     /// The baselines' forces, tried on the seeds that are for tuning
     Tune(Tuning),
     /// Production perception on a recording of real fingertips, judged by labels
@@ -66,6 +70,32 @@ pub struct ReflexEvaluation {
     /// Number of the first seed of each object. 1 to 20000 are for tuning, all others for judging [default: 20001]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     pub first_seed: Option<u64>,
+    /// Threads; 0 for one per core. The numbers do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// How a robot on wheels is evaluated.
+#[derive(Args, Clone, Debug)]
+pub struct HybridEvaluation {
+    /// Robots on each course, 1 or 2
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub robots: u8,
+    /// Trials: courses, each with a seed of its own
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub seeds: u64,
+    /// Number of the first seed. 1 to 20000 are for tuning, all others for judging [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
+    /// A table file of `ebts evolve course`, or the table that ships
+    #[arg(long, value_name = "NAME|FILE", default_value = COURSE_TABLE)]
+    pub table: String,
+    /// Freeze the fingers once the object is lifted: what are the reflexes worth on the way?
+    #[arg(long)]
+    pub frozen: bool,
+    /// Built-in objects or files, separated by commas, dealt in turn [default: every built-in one that can be held]
+    #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
+    pub objects: Vec<String>,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

@@ -41,6 +41,11 @@ const HELPS: &[Help] = &[
         "one object: as_evolved, missed_frames, goals",
     ),
     Help(
+        "demo hybrid",
+        &["atas demo hybrid", "atas demo hybrid --robots 2 --seed 4"],
+        "one object: seed, robots[{object, failure, phases[{phase, began_s, took_s}], drive, grip_n, f2_n, off_goal_m}], simulated_s",
+    ),
+    Help(
         "eval grasp",
         &[
             "atas eval grasp --trials 200",
@@ -86,6 +91,14 @@ const HELPS: &[Help] = &[
             "atas eval reflex --trials 40 --first-seed 1",
         ],
         "one object: with{trials, success, crushed, failures}, without{…}, slip_to_command_ms{count, p50, p99, max}",
+    ),
+    Help(
+        "eval hybrid",
+        &[
+            "atas eval hybrid --robots 1 --seeds 100",
+            "atas eval hybrid --seeds 20 --frozen",
+        ],
+        "one object: robots, trials, success, ci95, failures, drive{count, slip_mm, slipped, grip_change_n, shake}, simulated_s",
     ),
     Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
     Help(

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::values::svg;
+use super::values::picture;
 
 /// `atas robot`.
 #[derive(Debug, Subcommand)]
@@ -17,7 +17,7 @@ pub enum RobotAction {
         #[arg(value_name = "NAME|FILE")]
         robot: String,
         /// Draw it where it rests, from the front, from the side and from above
-        #[arg(long, value_name = "FILE.svg", value_parser = svg)]
+        #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
         out: Option<PathBuf>,
     },
 }

@@ -16,6 +16,7 @@
 mod assembly;
 pub(crate) mod child;
 mod grasp;
+mod hybrid;
 pub(crate) mod logs;
 mod page;
 mod pick_place;
@@ -72,6 +73,7 @@ pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> a
             show("assembly", &[scenario], running, interrupt, output)
         }
         Demo::Swarm(arguments) => swarm::swarm(arguments, interrupt, output),
+        Demo::Hybrid(arguments) => hybrid::hybrid(arguments, output),
     }
 }
 

@@ -1,5 +1,6 @@
 //! `atas eval`: from arguments to plans, with a bar while they run.
 
+mod hybrid;
 mod recording;
 mod reflex;
 mod rows;
@@ -34,6 +35,7 @@ pub(crate) fn evaluate(
         Eval::All(summary) => summary::all(summary, interrupt, output),
         Eval::Errors(summary) => summary::errors(summary, interrupt, output),
         Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
+        Eval::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),
     }
 }

@@ -8,18 +8,18 @@
 //! * **Invariants:** everything that does not fit is told at once, by the loader. What a hand can do is tried by the inverse
 //!   kinematics, and told for the tasks as `demo` and `eval` will judge it.
 
-mod picture;
 mod reach;
+mod views;
 
 use std::path::Path;
 
-use anyhow::Context;
 use atas_console::arguments::RobotAction;
 use atas_console::{Ended, Exit, Output, number, table};
 use atas_evaluation::Task;
 use robot_model::{HandModel, Joint, JointKind, RobotFiles, RobotModel, SHIPPED, Side};
 use serde_json::{Value, json};
 
+use crate::picture;
 use reach::Reach;
 
 /// How far a dome may be turned from the other side, as the cosine between them (ours: 60°).
@@ -60,13 +60,8 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
     let files = RobotFiles::find(name).map_err(unusable)?;
     let robot = files.load().map_err(unusable)?;
     if let Some(out) = out {
-        let svg = picture::draw(&files, &robot).map_err(unusable)?;
-        std::fs::write(out, svg).with_context(|| {
-            format!(
-                "could not write {}; name a file in a folder that exists",
-                out.display()
-            )
-        })?;
+        let svg = views::draw(&files, &robot).map_err(unusable)?;
+        picture::write(out, &svg)?;
     }
     let hands: Vec<Value> = robot
         .sides()

@@ -186,6 +186,7 @@ class Cause(IntEnum):
     NO_HAND = 61
     CANNOT_TURN = 62
     NO_WORKSPACE = 63
+    HAND_EMPTY = 64
     TARGETS_STOPPED = 70
     TARGET_CORRUPT = 71
     TARGET_FOREIGN = 72

@@ -20,7 +20,7 @@ use ebts::workers::Workers;
 use field::FitnessRule;
 
 use super::options::{EngineArgs, EvolutionArgs};
-use super::{Format, answer, grasp, stop_flag};
+use super::{Format, answer, course, grasp, stop_flag};
 
 /// How often a run under way is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(2);
@@ -64,6 +64,8 @@ pub(crate) struct EvolveArgs {
 enum Task {
     /// Evolve a table that feels: a hand grasps eight objects.
     Grasp(grasp::EvolveGraspArgs),
+    /// Evolve a table that drives a robot with hands: fetch an object, carry it to a goal.
+    Course(course::EvolveCourseArgs),
 }
 
 #[derive(Serialize)]
@@ -81,8 +83,10 @@ struct Evolved<'a> {
 }
 
 pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
-    if let Some(Task::Grasp(args)) = args.task {
-        return grasp::evolve(&args, format);
+    match &args.task {
+        Some(Task::Grasp(args)) => return grasp::evolve(args, format),
+        Some(Task::Course(args)) => return course::evolve(args, format),
+        None => {}
     }
     let start = Instant::now();
     let checkpoint_path = sibling(&args.out, ".checkpoint");

@@ -17,7 +17,7 @@ use ebts::table::behaviour;
 use ebts::table_file::TableFile;
 use field::{Engine, FitnessRule, SENSORS, run_trial};
 
-use super::{Format, answer, grasp};
+use super::{Format, answer, course, grasp};
 
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  ebts show table.toml")]
@@ -61,6 +61,9 @@ struct ShownRow {
 pub(super) fn show(args: ShowArgs, format: Format) -> Result<()> {
     if grasp::is_grasp_file(&args.table)? {
         return grasp::show(&args.table, args.task.as_deref(), format);
+    }
+    if course::is_course_file(&args.table)? {
+        return course::show(&args.table, format);
     }
     let file = if args.rehash {
         rehash(&args.table)?

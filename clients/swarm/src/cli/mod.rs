@@ -2,6 +2,7 @@
 
 mod agents;
 mod analyse;
+mod course;
 mod evolve;
 mod experiment;
 mod grasp;

@@ -48,13 +48,18 @@ impl Controller {
         let demands = goal.demands();
         let full = Side::BOTH.into_iter().find(|side| {
             let must_be_empty = if *side == goal.side() {
-                !demands.lets_go_first
+                !(demands.lets_go_first || demands.takes_over)
             } else {
                 demands.both_hands
             };
             must_be_empty && self.hands[side.index()].grips()
         });
-        full.map(|side| Reason::of(Cause::HAND_FULL).about(side.index()))
+        if let Some(side) = full {
+            return Some(Reason::of(Cause::HAND_FULL).about(side.index()));
+        }
+        let acting = goal.side().index();
+        let lacks = demands.takes_over && !self.hands[acting].grips();
+        lacks.then(|| Reason::of(Cause::HAND_EMPTY).about(acting))
     }
 
     /// Takes in the targets of the client that leads a hand, if one does.

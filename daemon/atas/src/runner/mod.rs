@@ -570,6 +570,24 @@ impl Runner {
 }
 
 impl Runner {
+    /// Goes on with a task that begins with what the hand holds; what was learnt of the object stays known. This task answers
+    /// for what happens in the hand from now on, and the one before has answered for its own: between them, the robot may have
+    /// been carried about, which feels as if the object fell.
+    pub fn take_over(
+        &mut self,
+        (track, waypoints, (width_m, hold_s)): (Track, Waypoints, (f64, f64)),
+        now: &GraspFrame,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) {
+        (self.track, self.waypoints) = (track, waypoints);
+        (self.width_m, self.hold_s) = (width_m, hold_s);
+        (self.table, self.retreat, self.ended) = (None, None, false);
+        (self.reached, self.peer_reached) = (0, 0);
+        self.in_hand = InHand::default();
+        self.enter(0, now, settings, modules);
+    }
+
     /// Goes on with nothing but holding: for a goal that ends while the hand has an object.
     pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
         if self.step().transition != Transition::Held {

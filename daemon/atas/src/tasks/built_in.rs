@@ -3,15 +3,16 @@
 use super::assemble::ASSEMBLE;
 use super::follow::{FOLLOW, FOLLOW_BOTH};
 use super::grasp::{GRASP, RELEASE};
-use super::pick_place::PICK_PLACE;
+use super::pick_place::{PICK_PLACE, SET_DOWN};
 use super::screw::SCREW;
 use super::track::Task;
 use shm_schemas::GoalKind;
 
 /// The built-in tasks.
-pub static BUILT_IN: [&Task; 7] = [
+pub static BUILT_IN: [&Task; 8] = [
     &GRASP,
     &PICK_PLACE,
+    &SET_DOWN,
     &SCREW,
     &ASSEMBLE,
     &RELEASE,

@@ -16,6 +16,9 @@ pub struct Demands {
     pub turns: bool,
     /// The task begins by letting go, so the hand may be full.
     pub lets_go_first: bool,
+    /// The task begins by moving what the hand holds: the hand must be full, and `from_m` is where that came from and where
+    /// it goes back to if it finds no place.
+    pub takes_over: bool,
     /// Both hands take part.
     pub both_hands: bool,
 }
@@ -31,19 +34,22 @@ impl Task {
                 .filter_map(|step| step.motion.waypoint())
                 .any(|waypoint| waypoints.contains(&waypoint))
         };
+        let takes_over = track.first().is_some_and(Step::takes_over);
+        let sources = [
+            Waypoint::BeforeSource,
+            Waypoint::Around,
+            Waypoint::Source,
+            Waypoint::Lifted,
+        ];
         Demands {
-            visits_source: visits(&[
-                Waypoint::BeforeSource,
-                Waypoint::Around,
-                Waypoint::Source,
-                Waypoint::Lifted,
-            ]),
+            visits_source: visits(&sources) || takes_over,
             visits_target: visits(&[Waypoint::OverTarget]) || does(track, Motion::Lower),
             grasps_to_turn: does(track, Motion::Square) && !visits(&[Waypoint::TurnStart]),
             turns: does(track, Motion::Square),
             lets_go_first: track
                 .first()
                 .is_some_and(|s| matches!(s.motion, Motion::Open | Motion::LetGo)),
+            takes_over,
             both_hands: self.helping.is_some(),
         }
     }

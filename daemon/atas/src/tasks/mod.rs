@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | grasp | 1, 2, 3 | `grasp` |
 //! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
+//! | set-down | 0', 1, 2, 3, 4, of what the hand holds | `pick_place` |
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
 //! | assembly | all | `assemble` |
 //! | follow (ours) | 1, 2, 3 beneath a client's stream | `follow` |
@@ -39,7 +40,7 @@ pub use demands::Demands;
 pub use follow::{FOLLOW, FOLLOW_BOTH, STAND_LED};
 pub use grasp::{BACK_OUT, GRASP, KEEP, RELEASE, STAND, WITHDRAW};
 pub use name::Name;
-pub use pick_place::{PICK_PLACE, RAISE};
+pub use pick_place::{PICK_PLACE, RAISE, SET_DOWN};
 pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};
 pub use screw::SCREW;
 pub use step::{Motion, Step, Transition, Waypoint};

@@ -41,6 +41,12 @@ pub static PICK_PLACE: Task = Task::of(
     ],
 );
 
+/// Sets down at the target what the hand already holds, and lets go.
+pub static SET_DOWN: Task = Task::of(
+    "set-down",
+    &[CONVEY_IT, PLACE_IT, LET_GO, OPEN, LEAVE, GO_HOME],
+);
+
 /// Lifts again what found no support.
 pub const RAISE: Track = Track::of(&[Step::new(
     "raise",

@@ -63,7 +63,7 @@ pub enum Rule {
     NoEnd(ModuleId),
     /// A step stays where it is and waits to arrive.
     NeverArrives,
-    /// A step moves an object that no step before has gripped.
+    /// A step moves an object that no step before has gripped, and is not the first one.
     NothingGripped,
     /// A step moves freely with an object in the hand.
     LetsGo,
@@ -119,7 +119,7 @@ impl fmt::Display for Rule {
             Self::NoEnd(id) => write!(f, "needs \"{id}\" and transition = \"concluded\": it has no other end"),
             Self::NeverArrives => f.write_str("stays where it is and cannot arrive; choose another until"),
             Self::NothingGripped => {
-                f.write_str("moves an object, needs a step until gripped before it")
+                f.write_str("moves an object, needs a step until gripped before it, or to be the first step")
             }
             Self::LetsGo => f.write_str(
                 "would let go of the object on the way; carry or convey it, or open the hand before",
@@ -221,7 +221,8 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
             Rule::TooManySteps(steps.len())
         },
     ))?;
-    let mut grips = false;
+    // What the hand already holds may be moved at once, by the hand that the goal names.
+    let mut grips = part == Part::Acting && steps.first().is_some_and(Step::takes_over);
     for (index, step) in steps.iter().enumerate() {
         let check = checked_name(&step.name)
             .and_then(|_| check_step(step))

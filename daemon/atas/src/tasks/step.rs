@@ -45,6 +45,16 @@ impl Step {
     pub fn is_read_off(&self) -> bool {
         self.modules.contains(ModuleId::BEHAVIOUR_TABLE)
     }
+
+    /// Whether a task that begins with this step goes on with what the hand already holds.
+    #[must_use]
+    pub fn takes_over(&self) -> bool {
+        let moves_object = matches!(
+            self.motion,
+            Motion::Carry(_) | Motion::Convey(_) | Motion::Lower
+        );
+        moves_object && !self.is_read_off()
+    }
 }
 
 /// How the hand moves in a step.

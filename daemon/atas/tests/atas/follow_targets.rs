@@ -6,7 +6,7 @@ use atas_core::goal::ActiveGoal;
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalRequest, GraspTarget, GripOrder, Hand, Stamp};
 
-use crate::support::MS_NS;
+use crate::support::{MS_NS, robot};
 use crate::world::start;
 use atas_core::Order;
 
@@ -36,7 +36,7 @@ fn listening(kind: GoalKind) -> TargetIntake {
     let Order::Start(goal) = start(request) else {
         unreachable!("an order to start")
     };
-    let mut intake = TargetIntake::default();
+    let mut intake = TargetIntake::new(robot());
     intake.follow(Some(&ActiveGoal::begin(&goal)), tick(BEGIN_MS));
     intake
 }
@@ -186,7 +186,7 @@ fn a_bad_stream_is_told_of_once_a_second() {
 
 #[test]
 fn nobody_is_heard_without_a_goal_that_opens_the_stream() {
-    let mut intake = TargetIntake::default();
+    let mut intake = TargetIntake::new(robot());
     let good = sealed(target(0, 1_001));
     assert!(!intake.take(&[good], tick(1_001)).is_some());
     assert_eq!(intake.of(Side::Right), None);

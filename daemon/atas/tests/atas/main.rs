@@ -27,6 +27,7 @@ mod placing;
 mod rig;
 mod rules;
 mod screwing;
+mod set_down;
 mod settings;
 mod slip_reaction;
 mod stiffness;

@@ -1,0 +1,62 @@
+//! Both methodologies in one robot: a table written by hand drives, modules grasp, and the same seed gives the same bits.
+
+use std::sync::atomic::AtomicBool;
+
+use atas_evaluation::hybrid::{HybridPlan, HybridReport, HybridTrial, PHASES, Reflexes};
+use sim_backend::Object;
+use sim_backend::course::{Responses, Wheels};
+
+/// Turns from what is in the way, else towards the light, else straight on.
+fn by_hand() -> Responses {
+    let wheels = |left, right| Wheels { left, right };
+    Responses::from_fn(|row| match (row & 7, row >> 3) {
+        (0, 1) => wheels(0, 1),
+        (0, 2) => wheels(1, 0),
+        (0, _) => wheels(2, 2),
+        (4 | 6, _) => wheels(0, 2),
+        _ => wheels(2, 0),
+    })
+}
+
+fn run(robots: usize, trials: u64, reflexes: Reflexes) -> (HybridReport, Vec<HybridTrial>) {
+    let plan = HybridPlan {
+        robots,
+        trials,
+        first_seed: 1,
+        table: by_hand(),
+        reflexes,
+        objects: vec![Object::built_in("wood").expect("built in")],
+        threads: 0,
+        settings: atas_core::Settings::default(),
+    };
+    let run = plan.run(&AtomicBool::new(false), || ());
+    run.expect("it runs").expect("nobody stopped it")
+}
+
+#[test]
+fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
+    let (report, trials) = run(1, 1, Reflexes::On);
+    assert_eq!((report.clone(), trials.clone()), run(1, 1, Reflexes::On));
+    assert_eq!(report.success, 1.0, "{:?}", trials[0].robots);
+    let phases: Vec<&str> = trials[0].robots[0].phases.iter().map(|p| p.phase).collect();
+    for phase in PHASES.iter().filter(|phase| phase.name != "give way") {
+        assert!(phases.contains(&phase.name), "{phases:?}");
+    }
+    assert_eq!(
+        (phases.first(), phases.last()),
+        (Some(&"search"), Some(&"set down"))
+    );
+    let drive = trials[0].robots[0].drive.expect("it drove");
+    assert!(
+        drive.took_s > 1.0 && drive.shake.horizontal_m_s2 > 0.1,
+        "{drive:?}"
+    );
+    let told = serde_json::to_value(&report).expect("JSON");
+    for field in ["trials", "success"] {
+        assert!(told[field].is_number(), "{field}: {told}");
+    }
+    assert!(
+        told["failures"].is_object() && told["drive"]["slip_mm"].is_array(),
+        "{told}"
+    );
+}

@@ -1,0 +1,95 @@
+//! `atas eval hybrid`: courses for robots on wheels with hands.
+
+use atas_console::arguments::HybridEvaluation;
+use atas_console::{Ended, Exit, Interrupt, Output, number, table};
+use atas_evaluation::hybrid::{HybridPlan, HybridReport, Reflexes};
+use atas_evaluation::{Task, seeds};
+use comfy_table::Cell;
+use ebts::course::table_file::CourseFile;
+use sim_backend::{Object, ObjectError};
+
+/// Runs the plan behind a bar and prints what became of it.
+pub(super) fn hybrid(
+    arguments: &HybridEvaluation,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let (_, table) = CourseFile::named(&arguments.table)
+        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+    let objects: Result<Vec<Object>, ObjectError> = if arguments.objects.is_empty() {
+        Task::PickPlace.objects()
+    } else {
+        let named = arguments.objects.iter();
+        named.map(|name| Object::named_or_file(name)).collect()
+    };
+    let plan = HybridPlan {
+        robots: arguments.robots.into(),
+        trials: arguments.seeds,
+        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        table,
+        reflexes: match arguments.frozen {
+            true => Reflexes::Frozen,
+            false => Reflexes::On,
+        },
+        objects: objects.map_err(|error| Ended::with(Exit::Usage, error.to_string()))?,
+        threads: arguments.threads,
+        settings: atas_core::Settings::default(),
+    };
+    let bar = super::bar(plan.trials);
+    let evaluated = plan.run(interrupt.flag(), || bar.inc(1))?;
+    let done = bar.position();
+    bar.finish_and_clear();
+    let (report, _) = evaluated.ok_or_else(|| {
+        let sentence = format!(
+            "interrupted after {done} of {} trials; nothing was reported",
+            plan.trials
+        );
+        Ended::with(Exit::Interrupted, sentence)
+    })?;
+    if output.is_json() {
+        return output.json(&report);
+    }
+    print(&report, output)
+}
+
+fn print(report: &HybridReport, output: &mut Output) -> anyhow::Result<()> {
+    let mut lines = table(&["robots", "trials", "success", "95 %", "otherwise"]);
+    let failures = report.failures.iter();
+    let otherwise: Vec<String> = failures
+        .map(|(key, count)| format!("{count} {key}"))
+        .collect();
+    let [low, high] = report.ci95.map(super::table::percent);
+    lines.add_row(vec![
+        Cell::new(report.robots),
+        Cell::new(report.trials),
+        Cell::new(super::table::percent(report.success)),
+        Cell::new(format!("{low} to {high}")),
+        Cell::new(otherwise.join(", ")),
+    ]);
+    output.table(lines)?;
+    let drive = &report.drive;
+    let [median_mm, most_mm] = drive.slip_mm;
+    let [up_n, down_n] = drive.grip_change_n;
+    output.line(format!(
+        "on the way, reflexes {}: slip {} mm median, {} mm most, more than 0.1 mm on {} of {} drives; grip +{} N, -{} N \
+         median; shaken by {} m/s² along the floor, {} m/s² upwards",
+        match report.reflexes {
+            Reflexes::On => "on",
+            Reflexes::Frozen => "frozen",
+        },
+        number(median_mm, 2),
+        number(most_mm, 2),
+        drive.slipped,
+        drive.count,
+        number(up_n, 2),
+        number(down_n, 2),
+        number(drive.shake.horizontal_m_s2, 2),
+        number(drive.shake.vertical_m_s2, 2),
+    ))?;
+    output.line(format!(
+        "{} s simulated per trial, median; seeds from {}: {}",
+        number(report.simulated_s, 0),
+        report.first_seed,
+        report.purpose
+    ))
+}

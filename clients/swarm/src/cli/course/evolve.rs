@@ -1,0 +1,108 @@
+//! `ebts evolve course`: one run.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use ebts::course::evolve::evolve as evolve_one;
+use ebts::course::fitness::held_out;
+use ebts::course::table_file::CourseFile;
+use ebts::error::{Error, Result};
+use ebts::evaluate::GoalPoints;
+use ebts::ga::Settings;
+use field::Responses;
+
+use super::{Format, answer, stop_flag, style};
+
+/// Courses on which an evolved table is tried that it was not evolved on.
+pub(super) const HELD_OUT: u64 = 100;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  ebts evolve course --seed 1 --out mine-course.toml\n  atas eval hybrid --table mine-course.toml"
+)]
+pub(crate) struct EvolveCourseArgs {
+    /// Generations after the random population.
+    #[arg(long, default_value_t = 250)]
+    generations: u32,
+    /// Names the run: the same seed gives the same table, bit for bit.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: u64,
+    /// The table file to write.
+    #[arg(long, default_value = "course.toml")]
+    out: PathBuf,
+    /// Replace a table file that is there already.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Serialize)]
+struct Evolved<'a> {
+    table: &'a Path,
+    seed: u64,
+    generations: u32,
+    fitness: f32,
+    points: GoalPoints,
+    /// Share of fresh courses driven to their end, with one robot and with two.
+    held_out: [f64; 2],
+    groups_driven: u64,
+    hash: &'a str,
+    wall_s: f64,
+}
+
+pub(in crate::cli) fn evolve(args: &EvolveCourseArgs, format: Format) -> Result<()> {
+    let start = Instant::now();
+    if args.out.exists() && !args.overwrite {
+        return Err(Error::refused(
+            format_args!("write {}", args.out.display()),
+            "there is a file already",
+            "a new name",
+            "name another --out, or add --overwrite",
+        ));
+    }
+    let stop = stop_flag()?;
+    let bar = ProgressBar::new(args.generations.into()).with_style(style("generation"));
+    let watch = |generation: u32, best: f32| {
+        bar.set_position(generation.into());
+        bar.set_message(format!("fitness {best:.0}"));
+        match stop.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    let evolved = evolve_one(Settings::default(), args.seed, args.generations, watch)?;
+    bar.finish_and_clear();
+    let table = Responses::from_motor_bits(evolved.best.genome.words()[0]);
+    let origin = (args.seed, args.generations);
+    let file = CourseFile::of(table, origin, evolved.best.points);
+    file.write(&args.out)?;
+    let told = Evolved {
+        table: &args.out,
+        seed: args.seed,
+        generations: args.generations,
+        fitness: file.fitness(),
+        points: file.points,
+        held_out: [held_out(table, 1, HELD_OUT)?, held_out(table, 2, HELD_OUT)?],
+        groups_driven: evolved.driven,
+        hash: &file.hash,
+        wall_s: start.elapsed().as_secs_f64(),
+    };
+    answer(format, &told, || {
+        let [one, two] = told.held_out.map(|share| share * 100.0);
+        format!(
+            "{}: fitness {:.1} of 800 after {} generations, in {:.1} s\n\
+             of {HELD_OUT} fresh courses with hands that only take their time: {one:.0} % with one robot, {two:.0} % with two\n\
+             hash {}\n",
+            args.out.display(),
+            told.fitness,
+            told.generations,
+            told.wall_s,
+            told.hash,
+        )
+    })
+}

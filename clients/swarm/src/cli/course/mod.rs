@@ -1,0 +1,10 @@
+//! Tables for the course of a robot with hands: `ebts evolve course`, and `ebts show` of such a table.
+
+mod evolve;
+mod show;
+
+use super::evolve::style;
+use super::{Format, answer, stop_flag};
+
+pub(super) use evolve::{EvolveCourseArgs, evolve};
+pub(super) use show::{is_course_file, show};

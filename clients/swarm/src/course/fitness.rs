@@ -1,0 +1,119 @@
+//! What a table is worth: courses drawn at random, 100 points each, eight groups for the paper's eight goals.
+//!
+//! Per robot: 40 points for the object in the hand, 40 for the goal, in each the share of the way that it came; 20 for time, of
+//! a course that was done. A mishap takes half.
+
+use sim_backend::course::{Layout, Responses};
+
+use super::rehearse::{Driven, FRAMES_MAX, rehearse};
+use crate::error::{Error, Result};
+use crate::evaluate::GoalPoints;
+
+/// Groups of courses; half of them with one robot, half with two.
+pub const GROUPS: usize = core::mem::size_of::<GoalPoints>() / core::mem::size_of::<f32>();
+/// Courses of a group (ours: with fewer, tables learn the courses and not the task).
+const COURSES: u64 = 6;
+/// Points of a way, of time, and what a mishap leaves.
+const WAY: f32 = 40.0;
+const IN_TIME: f32 = 20.0;
+const AFTER_MISHAP: f32 = 0.5;
+
+/// The courses that a run is evolved on.
+#[derive(Clone, Debug)]
+pub struct Training {
+    groups: Vec<Vec<Layout>>,
+}
+
+impl Training {
+    /// The courses of a run.
+    ///
+    /// # Errors
+    /// A course cannot be drawn.
+    pub fn of(seed: u64) -> Result<Self> {
+        let layout = |group: u64, k: u64| {
+            let robots = if group < GROUPS as u64 / 2 { 1 } else { 2 };
+            let number = seed.wrapping_mul(1000) + group * COURSES + k;
+            let seed = atas_evaluation::trial_seed("training course", number);
+            Layout::drawn(robots, seed).map_err(Error::from_part)
+        };
+        let groups: Result<Vec<Vec<Layout>>> = (0..GROUPS as u64)
+            .map(|group| (0..COURSES).map(|k| layout(group, k)).collect())
+            .collect();
+        Ok(Self { groups: groups? })
+    }
+
+    /// The points of a table in one group, and the rows that were read.
+    #[must_use]
+    pub fn points(&self, group: usize, table: Responses) -> (f32, u32) {
+        let (mut sum, mut rows_read) = (0.0, 0);
+        for layout in &self.groups[group] {
+            let (driven, rows) = rehearse(layout, table);
+            let robots = driven.len() as f32;
+            sum += driven.iter().map(points).sum::<f32>() / robots;
+            rows_read |= rows;
+        }
+        (sum / COURSES as f32, rows_read)
+    }
+
+    /// The points of a table in every group, and the rows that were read.
+    #[must_use]
+    pub fn evaluate(&self, table: Responses) -> (GoalPoints, u32) {
+        let (mut earned, mut rows_read) = ([0.0; GROUPS], 0);
+        for (group, earned) in earned.iter_mut().enumerate() {
+            let (points, rows) = self.points(group, table);
+            *earned = points;
+            rows_read |= rows;
+        }
+        (earned, rows_read)
+    }
+}
+
+/// Points of one robot, 0 to 100.
+#[must_use]
+pub fn points(driven: &Driven) -> f32 {
+    let in_time = if driven.progress >= 2.0 {
+        IN_TIME * (1.0 - driven.frames as f32 / FRAMES_MAX as f32)
+    } else {
+        0.0
+    };
+    let earned = WAY * driven.progress + in_time;
+    earned * if driven.mishap { AFTER_MISHAP } else { 1.0 }
+}
+
+/// Share of fresh courses that a table drives to their end with every robot; nothing of them was evolved on.
+///
+/// # Errors
+/// A course cannot be drawn.
+pub fn held_out(table: Responses, robots: usize, courses: u64) -> Result<f64> {
+    let mut done = 0;
+    for number in 0..courses {
+        let seed = atas_evaluation::trial_seed("held-out course", number);
+        let layout = Layout::drawn(robots, seed).map_err(Error::from_part)?;
+        let (driven, _) = rehearse(&layout, table);
+        done += u64::from(driven.iter().all(|robot| robot.progress >= 2.0));
+    }
+    Ok(done as f64 / courses.max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn farther_and_faster_earns_more_and_a_mishap_halves() {
+        let check = |progress: f32, mishap: bool, frames: u32, expected: f32| {
+            let driven = Driven {
+                progress,
+                mishap,
+                frames,
+            };
+            assert_eq!(points(&driven), expected, "{driven:?}");
+        };
+        check(0.0, false, 0, 0.0);
+        check(0.5, false, 100, 20.0);
+        check(1.5, false, 900, 60.0);
+        check(1.5, true, 900, 30.0);
+        check(2.0, false, FRAMES_MAX, 80.0);
+        check(2.0, false, FRAMES_MAX / 2, 90.0);
+    }
+}

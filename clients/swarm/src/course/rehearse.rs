@@ -1,0 +1,148 @@
+//! One course with a table and with hands that only take their time.
+
+use atas_evaluation::hybrid::{Coordinator, Ended, HandState, HandTask, Say, Signs};
+use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Light, Responses, Wheels};
+
+/// What hands usually take, frames: to grasp and lift, and to set down.
+const GRASP_FRAMES: u32 = 130;
+const SET_DOWN_FRAMES: u32 = 90;
+/// Frames after which a rehearsal ends, whatever its robots do (ours: three times what a good table takes for both ways).
+pub const FRAMES_MAX: u32 = 1800;
+
+/// What became of one robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Driven {
+    /// How far it came: 0 nowhere, 1 its object in the hand, 2 at its goal and done; in between the share of the way to the
+    /// light.
+    pub progress: f32,
+    /// It had a mishap.
+    pub mishap: bool,
+    /// Frames that it took.
+    pub frames: u32,
+}
+
+/// A robot in rehearsal.
+#[derive(Default)]
+struct Rover {
+    coordinator: Coordinator,
+    /// Frames until the hand is done.
+    hand: u32,
+    holds: bool,
+    /// Distance to the light when it began to count, and the least since, m.
+    from_m: f64,
+    nearest_m: f64,
+    driven: Driven,
+}
+
+/// Drives a table over a course; robot by robot what became of it, and the rows that were read.
+#[must_use]
+pub fn rehearse(layout: &Layout, table: Responses) -> (Vec<Driven>, u32) {
+    let mut course = Course::new(layout, None);
+    let mut rovers: Vec<Rover> = (0..course.robots()).map(|_| Rover::default()).collect();
+    let mut rows_read = 0;
+    for (robot, rover) in rovers.iter_mut().enumerate() {
+        rover.aim(&course, robot);
+    }
+    for frame in 1..=FRAMES_MAX {
+        for (robot, rover) in rovers.iter_mut().enumerate() {
+            rows_read |= rover.frame(&mut course, robot, table, frame);
+        }
+        if rovers
+            .iter()
+            .all(|rover| rover.coordinator.ended().is_some())
+        {
+            break;
+        }
+        (0..FRAME_STEPS).for_each(|_| course.step());
+    }
+    (rovers.iter().map(|rover| rover.driven).collect(), rows_read)
+}
+
+impl Rover {
+    /// Takes the present light for the one to come to.
+    fn aim(&mut self, course: &Course, robot: usize) {
+        let light = self.coordinator.phase().light;
+        self.from_m = distance_m(course, robot, light);
+        self.nearest_m = self.from_m;
+    }
+
+    /// One frame; the row that was read, as a bit.
+    fn frame(&mut self, course: &mut Course, robot: usize, table: Responses, frame: u32) -> u32 {
+        if self.coordinator.ended().is_some() {
+            course.steer(robot, Wheels::STOP);
+            return 0;
+        }
+        self.driven.frames = frame;
+        let light = self.coordinator.phase().light;
+        let signs = Signs {
+            light_m: course.sees(robot, light),
+            stands: course.stands(robot),
+            hand: self.work(),
+            holds: self.holds,
+            first_m: course.nearest_before_m(robot),
+        };
+        if course.mishap(robot).is_some() {
+            self.driven.mishap = true;
+            self.coordinator.fail("mishap");
+        }
+        if self.coordinator.look(&signs, FRAME_S) {
+            self.begin(course, robot, light);
+        }
+        if self.coordinator.ended() == Some(Ended::Done) {
+            // It stands where the light is.
+            let stands_at = course.sees(robot, Light::Goal);
+            let place = course.place(robot);
+            course.set_object(robot, stands_at.map(|seen_m| place.point_m(seen_m)));
+        }
+        self.measure(course, robot);
+        let light = self.coordinator.phase().light;
+        if self.coordinator.phase().say != Say::Table || self.coordinator.ended().is_some() {
+            course.steer(robot, Wheels::STOP);
+            return 0;
+        }
+        let row = course.sense(robot, light);
+        course.steer(robot, table.get(row));
+        1 << row
+    }
+
+    /// Lets the hand work for a frame.
+    fn work(&mut self) -> HandState {
+        let worked = self.hand;
+        self.hand = worked.saturating_sub(1);
+        if worked == 1 {
+            HandState::Done
+        } else {
+            HandState::Busy
+        }
+    }
+
+    fn begin(&mut self, course: &mut Course, robot: usize, before: Light) {
+        match self.coordinator.phase().say {
+            Say::Hand(HandTask::Grasp) => self.hand = GRASP_FRAMES,
+            Say::Hand(HandTask::SetDown) => self.hand = SET_DOWN_FRAMES,
+            Say::Table | Say::Nobody => {}
+        }
+        if self.coordinator.phase().light != before {
+            self.holds = true;
+            course.set_object(robot, None);
+            self.aim(course, robot);
+        }
+    }
+
+    fn measure(&mut self, course: &Course, robot: usize) {
+        let light = self.coordinator.phase().light;
+        self.nearest_m = self.nearest_m.min(distance_m(course, robot, light));
+        let way = (1.0 - self.nearest_m / self.from_m) as f32;
+        let fetched = if self.holds { 1.0 } else { 0.0 };
+        self.driven.progress = match self.coordinator.ended() {
+            Some(Ended::Done) => 2.0,
+            _ => fetched + way.clamp(0.0, 0.99),
+        };
+    }
+}
+
+fn distance_m(course: &Course, robot: usize, light: Light) -> f64 {
+    course
+        .sees(robot, light)
+        .map_or(0.0, |[ahead_m, left_m]| ahead_m.hypot(left_m))
+}

@@ -1,0 +1,196 @@
+//! A course's table as a file: wheel levels row by row, and where they come from.
+
+use std::path::Path;
+
+use field::{ROWS, Responses, Wheels};
+use serde::{Deserialize, Serialize};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+
+use super::fitness::Training;
+use crate::error::{Error, Result};
+use crate::evaluate::GoalPoints;
+use crate::files::{read_text, write_atomically};
+
+/// What a file of this kind says of itself.
+pub const KIND: &str = "course-table";
+/// The table that ships, by its name: `ebts evolve course --seed 3` gives it again, to the bit.
+pub const BUILT_IN: &str = "course";
+const TEXT: &str = include_str!("../../tables/course.toml");
+
+/// A table with its provenance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CourseFile {
+    /// [`KIND`].
+    pub kind: String,
+    /// The run that it is of, and for how long it was evolved.
+    pub seed: u64,
+    /// See `seed`.
+    pub generations: u32,
+    /// What it earns per group of courses.
+    pub points: GoalPoints,
+    /// Per row the level of the left wheel and that of the right one, row 0 first. A row is the sum of IR left 1, IR front 2, IR
+    /// right 4, photo left 8, photo right 16.
+    pub rows: String,
+    /// What names the table.
+    pub hash: String,
+}
+
+impl CourseFile {
+    /// The file of a table.
+    #[must_use]
+    pub fn of(table: Responses, (seed, generations): (u64, u32), points: GoalPoints) -> Self {
+        let row = |row: u8| {
+            let Wheels { left, right } = table.get(row);
+            format!("{left}{right}")
+        };
+        Self {
+            kind: KIND.to_owned(),
+            seed,
+            generations,
+            points,
+            rows: (0..ROWS as u8).map(row).collect::<Vec<_>>().join(" "),
+            hash: hash(table),
+        }
+    }
+
+    /// Whether a text is a file of this kind.
+    #[must_use]
+    pub fn is_one(text: &str) -> bool {
+        text.lines()
+            .any(|line| line.replace(' ', "") == format!("kind=\"{KIND}\""))
+    }
+
+    /// Writes it in one step.
+    ///
+    /// # Errors
+    /// The system refused.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = toml::to_string(self).map_err(Error::from_part)?;
+        write_atomically(path, text.as_bytes())
+    }
+
+    /// The table that ships, by its name, or that of a file; with its table.
+    ///
+    /// # Errors
+    /// It is neither, its rows are no table, or its hash is not theirs.
+    pub fn named(name: &str) -> Result<(Self, Responses)> {
+        let path = Path::new(name);
+        match name {
+            BUILT_IN => Self::parse(TEXT, path),
+            _ if path.exists() => Self::parse(&read_text(path)?, path),
+            _ => Err(Error::refused(
+                "choose a table",
+                format_args!("{name:?} is neither the table that ships nor a file"),
+                format_args!("{BUILT_IN} or a file of ebts evolve course"),
+                "correct --table",
+            )),
+        }
+    }
+
+    /// Reads a file and evaluates its table again.
+    ///
+    /// # Errors
+    /// As [`CourseFile::named`]; or it is not worth what the file says.
+    pub fn read(path: &Path) -> Result<(Self, Responses, u32)> {
+        let (file, table) = Self::parse(&read_text(path)?, path)?;
+        let (points, rows_read) = Training::of(file.seed)?.evaluate(table);
+        if points != file.points {
+            let was = format!("its table earns {points:?}, and it says {:?}", file.points);
+            return Err(refuse(path, &was));
+        }
+        Ok((file, table, rows_read))
+    }
+
+    fn parse(text: &str, path: &Path) -> Result<(Self, Responses)> {
+        let file: Self = toml::from_str(text).map_err(|error| refuse(path, &error.to_string()))?;
+        let table = file.table().map_err(|was| refuse(path, &was))?;
+        let named = file.kind == KIND && file.hash == hash(table);
+        if !named {
+            let was = format!("its hash is not that of its rows, {}", hash(table));
+            return Err(refuse(path, &was));
+        }
+        Ok((file, table))
+    }
+
+    /// The fitness that it says.
+    #[must_use]
+    pub fn fitness(&self) -> f32 {
+        self.points.iter().sum()
+    }
+
+    fn table(&self) -> core::result::Result<Responses, String> {
+        let level = |digit: u8| matches!(digit, b'0'..=b'2').then(|| digit - b'0');
+        let row = |text: &str| match text.as_bytes() {
+            [left, right] => level(*left).zip(level(*right)),
+            _ => None,
+        };
+        let mut rows = Vec::new();
+        for text in self.rows.split_whitespace() {
+            let (left, right) = row(text)
+                .ok_or_else(|| format!("{text:?} is no row of two wheel levels from 0 to 2"))?;
+            rows.push(Wheels { left, right });
+        }
+        if rows.len() != ROWS {
+            return Err(format!(
+                "it has {} rows, and five sensor bits make {ROWS}",
+                rows.len()
+            ));
+        }
+        Ok(Responses::from_fn(|row| rows[row]))
+    }
+}
+
+fn hash(table: Responses) -> String {
+    format!("{:016x}", fnv1a(FNV_OFFSET, &table.bits().to_le_bytes()))
+}
+
+fn refuse(path: &Path, was: &str) -> Error {
+    Error::refused(
+        format_args!("use {}", path.display()),
+        was,
+        "a table as ebts evolve course wrote it",
+        "evolve it again",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_that_ships_is_whole() {
+        let (file, table) = CourseFile::named(BUILT_IN).expect("it ships");
+        assert_eq!(
+            CourseFile::of(table, (file.seed, file.generations), file.points),
+            file
+        );
+    }
+
+    #[test]
+    fn tables_of_other_sizes_and_edited_ones_are_refused_by_name() {
+        let (file, _) = CourseFile::named(BUILT_IN).expect("it ships");
+        let check = |change: fn(&mut CourseFile), part: &str| {
+            let mut changed = file.clone();
+            change(&mut changed);
+            let text = toml::to_string(&changed).expect("TOML");
+            let error = CourseFile::parse(&text, Path::new("mine.toml")).expect_err("refused");
+            let error = error.to_string();
+            assert!(
+                error.contains(part) && error.contains("mine.toml"),
+                "{error}"
+            );
+        };
+        check(|file| file.rows.truncate(47), "it has 16 rows");
+        check(|file| file.rows.push_str(" 00"), "it has 33 rows");
+        check(
+            |file| file.rows.replace_range(..2, "03"),
+            "\"03\" is no row",
+        );
+        check(|file| file.rows.replace_range(..2, "é"), "is no row");
+        check(|file| file.hash = "0".repeat(16), "hash");
+        check(|file| file.kind = "grasp-table".to_owned(), "hash");
+        let error = CourseFile::named("nowhere.toml").expect_err("no such file");
+        assert!(error.to_string().contains("neither"), "{error}");
+    }
+}

@@ -1,0 +1,208 @@
+//! A base on two wheels whose speeds change within limits of acceleration and jerk.
+
+use core::f64::consts::PI;
+
+use field::Wheels;
+
+use super::floor::Floor;
+use crate::ride::Ride;
+
+/// Length of a step, s: the period of the wheels' controllers.
+pub const STEP_S: f64 = 0.005;
+/// Speed of a wheel at the levels medium and high, m/s.
+const MEDIUM_M_S: f64 = 0.15;
+/// See [`MEDIUM_M_S`].
+pub const HIGH_M_S: f64 = 2.0 * MEDIUM_M_S;
+/// Distance between the wheels, m.
+const TRACK_M: f64 = 0.30;
+/// Greatest change of a wheel's speed, m/s², and of that change, m/s³.
+const ACCELERATION_M_S2: f64 = 0.8;
+const JERK_M_S3: f64 = 8.0;
+
+/// Where something is in the field, and where it looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// x and y, m.
+    pub at_m: [f64; 2],
+    /// Direction, rad.
+    pub yaw_rad: f64,
+}
+
+impl Place {
+    /// A point of the field, as seen from here: metres ahead and to the left.
+    #[must_use]
+    pub fn sees(&self, point_m: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.yaw_rad);
+        let [dx, dy] = [point_m[0] - self.at_m[0], point_m[1] - self.at_m[1]];
+        [dx * cos + dy * sin, dy * cos - dx * sin]
+    }
+
+    /// A point that is seen from here, in the field.
+    #[must_use]
+    pub fn point_m(&self, [ahead_m, left_m]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.yaw_rad);
+        [
+            self.at_m[0] + ahead_m * cos - left_m * sin,
+            self.at_m[1] + ahead_m * sin + left_m * cos,
+        ]
+    }
+}
+
+/// One wheel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Wheel {
+    speed_m_s: f64,
+    acceleration_m_s2: f64,
+}
+
+impl Wheel {
+    /// One step towards a speed; returns the speed at its beginning and the change over it.
+    fn drive(&mut self, target_m_s: f64) -> [f64; 2] {
+        let (before_m_s, missing_m_s) = (self.speed_m_s, target_m_s - self.speed_m_s);
+        let jerk_step = JERK_M_S3 * STEP_S;
+        let nearly = missing_m_s.abs() <= jerk_step * STEP_S;
+        if nearly && self.acceleration_m_s2.abs() <= 2.0 * jerk_step {
+            (self.speed_m_s, self.acceleration_m_s2) = (target_m_s, 0.0);
+            return [before_m_s, missing_m_s / STEP_S];
+        }
+        // The acceleration from which easing out by the jerk ends at the wanted speed.
+        let easing = (2.0 * JERK_M_S3 * missing_m_s.abs()).sqrt();
+        let wanted = easing.min(ACCELERATION_M_S2).copysign(missing_m_s);
+        let change = (wanted - self.acceleration_m_s2).clamp(-jerk_step, jerk_step);
+        self.acceleration_m_s2 += change;
+        self.speed_m_s += self.acceleration_m_s2 * STEP_S;
+        [before_m_s, self.acceleration_m_s2]
+    }
+}
+
+/// A wheeled base.
+#[derive(Clone, Debug)]
+pub struct Base {
+    place: Place,
+    wheels: [Wheel; 2],
+    floor: Floor,
+    ride: Ride,
+}
+
+impl Base {
+    /// A base at rest.
+    #[must_use]
+    pub fn new(place: Place, floor: Floor) -> Self {
+        Self {
+            place,
+            wheels: [Wheel::default(); 2],
+            floor,
+            ride: Ride::STILL,
+        }
+    }
+
+    /// One step towards these wheel levels.
+    pub fn step(&mut self, levels: Wheels) {
+        let speed = |level: u8| f64::from(level.min(2)) * MEDIUM_M_S;
+        let [left, right] = &mut self.wheels;
+        let left = left.drive(speed(levels.left));
+        let right = right.drive(speed(levels.right));
+        let mean = |k: usize| (left[k] + right[k]) / 2.0;
+        let turn = |k: usize| (right[k] - left[k]) / TRACK_M;
+        let way_m = (mean(0) + mean(1) * STEP_S / 2.0) * STEP_S;
+        let turned_rad = (turn(0) + turn(1) * STEP_S / 2.0) * STEP_S;
+        self.ride = Ride {
+            speed_m_s: mean(0),
+            acceleration_m_s2: mean(1),
+            turn_rad_s: turn(0),
+            turn_rad_s2: turn(1),
+            heave_m_s2: self.floor.heave_m_s2(way_m, mean(0)),
+        };
+        let middle_rad = self.place.yaw_rad + turned_rad / 2.0;
+        let (sin, cos) = libm::sincos(middle_rad);
+        self.place.at_m[0] += way_m * cos;
+        self.place.at_m[1] += way_m * sin;
+        self.place.yaw_rad = wrapped(self.place.yaw_rad + turned_rad);
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// How it moves in the present step, from its beginning on.
+    #[must_use]
+    pub fn ride(&self) -> Ride {
+        self.ride
+    }
+
+    /// Whether its wheels stand.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        self.wheels == [Wheel::default(); 2]
+    }
+}
+
+/// The same direction within half a turn of 0.
+fn wrapped(angle_rad: f64) -> f64 {
+    if angle_rad > PI {
+        angle_rad - 2.0 * PI
+    } else if angle_rad < -PI {
+        angle_rad + 2.0 * PI
+    } else {
+        angle_rad
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn base() -> Base {
+        Base::new(Place::default(), Floor::even())
+    }
+
+    #[test]
+    fn a_wheel_comes_to_its_speed_and_stays_there() {
+        for level in [1, 2, 0] {
+            let mut base = base();
+            let levels = Wheels {
+                left: level,
+                right: level,
+            };
+            (0..400).for_each(|_| base.step(levels));
+            assert_eq!(base.ride().speed_m_s, f64::from(level) * MEDIUM_M_S);
+            (0..400).for_each(|_| base.step(Wheels::STOP));
+            assert!(base.stands() && base.ride() == Ride::STILL);
+            assert_eq!(base.place().at_m[1], 0.0, "equal levels drive straight");
+        }
+    }
+
+    proptest! {
+        /// Whatever a table says: limits of speed, acceleration and jerk hold, and the pose is the sum of the rides.
+        #[test]
+        fn limits_hold_whatever_is_told(levels in proptest::collection::vec((0_u8..4, 0_u8..4), 1..40)) {
+            let (mut base, mut before) = (base(), Ride::STILL);
+            for (left, right) in levels {
+                for _ in 0..20 {
+                    base.step(Wheels { left, right });
+                    let ride = base.ride();
+                    prop_assert!(ride.speed_m_s.abs() <= HIGH_M_S * 1.05);
+                    prop_assert!(ride.acceleration_m_s2.abs() <= ACCELERATION_M_S2 + 1e-9);
+                    let jerk = (ride.acceleration_m_s2 - before.acceleration_m_s2).abs() / STEP_S;
+                    prop_assert!(jerk <= 2.0 * JERK_M_S3 + 1e-6, "{jerk} m/s³");
+                    prop_assert!(base.place().yaw_rad.abs() <= PI);
+                    before = ride;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_seen_is_where_it_is() {
+        let place = Place {
+            at_m: [1.0, -2.0],
+            yaw_rad: 0.7,
+        };
+        let point_m = place.point_m([0.3, -0.1]);
+        let [ahead_m, left_m] = place.sees(point_m);
+        assert!((ahead_m - 0.3).abs() < 1e-12 && (left_m + 0.1).abs() < 1e-12);
+    }
+}

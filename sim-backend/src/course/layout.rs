@@ -1,0 +1,250 @@
+//! Who starts where, and what has to go where.
+
+use core::f64::consts::PI;
+
+use super::base::Place;
+use crate::random::Random;
+use crate::scene::stream;
+
+/// Half the side of the field, m.
+pub const HALF_SIDE_M: f64 = 3.0;
+/// Most robots on one course.
+pub const LANES_MAX: usize = 2;
+/// Radius of a robot with its arms before it, m: the farthest corner of what it holds.
+pub(super) const ROBOT_M: f64 = 0.45;
+/// Nearest that an object or a goal may be to a wall, and a start, m: a robot must get round them, and turn.
+const TO_WALL_M: f64 = 1.0;
+const START_TO_WALL_M: f64 = 0.7;
+/// Least distance between places of one lane: start and object, object and goal, m.
+const OWN_APART_M: f64 = 1.0;
+/// Least distance between places where two robots may be at once, m: both at work, with their arms before them, do not touch.
+const APART_M: f64 = 1.6;
+/// Tries before a draw is given up: one in some ten fits.
+const TRIES: usize = 10_000;
+
+/// What one robot has to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lane {
+    /// Where its base starts.
+    pub start: Place,
+    /// Where its object stands, and how it is turned.
+    pub object: Place,
+    /// Where its goal is, m.
+    pub goal_m: [f64; 2],
+}
+
+/// Why there is no such course.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CourseError {
+    /// Too many robots, or none.
+    #[error("could not lay a course for {0} robots, needs 1 to {LANES_MAX}; choose another number")]
+    Robots(usize),
+    /// A place that no robot can come to, or be at.
+    #[error(
+        "could not lay the course because {what} of robot {robot} was at {value_m} m, needs at most {limit_m} m from the \
+         middle; there is no way to it"
+    )]
+    Outside {
+        /// Which place.
+        what: &'static str,
+        /// Whose, from 1.
+        robot: usize,
+        /// The coordinate.
+        value_m: f64,
+        /// Its greatest amount.
+        limit_m: f64,
+    },
+    /// Two places that cannot both be used.
+    #[error(
+        "could not lay the course because {what} are {value_m:.2} m apart, needs {least_m} m; move them apart"
+    )]
+    TooClose {
+        /// Which.
+        what: &'static str,
+        /// How far they are.
+        value_m: f64,
+        /// How far they must be.
+        least_m: f64,
+    },
+    /// A direction that is none.
+    #[error("could not lay the course because a direction of robot {0} was not finite; correct it")]
+    Direction(usize),
+}
+
+/// A checked course.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    lanes: Vec<Lane>,
+}
+
+impl Layout {
+    /// A course of these lanes.
+    ///
+    /// # Errors
+    /// The first [`CourseError`].
+    pub fn new(lanes: Vec<Lane>) -> Result<Self, CourseError> {
+        if !(1..=LANES_MAX).contains(&lanes.len()) {
+            return Err(CourseError::Robots(lanes.len()));
+        }
+        for (robot, lane) in (1..).zip(&lanes) {
+            check_lane(robot, lane)?;
+        }
+        if let [a, b] = &lanes[..] {
+            check_apart("two starts", a.start.at_m, b.start.at_m, APART_M)?;
+            check_apart("two objects", a.object.at_m, b.object.at_m, APART_M)?;
+            check_apart("two goals", a.goal_m, b.goal_m, APART_M)?;
+            for (a, b) in [(a, b), (b, a)] {
+                let (start_m, object_m) = (a.start.at_m, b.object.at_m);
+                check_apart(
+                    "a start and another's object",
+                    start_m,
+                    object_m,
+                    OWN_APART_M,
+                )?;
+                check_apart(
+                    "a goal and another's object",
+                    a.goal_m,
+                    object_m,
+                    OWN_APART_M,
+                )?;
+            }
+        }
+        Ok(Self { lanes })
+    }
+
+    /// A course for so many robots, drawn by a seed.
+    ///
+    /// # Errors
+    /// [`CourseError::Robots`].
+    pub fn drawn(robots: usize, seed: u64) -> Result<Self, CourseError> {
+        let mut random = Random::new(seed, stream::COURSE);
+        let mut last = Self::new(Vec::new());
+        for _ in 0..TRIES {
+            last = Self::new((0..robots).map(|_| Lane::drawn(&mut random)).collect());
+            if last.is_ok() || matches!(last, Err(CourseError::Robots(_))) {
+                break;
+            }
+        }
+        last
+    }
+
+    /// The lanes.
+    #[must_use]
+    pub fn lanes(&self) -> &[Lane] {
+        &self.lanes
+    }
+}
+
+impl Lane {
+    fn drawn(random: &mut Random) -> Self {
+        let mut point_m = |to_wall_m: f64| {
+            let most_m = HALF_SIDE_M - to_wall_m;
+            [(); 2].map(|()| random.between(-most_m, most_m))
+        };
+        let places_m = [
+            point_m(START_TO_WALL_M),
+            point_m(TO_WALL_M),
+            point_m(TO_WALL_M),
+        ];
+        let mut towards = |at_m| Place {
+            at_m,
+            yaw_rad: random.between(-PI, PI),
+        };
+        Self {
+            start: towards(places_m[0]),
+            object: towards(places_m[1]),
+            goal_m: places_m[2],
+        }
+    }
+}
+
+fn check_lane(robot: usize, lane: &Lane) -> Result<(), CourseError> {
+    let places = [
+        ("the start", lane.start.at_m, START_TO_WALL_M),
+        ("the object", lane.object.at_m, TO_WALL_M),
+        ("the goal", lane.goal_m, TO_WALL_M),
+    ];
+    for (what, at_m, to_wall_m) in places {
+        let limit_m = HALF_SIDE_M - to_wall_m;
+        // NaN is nowhere.
+        let outside = at_m.into_iter().find(|m| m.is_nan() || m.abs() > limit_m);
+        if let Some(value_m) = outside {
+            return Err(CourseError::Outside {
+                what,
+                robot,
+                value_m,
+                limit_m,
+            });
+        }
+    }
+    if !(lane.start.yaw_rad.is_finite() && lane.object.yaw_rad.is_finite()) {
+        return Err(CourseError::Direction(robot));
+    }
+    let object_m = lane.object.at_m;
+    check_apart(
+        "a start and its object",
+        lane.start.at_m,
+        object_m,
+        OWN_APART_M,
+    )?;
+    check_apart("an object and its goal", object_m, lane.goal_m, OWN_APART_M)
+}
+
+fn check_apart(
+    what: &'static str,
+    a_m: [f64; 2],
+    b_m: [f64; 2],
+    least_m: f64,
+) -> Result<(), CourseError> {
+    let value_m = libm::hypot(a_m[0] - b_m[0], a_m[1] - b_m[1]);
+    if value_m >= least_m {
+        return Ok(());
+    }
+    Err(CourseError::TooClose {
+        what,
+        value_m,
+        least_m,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_seed_draws_a_course() {
+        for robots in 1..=LANES_MAX {
+            for seed in 0..200 {
+                let layout = Layout::drawn(robots, seed).expect("a course");
+                assert_eq!(Layout::drawn(robots, seed), Ok(layout.clone()));
+                assert_ne!(Layout::drawn(robots, seed + 1), Ok(layout));
+            }
+        }
+    }
+
+    #[test]
+    fn courses_without_way_are_refused_by_name() {
+        let good = Layout::drawn(1, 1).expect("a course").lanes()[0];
+        let check = |change: fn(&mut Lane), part: &str| {
+            let mut lane = good;
+            change(&mut lane);
+            let error = Layout::new(vec![lane]).expect_err("must be refused");
+            assert!(error.to_string().contains(part), "{error}");
+        };
+        check(|lane| lane.goal_m = [2.9, 0.0], "the goal of robot 1");
+        check(|lane| lane.object.at_m[1] = f64::NAN, "the object");
+        check(|lane| lane.start.at_m[0] = -2.5, "the start");
+        check(
+            |lane| lane.start.yaw_rad = f64::INFINITY,
+            "direction of robot 1",
+        );
+        check(|lane| lane.goal_m = lane.object.at_m, "0.00 m apart");
+        for robots in [0, 3] {
+            assert_eq!(Layout::drawn(robots, 1), Err(CourseError::Robots(robots)));
+        }
+        assert!(matches!(
+            Layout::new(vec![good, good]),
+            Err(CourseError::TooClose { .. })
+        ));
+    }
+}

@@ -1,0 +1,272 @@
+//! The field with its robots, step by step.
+
+use core::fmt;
+
+use field::Wheels;
+
+use super::base::{Base, Place};
+use super::floor::Floor;
+use super::layout::{HALF_SIDE_M, Layout, ROBOT_M};
+use super::sight::{Disc, row};
+use crate::ride::Ride;
+
+/// Radius of the base itself, m, and of what stands on the floor.
+const BASE_M: f64 = 0.16;
+const OBJECT_M: f64 = 0.05;
+
+/// What a robot's photo sensors look for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Light {
+    /// Its object.
+    Object,
+    /// Its goal.
+    Goal,
+}
+
+/// What ends a robot's course at once: its base brakes and stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mishap {
+    /// It came too near to a wall.
+    LeftField,
+    /// It met another robot.
+    MetRobot,
+    /// It drove over an object.
+    MetObject,
+}
+
+impl fmt::Display for Mishap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::LeftField => "left the field",
+            Self::MetRobot => "met another robot",
+            Self::MetObject => "drove over an object",
+        })
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Rover {
+    base: Base,
+    wheels: Wheels,
+    /// Where its object stands; `None` while a hand has it.
+    object_m: Option<[f64; 2]>,
+    goal_m: [f64; 2],
+    mishap: Option<Mishap>,
+}
+
+/// A field with its robots.
+#[derive(Clone, Debug)]
+pub struct Course {
+    rovers: Vec<Rover>,
+}
+
+impl Course {
+    /// The course before its first step, on a floor whose bumps are drawn by a seed, or on an even one.
+    #[must_use]
+    pub fn new(layout: &Layout, floor_seed: Option<u64>) -> Self {
+        let floor =
+            |robot: usize| floor_seed.map_or_else(Floor::even, |seed| Floor::bumpy(seed, robot));
+        let rovers = layout.lanes().iter().enumerate();
+        let rovers = rovers.map(|(robot, lane)| Rover {
+            base: Base::new(lane.start, floor(robot)),
+            wheels: Wheels::STOP,
+            object_m: Some(lane.object.at_m),
+            goal_m: lane.goal_m,
+            mishap: None,
+        });
+        Self {
+            rovers: rovers.collect(),
+        }
+    }
+
+    /// How many robots there are.
+    #[must_use]
+    pub fn robots(&self) -> usize {
+        self.rovers.len()
+    }
+
+    /// The row that a robot's sensors select. It does not count its own object as being in its way: it knows it by its light.
+    #[must_use]
+    pub fn sense(&self, robot: usize, light: Light) -> u8 {
+        let others = self.rovers.iter().enumerate().filter(|(k, _)| *k != robot);
+        let discs = others.flat_map(|(_, other)| {
+            let body = Disc {
+                at_m: other.base.place().at_m,
+                radius_m: ROBOT_M,
+            };
+            // As wide as the base that must get past it.
+            let object = other.object_m.map(|at_m| Disc {
+                at_m,
+                radius_m: BASE_M + OBJECT_M,
+            });
+            [Some(body), object].into_iter().flatten()
+        });
+        let place = self.place(robot);
+        row(&place, discs, self.light_m(robot, light))
+    }
+
+    /// Where a robot's light is, m; `None` while the hand has it.
+    fn light_m(&self, robot: usize, light: Light) -> Option<[f64; 2]> {
+        let rover = &self.rovers[robot];
+        match light {
+            Light::Object => rover.object_m,
+            Light::Goal => Some(rover.goal_m),
+        }
+    }
+
+    /// Where a robot has its light: metres ahead of the base's middle and to the left; `None` while the hand has it.
+    #[must_use]
+    pub fn sees(&self, robot: usize, light: Light) -> Option<[f64; 2]> {
+        let place = self.place(robot);
+        self.light_m(robot, light).map(|at_m| place.sees(at_m))
+    }
+
+    /// Distance to the nearest robot of those before this one in the layout, between the middles of the bases, m.
+    #[must_use]
+    pub fn nearest_before_m(&self, robot: usize) -> Option<f64> {
+        let place = self.place(robot);
+        let distance_m = |other: &Rover| {
+            let [ahead_m, left_m] = place.sees(other.base.place().at_m);
+            libm::hypot(ahead_m, left_m)
+        };
+        let others = self.rovers[..robot].iter().map(distance_m);
+        others.min_by(f64::total_cmp)
+    }
+
+    /// Says at which levels a robot's wheels shall turn from now on.
+    pub fn steer(&mut self, robot: usize, wheels: Wheels) {
+        self.rovers[robot].wheels = wheels;
+    }
+
+    /// Says where a robot's object stands, m, or that the hand has it.
+    pub fn set_object(&mut self, robot: usize, at_m: Option<[f64; 2]>) {
+        self.rovers[robot].object_m = at_m;
+    }
+
+    /// One step of [`STEP_S`](super::STEP_S).
+    pub fn step(&mut self) {
+        for rover in &mut self.rovers {
+            let wheels = match rover.mishap {
+                Some(_) => Wheels::STOP,
+                None => rover.wheels,
+            };
+            rover.base.step(wheels);
+        }
+        for robot in 0..self.rovers.len() {
+            let mishap = self.mishap_of(robot);
+            let rover = &mut self.rovers[robot];
+            rover.mishap = rover.mishap.or(mishap);
+        }
+    }
+
+    fn mishap_of(&self, robot: usize) -> Option<Mishap> {
+        let at_m = self.place(robot).at_m;
+        let near = |other_m: [f64; 2], radius_m: f64| {
+            let (dx, dy) = (other_m[0] - at_m[0], other_m[1] - at_m[1]);
+            dx * dx + dy * dy < radius_m * radius_m
+        };
+        if at_m.iter().any(|m| m.abs() > HALF_SIDE_M - ROBOT_M) {
+            return Some(Mishap::LeftField);
+        }
+        let meets = |(k, other): (usize, &Rover)| {
+            k != robot && near(other.base.place().at_m, 2.0 * ROBOT_M)
+        };
+        if self.rovers.iter().enumerate().any(meets) {
+            return Some(Mishap::MetRobot);
+        }
+        let mut objects = self.rovers.iter().filter_map(|rover| rover.object_m);
+        let over = objects.any(|object_m| near(object_m, BASE_M + OBJECT_M));
+        over.then_some(Mishap::MetObject)
+    }
+
+    /// Where a base is.
+    #[must_use]
+    pub fn place(&self, robot: usize) -> Place {
+        self.rovers[robot].base.place()
+    }
+
+    /// How a base moves in the present step.
+    #[must_use]
+    pub fn ride(&self, robot: usize) -> Ride {
+        self.rovers[robot].base.ride()
+    }
+
+    /// Whether a base stands.
+    #[must_use]
+    pub fn stands(&self, robot: usize) -> bool {
+        self.rovers[robot].base.stands()
+    }
+
+    /// What went wrong with a robot.
+    #[must_use]
+    pub fn mishap(&self, robot: usize) -> Option<Mishap> {
+        self.rovers[robot].mishap
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::layout::Lane;
+    use super::*;
+
+    const AHEAD: Wheels = Wheels { left: 2, right: 2 };
+
+    fn course(lanes: &[([f64; 2], f64, [f64; 2])]) -> Course {
+        let lane = |(start_m, yaw_rad, object_m): &([f64; 2], f64, [f64; 2])| Lane {
+            start: Place {
+                at_m: *start_m,
+                yaw_rad: *yaw_rad,
+            },
+            object: Place {
+                at_m: *object_m,
+                yaw_rad: 0.0,
+            },
+            goal_m: [object_m[0], -object_m[1]],
+        };
+        let layout = Layout::new(lanes.iter().map(lane).collect()).expect("a course");
+        Course::new(&layout, None)
+    }
+
+    fn ends(mut course: Course, expected: [Option<Mishap>; 2]) {
+        for robot in 0..course.robots() {
+            course.steer(robot, AHEAD);
+        }
+        (0..4000).for_each(|_| course.step());
+        for (robot, expected) in (0..course.robots()).zip(expected) {
+            assert_eq!(course.mishap(robot), expected);
+            assert!(
+                course.stands(robot) || expected.is_none(),
+                "it stays after a mishap"
+            );
+            let at_m = course.place(robot).at_m;
+            assert!(
+                at_m.iter().all(|m| m.abs() < HALF_SIDE_M),
+                "it brakes before the wall: {at_m:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn mishaps_are_named_and_end_the_drive() {
+        let left = Some(Mishap::LeftField);
+        ends(course(&[([0.0, 0.0], 0.0, [0.0, 1.5])]), [left, None]);
+        let over = Some(Mishap::MetObject);
+        ends(course(&[([0.0, 1.5], 0.0, [1.5, 1.5])]), [over, None]);
+        let met = Some(Mishap::MetRobot);
+        let pi = core::f64::consts::PI;
+        let opposite = [([-1.5, 0.0], 0.0, [0.0, 1.9]), ([1.5, 0.0], pi, [1.8, 1.0])];
+        ends(course(&opposite), [met, met]);
+    }
+
+    #[test]
+    fn a_light_is_seen_until_the_hand_has_it_and_the_own_object_is_no_obstacle() {
+        let mut course = course(&[([0.0, 1.5], 0.0, [1.0, 1.4])]);
+        assert_eq!(course.sense(0, Light::Object), 24);
+        assert_eq!(course.sense(0, Light::Goal), 16);
+        let [ahead_m, left_m] = course.sees(0, Light::Object).expect("it stands");
+        assert!((ahead_m - 1.0).abs() < 1e-12 && (left_m + 0.1).abs() < 1e-12);
+        course.set_object(0, None);
+        assert_eq!(course.sense(0, Light::Object), 0);
+        assert_eq!(course.sees(0, Light::Object), None);
+    }
+}

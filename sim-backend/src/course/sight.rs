@@ -1,0 +1,117 @@
+//! What a base senses: three IR and two photo sensors, by the geometry of the swarm's field.
+//!
+//! An IR sensor is a segment from the base's centre that meets a disc or a wall. A photo sensor sees a half-plane; both look
+//! from before the hand that works, so that a light that both see lies before that hand.
+
+use core::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use super::base::Place;
+use super::layout::HALF_SIDE_M;
+
+/// Reach of an IR sensor from the base's centre, m.
+const IR_M: f64 = 1.0;
+/// Distance within which a light is seen, m.
+const LIGHT_M: f64 = 4.0;
+/// Where the photo sensors are: metres ahead and to the left. The right hand works.
+pub const EYES_M: [f64; 2] = [0.0, -0.12];
+/// Angle of a photo sensor's axis to straight ahead, rad (preset R3 of the field: 12 of 64 steps).
+const PHOTO_RAD: f64 = 12.0 * 2.0 * PI / 64.0;
+
+/// A disc that IR sensors see.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Disc {
+    pub(super) at_m: [f64; 2],
+    pub(super) radius_m: f64,
+}
+
+/// The row of a behaviour table that the sensors select: IR left 1, front 2, right 4, photo left 8, right 16, as
+/// [`field::Responses`] has them.
+pub(super) fn row(
+    from: &Place,
+    discs: impl Iterator<Item = Disc>,
+    light_m: Option<[f64; 2]>,
+) -> u8 {
+    let mut ir = walls(from);
+    for disc in discs {
+        let seen = meets(from, &disc);
+        ir = [0, 1, 2].map(|k| ir[k] || seen[k]);
+    }
+    let photo = light_m.map_or([false; 2], |light_m| photo(from, light_m));
+    let bits = [ir[0], ir[1], ir[2], photo[0], photo[1]];
+    (0..).zip(bits).map(|(k, bit)| u8::from(bit) << k).sum()
+}
+
+/// Left, front and right: 45° to the left, straight ahead, 45° to the right.
+fn turned([ahead_m, left_m]: [f64; 2]) -> [[f64; 2]; 3] {
+    let half = FRAC_1_SQRT_2;
+    [
+        [(ahead_m + left_m) * half, (left_m - ahead_m) * half],
+        [ahead_m, left_m],
+        [(ahead_m - left_m) * half, (left_m + ahead_m) * half],
+    ]
+}
+
+fn meets(from: &Place, disc: &Disc) -> [bool; 3] {
+    turned(from.sees(disc.at_m)).map(|[along_m, beside_m]| {
+        let beyond_m = (along_m - IR_M).max(0.0);
+        let off_sq = beyond_m * beyond_m + beside_m * beside_m;
+        along_m > 0.0 && off_sq < disc.radius_m * disc.radius_m
+    })
+}
+
+fn walls(from: &Place) -> [bool; 3] {
+    let half = FRAC_1_SQRT_2;
+    [[half, half], [1.0, 0.0], [half, -half]].map(|[ahead, left]| {
+        let tip_m = from.point_m([ahead * IR_M, left * IR_M]);
+        tip_m.iter().any(|m| m.abs() > HALF_SIDE_M)
+    })
+}
+
+fn photo(from: &Place, light_m: [f64; 2]) -> [bool; 2] {
+    let [ahead_m, left_m] = from.sees(light_m);
+    let (ahead_m, left_m) = (ahead_m - EYES_M[0], left_m - EYES_M[1]);
+    let near = ahead_m * ahead_m + left_m * left_m < LIGHT_M * LIGHT_M;
+    let (sin, cos) = libm::sincos(PHOTO_RAD);
+    [
+        near && ahead_m * cos + left_m * sin > 0.0,
+        near && ahead_m * cos - left_m * sin > 0.0,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(at_m: [f64; 2], yaw_rad: f64, disc_m: [f64; 2], light_m: [f64; 2], expected: u8) {
+        let from = Place { at_m, yaw_rad };
+        let disc = Disc {
+            at_m: disc_m,
+            radius_m: 0.2,
+        };
+        let row = row(&from, [disc].into_iter(), Some(light_m));
+        assert_eq!(
+            row, expected,
+            "from {at_m:?} {yaw_rad}: disc {disc_m:?}, light {light_m:?}"
+        );
+    }
+
+    #[test]
+    fn every_bit_has_its_side() {
+        let (far, none) = ([-2.5, -2.5], [9.0, 9.0]);
+        check([0.0, 0.0], 0.0, far, none, 0);
+        check([0.0, 0.0], 0.0, [1.1, 0.0], none, 2);
+        check([0.0, 0.0], 0.0, [1.3, 0.0], none, 0);
+        check([0.0, 0.0], 0.0, [0.7, 0.7], none, 1);
+        check([0.0, 0.0], 0.0, [0.7, -0.7], none, 4);
+        check([0.0, 0.0], PI, [0.7, -0.7], none, 0);
+        // Walls, from a base that looks at one and at a corner.
+        check([2.1, 0.0], 0.0, far, none, 2);
+        check([2.5, 2.5], 0.0, far, none, 7);
+        // Lights: ahead of the eyes, to either side, behind, too far.
+        check([0.0, 0.0], 0.0, far, [1.0, -0.12], 24);
+        check([0.0, 0.0], 0.0, far, [0.0, 1.0], 8);
+        check([0.0, 0.0], 0.0, far, [0.0, -1.0], 16);
+        check([0.0, 0.0], 0.0, far, [-1.0, -0.12], 0);
+        check([0.0, 0.0], 0.0, far, [4.1, 0.0], 0);
+    }
+}

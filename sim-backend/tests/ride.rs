@@ -1,0 +1,102 @@
+//! The base's motion in the world of the robot on it: what stands stays where it is in the field, what is held is loaded.
+
+mod common;
+
+use common::Script;
+use robot_model::{RobotModel, Side};
+use shm_schemas::ObjectTruth;
+use sim_backend::course::{Base, Floor, Place, Wheels};
+use sim_backend::{Object, Ride, Scene, Sensed, World};
+
+/// Ticks of a step of the base.
+const STEP_TICKS: usize = 5;
+
+fn wood() -> Object {
+    Object::built_in("wood").expect("built in")
+}
+
+/// Direction of an upright object, rad.
+fn yaw_rad(object: &ObjectTruth) -> f64 {
+    let [w, .., z] = object.orientation;
+    2.0 * z.atan2(w)
+}
+
+#[test]
+fn what_stands_in_the_field_stays_there_while_the_base_drives_about() {
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let stands_m = [1.4, -0.8];
+    let mut scene = Scene::grasp(wood(), Side::Right);
+    (scene.objects[0].position_m, scene.objects[0].yaw_rad) = (stands_m, 0.3);
+    let mut world = World::new(&robot, &scene, 1).expect("a world");
+    let mut base = Base::new(Place::default(), Floor::bumpy(1, 0));
+    let mut sensed = Sensed::default();
+    let drives = [(2, 2), (0, 2), (2, 1), (1, 1), (2, 0), (0, 0)];
+    for (left, right) in drives {
+        for _ in 0..400 {
+            base.step(Wheels { left, right });
+            world.ride(&base.ride()).expect("a base moves like that");
+            for _ in 0..STEP_TICKS {
+                world.sense(&mut sensed);
+                world.advance(None);
+            }
+        }
+    }
+    assert_eq!(world.fault(), None);
+    let object = world.truth().objects[0];
+    let [x_m, y_m, _] = object.position_m;
+    let [field_x_m, field_y_m] = base.place().point_m([x_m, y_m]);
+    let off_m = (field_x_m - stands_m[0]).hypot(field_y_m - stands_m[1]);
+    assert!(off_m < 0.005, "it has moved by {off_m} m");
+    let turned_rad = yaw_rad(&object) + base.place().yaw_rad - 0.3;
+    assert!(turned_rad.abs() < 0.02, "it has turned by {turned_rad} rad");
+    assert!(object.tilt_rad < 1e-3 && object.table_n > 0.0, "{object:?}");
+}
+
+/// Lifts wood with this multiple of the needed force, then rides for a quarter of a second: slip that the ride added, m.
+fn slip_m(over_grip: f64, ride: Ride) -> f64 {
+    let mut script = Script::around(Scene::grasp(wood(), Side::Right), Side::Right, 1);
+    script.close_to(wood().needed_n() * over_grip);
+    script.lift(0.02);
+    script.ticks(200, |_| ());
+    let before_m = script.world.truth().objects[0].slip_in_hand_m;
+    script.world.ride(&ride).expect("a base moves like that");
+    script.ticks(250, |_| ());
+    script.world.truth().objects[0].slip_in_hand_m - before_m
+}
+
+#[test]
+fn accelerations_load_the_grip_as_much_as_they_should() {
+    let ride = |acceleration_m_s2: f64, heave_m_s2: f64| Ride {
+        acceleration_m_s2,
+        heave_m_s2,
+        ..Ride::STILL
+    };
+    let check = |over_grip: f64, ride: Ride, slips: bool| {
+        let slip_m = slip_m(over_grip, ride);
+        assert_eq!(slip_m > 1e-3, slips, "{over_grip}, {ride:?}: {slip_m} m");
+    };
+    check(1.3, Ride::STILL, false);
+    // Upwards half a g makes it half as heavy again, for a moment twice, because it comes at once; downwards it takes the weight.
+    check(1.3, ride(0.0, 5.0), true);
+    check(2.8, ride(0.0, 5.0), false);
+    check(1.3, ride(0.0, -9.81), false);
+    // The fingers close along y: acceleration forward adds to the weight at a right angle.
+    check(1.3, ride(10.0, 0.0), true);
+    check(2.8, ride(10.0, 0.0), false);
+}
+
+#[test]
+fn what_no_base_does_changes_nothing() {
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let scene = Scene::grasp(wood(), Side::Right);
+    let mut world = World::new(&robot, &scene, 1).expect("a world");
+    let absurd = Ride {
+        turn_rad_s: f64::NAN,
+        ..Ride::STILL
+    };
+    assert!(world.ride(&absurd).is_err());
+    let before = world.truth();
+    (0..100).for_each(|_| world.advance(None));
+    let after = world.truth();
+    assert!((after.objects[0].position_m[0] - before.objects[0].position_m[0]).abs() < 1e-6);
+}
