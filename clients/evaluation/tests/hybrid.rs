@@ -6,15 +6,15 @@ use atas_evaluation::hybrid::{HybridPlan, HybridReport, HybridTrial, PHASES, Ref
 use sim_backend::Object;
 use sim_backend::course::{Responses, Wheels};
 
-/// Turns from what is in the way, else towards the light, else straight on.
+/// Turns from what is in the way, else towards the light, else straight on; slowly, because bumps shake who drives fast.
 fn by_hand() -> Responses {
     let wheels = |left, right| Wheels { left, right };
     Responses::from_fn(|row| match (row & 7, row >> 3) {
         (0, 1) => wheels(0, 1),
         (0, 2) => wheels(1, 0),
-        (0, _) => wheels(2, 2),
-        (4 | 6, _) => wheels(0, 2),
-        _ => wheels(2, 0),
+        (0, _) => wheels(1, 1),
+        (4 | 6, _) => wheels(0, 1),
+        _ => wheels(1, 0),
     })
 }
 
@@ -22,7 +22,7 @@ fn run(robots: usize, trials: u64, reflexes: Reflexes) -> (HybridReport, Vec<Hyb
     let plan = HybridPlan {
         robots,
         trials,
-        first_seed: 1,
+        first_seed: 2,
         table: by_hand(),
         reflexes,
         objects: vec![Object::built_in("wood").expect("built in")],
