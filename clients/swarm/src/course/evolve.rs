@@ -19,7 +19,7 @@ use crate::run::Rise;
 /// Bits of a genome: Eq. 1.
 pub const GENOME_BITS: usize = 128;
 /// What turns a run's seed into its stream: no run of the field has it.
-const STREAM: u64 = 0x0063_6f75_7273_65;
+const STREAM: u64 = 0x0000_636f_7572_7365;
 /// Trials remembered per group.
 const MEMO_TRIALS: usize = 64;
 
