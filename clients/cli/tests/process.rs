@@ -272,7 +272,7 @@ fn what_a_suffix_means_is_written_or_refused() {
             "{arguments:?}: {stderr}"
         );
     };
-    check(&["plot", "grasp", "--out", "grasp.png"], ".svg");
+    check(&["plot", "grasp", "--out", "grasp.bmp"], ".svg");
     check(&["record", "--out", "run.bag"], ".mcap");
     check(&["demo", "swarm", "--replay", "swarm.gif"], ".html");
 }

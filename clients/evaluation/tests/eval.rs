@@ -121,7 +121,7 @@ fn json_fields_are_a_contract() {
     let tally = "trials success ci95 failures medians largest";
     let physics = "feasible infeasible by_physics borderline f2_ratio_median f2_ratio_deviation";
     let shape = |own: &str| sorted(&format!("{own} {tally} {physics}"));
-    let own = "task baselines realtime_factor wall_s seeds first_seed seeds_for noise rate_hz errors families rows \
+    let own = "task robot baselines realtime_factor wall_s seeds first_seed seeds_for noise rate_hz errors families rows \
          baseline_rows";
     assert_eq!(keys(&value), shape(own));
     assert_eq!(keys(&value["feasible"]), feasible);
@@ -140,7 +140,9 @@ fn json_fields_are_a_contract() {
     assert_eq!(value["seeds_for"], "tuning");
     assert_eq!(keys(&value["baselines"]), "fixed_force slip_reactive");
     assert!(
-        text.starts_with("{\"task\":\"grasp\",\"trials\":1,\"success\":"),
+        text.starts_with(
+            "{\"task\":\"grasp\",\"robot\":\"two-hand-arm\",\"trials\":1,\"success\":"
+        ),
         "{text}"
     );
     assert_eq!(value["task"], "grasp");

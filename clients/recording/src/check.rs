@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use shm_schemas::TickInputs;
+use shm_schemas::{Payload, TickInputs};
 
 use super::reader::{Entry, Reader, payload};
 use super::writer::Writer;
@@ -28,10 +28,16 @@ impl Contents {
         let mut contents = Self::default();
         for entry in Reader::open(path)? {
             match entry {
-                Ok(entry) => {
-                    contents.count(&entry)?;
-                    each(&entry)?;
-                }
+                Ok(entry) => match contents.count(&entry) {
+                    // Of this version, and yet no part: something in the file was changed.
+                    Err(error) if claims_to_be_a_part(&entry) => {
+                        contents.damage = Some(one_line(&error));
+                    }
+                    counted => {
+                        counted?;
+                        each(&entry)?;
+                    }
+                },
                 Err(error) => contents.damage = Some(one_line(&error)),
             }
         }
@@ -42,8 +48,9 @@ impl Contents {
         let Entry::Message(message) = entry else {
             return Ok(());
         };
+        let part = payload::<TickInputs>(message)?;
         self.messages += 1;
-        let Some(part) = payload::<TickInputs>(message)? else {
+        let Some(part) = part else {
             return Ok(());
         };
         self.parts += 1;
@@ -53,6 +60,14 @@ impl Contents {
         self.next = Some(sequence.saturating_add(1));
         Ok(())
     }
+}
+
+fn claims_to_be_a_part(entry: &Entry) -> bool {
+    let Entry::Message(message) = entry else {
+        return false;
+    };
+    let schema = message.channel.schema.as_ref();
+    schema.is_some_and(|schema| schema.name == TickInputs::TYPE_NAME)
 }
 
 /// What a file holds; says why if it cannot be read to its end.

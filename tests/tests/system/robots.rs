@@ -123,12 +123,13 @@ fn a_robot_file_of_ones_own_is_checked_and_drawn() {
     let text = std::fs::read_to_string(&file).expect("readable");
     let spoilt = text
         .replace("\"left_tip\"", "\"no_tip\"")
-        .replace("stiffness = 40000", "stiffness = -1");
+        .replace("stage = {", "no_stage = {");
     std::fs::write(&file, spoilt).expect("written");
     let (code, _, error) = atas(&format!("robot check {file}"));
     assert_eq!(code, 2);
     assert!(
-        error.contains("link `no_tip` was missing") && error.contains("stage"),
+        error.contains("link `no_tip` was missing")
+            && error.contains("joint `no_stage` was missing"),
         "{error}"
     );
 }
