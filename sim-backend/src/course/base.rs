@@ -9,9 +9,9 @@ use crate::ride::Ride;
 
 /// Length of a step, s: the period of the wheels' controllers.
 pub const STEP_S: f64 = 0.005;
-/// Speed of a wheel at the levels medium and high, m/s.
+/// Speed of a wheel at its middle level, m/s.
 const MEDIUM_M_S: f64 = 0.15;
-/// See [`MEDIUM_M_S`].
+/// Speed of a wheel at its highest level, m/s: twice that of the middle one.
 pub const HIGH_M_S: f64 = 2.0 * MEDIUM_M_S;
 /// Distance between the wheels, m.
 const TRACK_M: f64 = 0.30;
