@@ -8,6 +8,7 @@ use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
 
 use crate::condition::{Condition, GOALS};
 use crate::genome::Genome;
+use crate::memo::Memo;
 use crate::workers::Workers;
 
 /// Points per goal, goal 1 first.
@@ -36,7 +37,7 @@ pub struct Evaluator {
     condition: Condition,
     workers: Workers,
     layouts: [field::Layout; GOALS],
-    memos: Vec<Memo>,
+    memos: Vec<Memo<MAX_AGENTS>>,
     pending: Vec<Pending>,
     trials: Vec<Trial>,
     outcomes: Vec<Outcome>,
@@ -107,7 +108,8 @@ impl Evaluator {
         for (pending, outcome) in self.pending.drain(..).zip(&self.outcomes) {
             let points = self.condition.points(outcome);
             evaluated[pending.run][pending.genome].points[pending.goal] = points;
-            self.memos[pending.run].learn(pending.goal, &pending.tables, outcome.rows_read, points);
+            let mask = Responses::row_mask(outcome.rows_read);
+            self.memos[pending.run].learn(pending.goal, &pending.tables, mask, points);
         }
         Some(evaluated)
     }
@@ -140,61 +142,6 @@ impl Evaluator {
                     });
                 }
             }
-        }
-    }
-}
-
-/// Trials remembered per goal: enough for a population, its parents and their near kin (measured: more finds little more).
-const MEMO_TRIALS: usize = 64;
-
-/// The last trials of every goal.
-#[derive(Debug, Default)]
-struct Memo([Ring; GOALS]);
-
-#[derive(Debug, Default)]
-struct Ring {
-    known: Vec<Known>,
-    oldest: usize,
-}
-
-#[derive(Debug)]
-struct Known {
-    /// The bits of the rows that were read.
-    mask: u128,
-    /// Those bits, per agent.
-    tables: Tables,
-    points: f32,
-}
-
-impl Memo {
-    fn recall(&self, goal: usize, tables: &Tables) -> Option<f32> {
-        let agrees = |known: &&Known| {
-            known
-                .tables
-                .iter()
-                .zip(tables)
-                .all(|(known_bits, bits)| bits & known.mask == *known_bits)
-        };
-        self.0[goal]
-            .known
-            .iter()
-            .find(agrees)
-            .map(|known| known.points)
-    }
-
-    fn learn(&mut self, goal: usize, tables: &Tables, rows_read: u32, points: f32) {
-        let mask = Responses::row_mask(rows_read);
-        let known = Known {
-            mask,
-            tables: tables.map(|bits| bits & mask),
-            points,
-        };
-        let ring = &mut self.0[goal];
-        if ring.known.len() < MEMO_TRIALS {
-            ring.known.push(known);
-        } else {
-            ring.known[ring.oldest] = known;
-            ring.oldest = (ring.oldest + 1) % MEMO_TRIALS;
         }
     }
 }

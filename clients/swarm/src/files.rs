@@ -4,6 +4,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
@@ -14,6 +15,21 @@ use crate::error::{Error, Result};
 /// The system refused; the old content is still there.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<()> {
     stream_atomically(path, |file| file.write_all(content))
+}
+
+/// Writes a value as TOML, in one step.
+///
+/// # Errors
+/// The value is none that TOML can say; the system refused.
+pub(crate) fn write_toml(path: &Path, value: &impl Serialize) -> Result<()> {
+    let text = toml::to_string(value).map_err(Error::from_part)?;
+    write_atomically(path, text.as_bytes())
+}
+
+/// Whether a text is a TOML file that says that it is of this kind.
+pub(crate) fn is_of_kind(text: &str, kind: &str) -> bool {
+    text.lines()
+        .any(|line| line.replace(' ', "") == format!("kind=\"{kind}\""))
 }
 
 /// As [`write_atomically`], for content that is too long to be held in memory.

@@ -21,6 +21,18 @@ pub struct Rise {
     pub fitness: f32,
 }
 
+impl Rise {
+    /// Adds the best fitness of a generation if it is a rise.
+    pub(crate) fn note(rises: &mut Vec<Self>, generation: u32, fitness: f32) {
+        if rises.last().is_none_or(|last| fitness > last.fitness) {
+            rises.push(Self {
+                generation,
+                fitness,
+            });
+        }
+    }
+}
+
 /// One run of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Job {
@@ -133,12 +145,7 @@ impl Run {
             return;
         };
         let fitness = best.fitness();
-        if self.rises.last().is_none_or(|last| fitness > last.fitness) {
-            self.rises.push(Rise {
-                generation,
-                fitness,
-            });
-        }
+        Rise::note(&mut self.rises, generation, fitness);
     }
 
     /// What the run came to.

@@ -35,17 +35,7 @@ pub(super) fn hybrid(
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     };
-    let bar = super::bar(plan.trials);
-    let evaluated = plan.run(interrupt.flag(), || bar.inc(1))?;
-    let done = bar.position();
-    bar.finish_and_clear();
-    let (report, _) = evaluated.ok_or_else(|| {
-        let sentence = format!(
-            "interrupted after {done} of {} trials; nothing was reported",
-            plan.trials
-        );
-        Ended::with(Exit::Interrupted, sentence)
-    })?;
+    let (report, _) = super::behind_a_bar(plan.trials, |done| plan.run(interrupt.flag(), done))?;
     if output.is_json() {
         return output.json(&report);
     }

@@ -59,13 +59,20 @@ fn one(
 
 /// Runs a plan behind a bar.
 fn run(plan: &Plan, interrupt: &Interrupt) -> anyhow::Result<Evaluated> {
-    let bar = bar(plan.jobs());
-    let evaluated = plan.run(interrupt.flag(), || bar.inc(1))?;
+    behind_a_bar(plan.jobs(), |done| plan.run(interrupt.flag(), done))
+}
+
+/// Runs so many trials behind a bar; `run` is given what to call after each, and has nothing if it was interrupted.
+fn behind_a_bar<T>(
+    trials: u64,
+    run: impl FnOnce(&(dyn Fn() + Sync)) -> anyhow::Result<Option<T>>,
+) -> anyhow::Result<T> {
+    let bar = bar(trials);
+    let evaluated = run(&|| bar.inc(1))?;
     let done = bar.position();
     bar.finish_and_clear();
     evaluated.ok_or_else(|| {
-        let jobs = plan.jobs();
-        let sentence = format!("interrupted after {done} of {jobs} trials; nothing was reported");
+        let sentence = format!("interrupted after {done} of {trials} trials; nothing was reported");
         Ended::with(Exit::Interrupted, sentence)
     })
 }

@@ -1,7 +1,7 @@
 //! `atas eval reflex`: a clumsy policy with the reflex beneath it and without.
 
 use atas_console::arguments::ReflexEvaluation;
-use atas_console::{Ended, Exit, Interrupt, Output, number, table};
+use atas_console::{Interrupt, Output, number, table};
 use atas_evaluation::{ReflexPlan, ReflexReport, seeds};
 use comfy_table::Cell;
 
@@ -17,17 +17,7 @@ pub(super) fn reflex(
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     };
-    let bar = super::bar(plan.trials);
-    let report = plan.run(interrupt.flag(), || bar.inc(1))?;
-    let done = bar.position();
-    bar.finish_and_clear();
-    let report = report.ok_or_else(|| {
-        let sentence = format!(
-            "interrupted after {done} of {} trials; nothing was reported",
-            plan.trials
-        );
-        Ended::with(Exit::Interrupted, sentence)
-    })?;
+    let report = super::behind_a_bar(plan.trials, |done| plan.run(interrupt.flag(), done))?;
     if output.is_json() {
         return output.json(&report);
     }

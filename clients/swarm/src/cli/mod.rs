@@ -15,9 +15,10 @@ mod slurm;
 mod sweep;
 
 use std::io::{ErrorKind, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -141,6 +142,27 @@ fn print(text: &[u8]) -> Result<()> {
 pub(crate) fn complain(error: &Error) {
     // With standard error gone there is nobody left to tell; the exit code still says it.
     let _ = writeln!(std::io::stderr(), "ebts: {error}");
+}
+
+/// Refuses to write over a file that nobody said may go.
+fn spare(out: &Path, overwrite: bool) -> Result<()> {
+    if out.exists() && !overwrite {
+        return Err(Error::refused(
+            format_args!("write {}", out.display()),
+            "there is a file already",
+            "a new name",
+            "name another --out, or add --overwrite",
+        ));
+    }
+    Ok(())
+}
+
+/// Goes on until the flag is set.
+fn unless_set(stop: &AtomicBool) -> ControlFlow<()> {
+    match stop.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
 }
 
 /// A flag that Ctrl-C and SIGTERM set; a second signal ends the process at once.

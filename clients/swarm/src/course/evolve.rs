@@ -9,10 +9,12 @@ use field::Responses;
 use rayon::prelude::*;
 
 use super::fitness::{GROUPS, Training};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::evaluate::Individual;
-use crate::ga::{Population, Settings};
+use crate::ga::Settings;
+use crate::generations;
 use crate::genome::Genome;
+use crate::memo::Memo;
 use crate::rng::SplitMix64;
 use crate::run::Rise;
 
@@ -20,8 +22,6 @@ use crate::run::Rise;
 pub const GENOME_BITS: usize = 128;
 /// What turns a run's seed into its stream: no run of the field has it.
 const STREAM: u64 = 0x0000_636f_7572_7365;
-/// Trials remembered per group.
-const MEMO_TRIALS: usize = 64;
 
 /// What a run came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,40 +34,6 @@ pub struct Evolved {
     pub driven: u64,
 }
 
-/// A remembered group: the bits of the rows that were read, and what they earned.
-#[derive(Clone, Copy, Debug)]
-struct Known {
-    mask: u128,
-    bits: u128,
-    points: f32,
-}
-
-/// The last trials of every group.
-#[derive(Default)]
-struct Memo {
-    known: [Vec<Known>; GROUPS],
-    oldest: [usize; GROUPS],
-}
-
-impl Memo {
-    fn recall(&self, group: usize, bits: u128) -> Option<f32> {
-        let mut known = self.known[group].iter();
-        known
-            .find(|known| bits & known.mask == known.bits)
-            .map(|known| known.points)
-    }
-
-    fn learn(&mut self, group: usize, known: Known) {
-        let (ring, oldest) = (&mut self.known[group], &mut self.oldest[group]);
-        if ring.len() < MEMO_TRIALS {
-            ring.push(known);
-        } else {
-            ring[*oldest] = known;
-            *oldest = (*oldest + 1) % MEMO_TRIALS;
-        }
-    }
-}
-
 /// Evolves one table; `watch` hears of every generation and its best fitness, and may stop the run.
 ///
 /// # Errors
@@ -76,30 +42,23 @@ pub fn evolve(
     settings: Settings,
     seed: u64,
     generations: u32,
-    mut watch: impl FnMut(u32, f32) -> ControlFlow<()>,
+    watch: impl FnMut(u32, f32) -> ControlFlow<()>,
 ) -> Result<Evolved> {
     let training = Training::of(seed)?;
     let rng = SplitMix64::stream(&[STREAM, seed]);
-    let mut population = Population::new(settings, GENOME_BITS, rng).map_err(Error::from_part)?;
-    let (mut memo, mut rises, mut driven) = (Memo::default(), Vec::<Rise>::new(), 0);
-    for generation in 0..=generations {
-        let children = evaluate(&training, &mut memo, population.propose(), &mut driven);
-        population.select(children);
-        let best = population.members()[0].fitness();
-        if rises.last().is_none_or(|last| best > last.fitness) {
-            rises.push(Rise {
-                generation,
-                fitness: best,
-            });
-        }
-        if watch(generation, best).is_break() {
-            return Err(Error::Interrupted(format!(
-                "interrupted at generation {generation}; nothing was saved"
-            )));
-        }
-    }
+    let (mut memo, mut driven) = (Memo::default(), 0);
+    let evaluate = |genomes| evaluate(&training, &mut memo, genomes, &mut driven);
+    let kept = "nothing was saved";
+    let (best, rises) = generations::evolve(
+        settings,
+        (GENOME_BITS, rng),
+        generations,
+        kept,
+        evaluate,
+        watch,
+    )?;
     Ok(Evolved {
-        best: population.members()[0].clone(),
+        best,
         rises,
         driven,
     })
@@ -108,7 +67,7 @@ pub fn evolve(
 /// Evaluates genomes, on all cores; which core does what changes nothing.
 fn evaluate(
     training: &Training,
-    memo: &mut Memo,
+    memo: &mut Memo<1>,
     genomes: Vec<Genome>,
     driven: &mut u64,
 ) -> Vec<Individual> {
@@ -123,7 +82,7 @@ fn evaluate(
     for (index, individual) in evaluated.iter_mut().enumerate() {
         let bits = individual.genome.words()[0];
         for (group, points) in individual.points.iter_mut().enumerate() {
-            match memo.recall(group, bits) {
+            match memo.recall(group, &[bits]) {
                 Some(known) => *points = known,
                 None => pending.push((index, group, bits)),
             }
@@ -136,13 +95,7 @@ fn evaluate(
     let earned: Vec<(f32, u32)> = pending.par_iter().with_max_len(1).map(drive).collect();
     for ((index, group, bits), (points, rows_read)) in pending.into_iter().zip(earned) {
         evaluated[index].points[group] = points;
-        let mask = Responses::row_mask(rows_read);
-        let known = Known {
-            mask,
-            bits: bits & mask,
-            points,
-        };
-        memo.learn(group, known);
+        memo.learn(group, &[bits], Responses::row_mask(rows_read), points);
     }
     evaluated
 }

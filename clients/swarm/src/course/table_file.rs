@@ -9,7 +9,7 @@ use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use super::fitness::Training;
 use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
-use crate::files::{read_text, write_atomically};
+use crate::files::{is_of_kind, read_text, write_toml};
 
 /// What a file of this kind says of itself.
 pub const KIND: &str = "course-table";
@@ -57,8 +57,7 @@ impl CourseFile {
     /// Whether a text is a file of this kind.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
-        text.lines()
-            .any(|line| line.replace(' ', "") == format!("kind=\"{KIND}\""))
+        is_of_kind(text, KIND)
     }
 
     /// Writes it in one step.
@@ -66,8 +65,7 @@ impl CourseFile {
     /// # Errors
     /// The system refused.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let text = toml::to_string(self).map_err(Error::from_part)?;
-        write_atomically(path, text.as_bytes())
+        write_toml(path, self)
     }
 
     /// The table that ships, by its name, or that of a file; with its table.

@@ -9,17 +9,17 @@ use pinch::{Engine, Outcome, Patience, Trial};
 
 use super::course::{Course, GENOME_BITS, OBJECTS, Object, rows, table};
 use super::fitness::points;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::evaluate::{GoalPoints, Individual};
-use crate::ga::{Population, Settings};
+use crate::ga::Settings;
+use crate::generations;
 use crate::genome::Genome;
+use crate::memo::Memo;
 use crate::rng::SplitMix64;
 use crate::run::Rise;
 
 /// What turns a run's seed into its stream: no run of the field has it.
 const STREAM: u64 = 0x0067_7261_7370;
-/// Trials remembered per object.
-const MEMO_TRIALS: usize = 64;
 
 /// What a run came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,18 +38,9 @@ pub struct Evaluator<'a> {
     objects: &'a [Object],
     engine: Engine,
     force_limit: bool,
-    memo: [Vec<Known>; OBJECTS],
-    oldest: [usize; OBJECTS],
+    memo: Memo<1>,
     outcomes: Vec<Outcome>,
     simulated: u64,
-}
-
-/// A remembered trial: the bits of the rows that were read, and what they earned.
-#[derive(Clone, Copy, Debug)]
-struct Known {
-    mask: u128,
-    bits: u128,
-    points: f32,
 }
 
 impl<'a> Evaluator<'a> {
@@ -61,8 +52,7 @@ impl<'a> Evaluator<'a> {
             objects,
             engine,
             force_limit,
-            memo: core::array::from_fn(|_| Vec::with_capacity(MEMO_TRIALS)),
-            oldest: [0; OBJECTS],
+            memo: Memo::default(),
             outcomes: Vec::new(),
             simulated: 0,
         }
@@ -88,11 +78,8 @@ impl<'a> Evaluator<'a> {
         {
             for (index, individual) in evaluated.iter_mut().enumerate() {
                 let bits = individual.genome.words()[0];
-                let known = self.memo[object]
-                    .iter()
-                    .find(|known| bits & known.mask == known.bits);
-                match known {
-                    Some(known) => individual.points[object] = known.points,
+                match self.memo.recall(object, &[bits]) {
+                    Some(points) => individual.points[object] = points,
                     None => {
                         pending.push((index, object));
                         trials.push(Trial {
@@ -110,24 +97,11 @@ impl<'a> Evaluator<'a> {
         for ((index, object), outcome) in pending.into_iter().zip(&self.outcomes) {
             let earned = points(&self.objects[object].reduced, outcome);
             evaluated[index].points[object] = earned;
-            let mask = mask_of(outcome.rows_read);
-            let known = Known {
-                mask,
-                bits: evaluated[index].genome.words()[0] & mask,
-                points: earned,
-            };
-            learn(&mut self.memo[object], &mut self.oldest[object], known);
+            let bits = evaluated[index].genome.words()[0];
+            self.memo
+                .learn(object, &[bits], mask_of(outcome.rows_read), earned);
         }
         evaluated
-    }
-}
-
-fn learn(memo: &mut Vec<Known>, oldest: &mut usize, known: Known) {
-    if memo.len() < MEMO_TRIALS {
-        memo.push(known);
-    } else {
-        memo[*oldest] = known;
-        *oldest = (*oldest + 1) % MEMO_TRIALS;
     }
 }
 
@@ -147,29 +121,21 @@ pub fn evolve(
     settings: Settings,
     seed: u64,
     generations: u32,
-    mut watch: impl FnMut(u32, f32) -> ControlFlow<()>,
+    watch: impl FnMut(u32, f32) -> ControlFlow<()>,
 ) -> Result<Evolved> {
     let rng = SplitMix64::stream(&[STREAM, seed]);
-    let mut population = Population::new(settings, GENOME_BITS, rng).map_err(Error::from_part)?;
-    let mut rises: Vec<Rise> = Vec::new();
-    for generation in 0..=generations {
-        let children = evaluator.evaluate(population.propose());
-        population.select(children);
-        let best = population.members()[0].fitness();
-        if rises.last().is_none_or(|last| best > last.fitness) {
-            rises.push(Rise {
-                generation,
-                fitness: best,
-            });
-        }
-        if watch(generation, best).is_break() {
-            return Err(Error::Interrupted(format!(
-                "interrupted at generation {generation}; whole runs are saved, this one begins anew"
-            )));
-        }
-    }
+    let evaluate = |genomes| evaluator.evaluate(genomes);
+    let kept = "whole runs are saved, this one begins anew";
+    let (best, rises) = generations::evolve(
+        settings,
+        (GENOME_BITS, rng),
+        generations,
+        kept,
+        evaluate,
+        watch,
+    )?;
     Ok(Evolved {
-        best: population.members()[0].clone(),
+        best,
         rises,
         simulated: evaluator.simulated,
     })

@@ -11,7 +11,7 @@ use super::course::{self, Object};
 use super::evolve::evaluate_table;
 use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
-use crate::files::{read_text, write_atomically};
+use crate::files::{is_of_kind, read_text, write_toml};
 
 /// What a file of this kind says of itself.
 pub const KIND: &str = "grasp-table";
@@ -68,8 +68,7 @@ impl GraspFile {
     /// Whether a text is a file of this kind.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
-        text.lines()
-            .any(|line| line.replace(' ', "") == format!("kind=\"{KIND}\""))
+        is_of_kind(text, KIND)
     }
 
     /// Writes it in one step.
@@ -77,8 +76,7 @@ impl GraspFile {
     /// # Errors
     /// The system refused.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let text = toml::to_string(self).map_err(Error::from_part)?;
-        write_atomically(path, text.as_bytes())
+        write_toml(path, self)
     }
 
     /// Reads a file and evaluates its table again; returns it with its table.

@@ -1,8 +1,6 @@
 //! `ebts evolve course`: one run.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use clap::Args;
@@ -12,12 +10,12 @@ use serde::Serialize;
 use ebts::course::evolve::evolve as evolve_one;
 use ebts::course::fitness::held_out;
 use ebts::course::table_file::CourseFile;
-use ebts::error::{Error, Result};
+use ebts::error::Result;
 use ebts::evaluate::GoalPoints;
 use ebts::ga::Settings;
 use field::Responses;
 
-use super::{Format, answer, stop_flag, style};
+use super::{Format, answer, spare, stop_flag, style, unless_set};
 
 /// Courses on which an evolved table is tried that it was not evolved on.
 pub(super) const HELD_OUT: u64 = 100;
@@ -57,23 +55,13 @@ struct Evolved<'a> {
 
 pub(in crate::cli) fn evolve(args: &EvolveCourseArgs, format: Format) -> Result<()> {
     let start = Instant::now();
-    if args.out.exists() && !args.overwrite {
-        return Err(Error::refused(
-            format_args!("write {}", args.out.display()),
-            "there is a file already",
-            "a new name",
-            "name another --out, or add --overwrite",
-        ));
-    }
+    spare(&args.out, args.overwrite)?;
     let stop = stop_flag()?;
     let bar = ProgressBar::new(args.generations.into()).with_style(style("generation"));
     let watch = |generation: u32, best: f32| {
         bar.set_position(generation.into());
         bar.set_message(format!("fitness {best:.0}"));
-        match stop.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        unless_set(&stop)
     };
     let evolved = evolve_one(Settings::default(), args.seed, args.generations, watch)?;
     bar.finish_and_clear();

@@ -4,7 +4,7 @@ mod evolve;
 mod show;
 
 use super::evolve::style;
-use super::{Format, answer, stop_flag};
+use super::{Format, answer, spare, stop_flag, unless_set};
 
 pub(super) use evolve::{EvolveCourseArgs, evolve};
 pub(super) use show::{is_course_file, show};

@@ -1,9 +1,8 @@
 //! `ebts evolve grasp`: one run.
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use clap::Args;
@@ -11,14 +10,14 @@ use indicatif::ProgressBar;
 use pinch::Engine;
 use serde::Serialize;
 
-use ebts::error::{Error, Result};
+use ebts::error::Result;
 use ebts::evaluate::GoalPoints;
 use ebts::ga::Settings;
 use ebts::grasp::course::{self, Object};
 use ebts::grasp::evolve::{Evaluator, evolve as evolve_one};
 use ebts::grasp::table_file::GraspFile;
 
-use super::{Format, answer, stop_flag, style};
+use super::{Format, answer, spare, stop_flag, style, unless_set};
 
 /// How a grasp is evolved.
 #[derive(Debug, Args)]
@@ -61,14 +60,7 @@ struct Evolved<'a> {
 
 pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<()> {
     let start = Instant::now();
-    if args.out.exists() && !args.overwrite {
-        return Err(Error::refused(
-            format_args!("write {}", args.out.display()),
-            "there is a file already",
-            "a new name",
-            "name another --out, or add --overwrite",
-        ));
-    }
+    spare(&args.out, args.overwrite)?;
     let (objects, stop) = (course::objects()?, stop_flag()?);
     let bar = ProgressBar::new(args.evolution.generations.into()).with_style(style("generation"));
     let (file, simulated) = run(
@@ -120,10 +112,7 @@ pub(super) fn run(
     let mut evaluator = Evaluator::new(objects, Engine::fastest(), args.with_module_3);
     let watch = |generation, best| {
         tell(generation, best);
-        match stop.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        unless_set(stop)
     };
     let evolved = evolve_one(
         &mut evaluator,

@@ -6,7 +6,7 @@ mod experiment;
 mod show;
 
 use super::evolve::style;
-use super::{Format, answer, print, stop_flag};
+use super::{Format, answer, print, spare, stop_flag, unless_set};
 
 pub(super) use agreement::{AgreementArgs, agreement};
 pub(super) use evolve::{EvolveGraspArgs, evolve};

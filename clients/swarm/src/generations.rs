@@ -1,0 +1,38 @@
+//! One population from its random beginning on: what the evolution of a hand's tables and of a base's share.
+
+use std::ops::ControlFlow;
+
+use crate::error::{Error, Result};
+use crate::evaluate::Individual;
+use crate::ga::{Population, Settings};
+use crate::genome::Genome;
+use crate::rng::SplitMix64;
+use crate::run::Rise;
+
+/// Evolves genomes of so many bits; `watch` hears of every generation and its best fitness, and may stop the run, of which
+/// `kept` then says what is left. Returns the best individual, and when the best fitness rose.
+///
+/// # Errors
+/// The settings make no algorithm; the run was stopped.
+pub(crate) fn evolve(
+    settings: Settings,
+    (bits, rng): (usize, SplitMix64),
+    generations: u32,
+    kept: &str,
+    mut evaluate: impl FnMut(Vec<Genome>) -> Vec<Individual>,
+    mut watch: impl FnMut(u32, f32) -> ControlFlow<()>,
+) -> Result<(Individual, Vec<Rise>)> {
+    let mut population = Population::new(settings, bits, rng).map_err(Error::from_part)?;
+    let mut rises: Vec<Rise> = Vec::new();
+    for generation in 0..=generations {
+        let children = evaluate(population.propose());
+        population.select(children);
+        let best = population.members()[0].fitness();
+        Rise::note(&mut rises, generation, best);
+        if watch(generation, best).is_break() {
+            let sentence = format!("interrupted at generation {generation}; {kept}");
+            return Err(Error::Interrupted(sentence));
+        }
+    }
+    Ok((population.members()[0].clone(), rises))
+}
