@@ -49,6 +49,15 @@ pub enum LogFormat {
     Json,
 }
 
+impl From<LogFormat> for atas_process::log::LogFormat {
+    fn from(format: LogFormat) -> Self {
+        match format {
+            LogFormat::Human => Self::Human,
+            LogFormat::Json => Self::Json,
+        }
+    }
+}
+
 const EXIT_CODES: &str = "\
 Signals: SIGTERM and SIGINT stop the robot and the daemon, a second one at once; SIGHUP reads the configuration again.
 

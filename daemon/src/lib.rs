@@ -38,7 +38,6 @@ pub mod figures;
 pub mod guard;
 pub mod input_log;
 pub mod link;
-pub mod log;
 pub mod pacer;
 mod panics;
 pub mod ports;

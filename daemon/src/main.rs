@@ -3,6 +3,7 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use atas_process::log;
 use atasd::args::Args;
 use atasd::config::Tasks;
 use atasd::daemon::{self, Failure};
@@ -10,7 +11,7 @@ use clap::Parser;
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let log = match atasd::log::start(args.log_format) {
+    let log = match log::start(args.log_format.into()) {
         Ok(log) => log,
         // Without threads there is no daemon, and nobody to tell.
         Err(_) => return ExitCode::FAILURE,

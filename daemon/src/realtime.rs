@@ -6,6 +6,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 
+use atas_process::scheduling;
 use rustix::mm::MlockAllFlags;
 use rustix::process::{Resource, Rlimit};
 use rustix::thread::CpuSet;
@@ -125,8 +126,7 @@ pub fn enter_below_the_tick(realtime: &Realtime) {
 
 /// Makes the tick thread an ordinary one again, because closing ports may compute for longer than a tick may.
 pub fn leave() {
-    // Never refused: it asks for less. If it were, closing would only be hurried.
-    let _ = set_scheduler(libc::SCHED_OTHER, 0);
+    scheduling::leave_fifo();
 }
 
 fn mlockall() -> Result<(), Refused> {
@@ -148,34 +148,12 @@ fn pin(core: u32) -> Result<(), Refused> {
 }
 
 fn schedule_fifo(priority: u32) -> Result<(), Refused> {
-    let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
-    set_scheduler(policy, priority.cast_signed()).map_err(|source| Refused {
+    scheduling::enter_fifo(priority.cast_signed()).map_err(|source| Refused {
         what: format!("run the tick thread under SCHED_FIFO at priority {priority}"),
         source,
         cure: "raise LimitRTPRIO (ulimit -r) to the priority, or set realtime.mode to \"try\"; \
                in a container or a kernel with RT_GROUP_SCHED, give its cgroup real-time time",
     })
-}
-
-fn set_scheduler(policy: i32, priority: i32) -> io::Result<()> {
-    let parameters = libc::sched_param {
-        sched_priority: priority,
-    };
-    // SAFETY: the call reads `parameters`, which lives, and changes the calling thread's scheduling, nothing else. It is
-    // made raw because rustix has no wrapper and musl's fails always.
-    let result = unsafe {
-        libc::syscall(
-            libc::SYS_sched_setscheduler,
-            0,
-            policy,
-            &raw const parameters,
-        )
-    };
-    if result == 0 {
-        Ok(())
-    } else {
-        Err(io::Error::last_os_error())
-    }
 }
 
 fn limit_compute_time() {

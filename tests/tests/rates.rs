@@ -14,6 +14,9 @@ const LONGEST_MS: u32 = 90_000;
 /// How much faster than at 1 kHz a joint may be while it carries. Ours: what one more push of Module 2 makes.
 const MARGIN: f64 = 2.0;
 
+/// Shortest life of a command that the daemon's configuration allows, periods of the tick.
+const VALID_PERIODS: f64 = 1.5;
+
 /// A controller that ticks at its own rate in front of a world that samples every millisecond.
 struct Fast<'a> {
     robot: &'a RobotModel,
@@ -35,10 +38,12 @@ impl<'a> Fast<'a> {
             tick_s: 1.0 / rate_hz as f64,
             ..Wiring::default()
         };
+        let mut settings = Settings::default();
+        settings.safety.valid_s = settings.safety.valid_s.max(VALID_PERIODS / rate_hz as f64);
         Self {
             robot,
             world: World::new(robot, scene, 7).expect("a world"),
-            controller: Controller::new(robot, wiring, Settings::default()),
+            controller: Controller::new(robot, wiring, settings),
             rate_hz,
             index: 0,
             command: JointCommand::default(),
@@ -129,6 +134,8 @@ fn check(what: &str, scene: &Scene, request: &GoalRequest) {
             "{what} at {rate_hz} Hz: {}",
             end.reason
         );
+        let expired = fast.world.truth().expired_commands;
+        assert_eq!(expired, 0, "{what} at {rate_hz} Hz: commands expired");
         let swing_rad_s = fast.carrying_rad_s;
         assert!(
             swing_rad_s < MARGIN * calm_rad_s,

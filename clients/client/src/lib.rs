@@ -17,7 +17,6 @@
 
 pub mod account;
 mod error;
-pub mod fifo;
 pub mod goal;
 pub mod histogram;
 pub mod json;

@@ -28,15 +28,15 @@ mod robots;
 mod topics;
 mod values;
 
-pub use benches::{Bench, BenchLatency, BenchStop, EchoBy};
+pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoBy};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
 pub use dashboards::Dashboard;
 pub use demos::{
     Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoPickPlace, DemoScrew, DemoSwarm, Running,
 };
 pub use evals::{
-    Eval, Evaluation, HybridEvaluation, RecordedEvaluation, ReflexEvaluation, Summary, TaskName,
-    Tuning,
+    Eval, Evaluation, HybridEvaluation, Merging, RecordedEvaluation, ReflexEvaluation, Summary,
+    TaskName, Tuning,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};

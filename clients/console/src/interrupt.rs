@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use atas_process::end;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::{Ended, Exit};
@@ -14,17 +15,8 @@ pub struct Interrupt(Arc<AtomicBool>);
 impl Interrupt {
     /// Begins to listen to SIGINT, SIGTERM and SIGHUP instead of dying of them.
     pub fn listen() -> anyhow::Result<Self> {
-        let interrupt = Self::default();
-        for signal in [SIGINT, SIGTERM, SIGHUP] {
-            let flag = Arc::clone(&interrupt.0);
-            signal_hook::flag::register_conditional_shutdown(
-                signal,
-                Exit::Interrupted as i32,
-                Arc::clone(&flag),
-            )?;
-            signal_hook::flag::register(signal, flag)?;
-        }
-        Ok(interrupt)
+        let flag = end::on_signals(&[SIGINT, SIGTERM, SIGHUP], Exit::Interrupted as i32)?;
+        Ok(Self(flag))
     }
 
     /// Whether a signal came.

@@ -40,6 +40,8 @@ fn accepted() {
     check("atas eval pick-place --trials 20 --no-baselines --format json");
     check("atas eval screw --first-seed 10001 --fixed-force 3");
     check("atas eval assembly --noise 1.5");
+    check("atas eval grasp --shard 2/8 --out two.part");
+    check("atas eval merge one.part two.part --rows all.csv");
     check("atas calibrate guide --normal 0.5,1 --tangential -1,1 --seconds 2 --out steps.csv");
     check(
         "atas calibrate fit --presses p.csv --reference s.csv --model resultant --out tip.toml --figure tip.svg",

@@ -1,11 +1,14 @@
 //! A plan on all cores: every trial once, the records in the order of the plan.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use parking_lot::Mutex;
 use rayon::prelude::*;
 
-use crate::plan::{Job, Plan};
+use crate::parts::{self, Part};
+use crate::plan::{Job, Plan, Shard};
 use crate::report::Report;
 use crate::rows::TrialRow;
 use crate::trial::{self, Record};
@@ -29,6 +32,57 @@ impl Plan {
         stop: &AtomicBool,
         done: impl Fn() + Sync,
     ) -> anyhow::Result<Option<Evaluated>> {
+        let begin = Instant::now();
+        let records = self.trials_of(
+            |_| true,
+            stop,
+            |_, _| {
+                done();
+                Ok(())
+            },
+        )?;
+        let wall_s = begin.elapsed().as_secs_f64();
+        Ok(records.map(|records| self.evaluated(&self.sort(records), wall_s)))
+    }
+
+    /// Runs what one shard has not run yet, into its part file. `None` if `stop` was set meanwhile; what has ended is kept.
+    ///
+    /// # Errors
+    /// As [`Plan::run`], or if the file cannot be written.
+    pub fn run_shard(
+        &self,
+        shard: Shard,
+        part: Part,
+        stop: &AtomicBool,
+        done: impl Fn() + Sync,
+    ) -> anyhow::Result<Option<()>> {
+        let ended = part.ended().clone();
+        let part = Mutex::new(part);
+        let open = |index: usize| shard.has(index) && !ended.contains(&index);
+        let records = self.trials_of(open, stop, |index, record| {
+            done();
+            part.lock().add(index, record)
+        })?;
+        Ok(records.map(drop))
+    }
+
+    /// Puts the parts of all shards together. The report's time is the processor time of all trials.
+    ///
+    /// # Errors
+    /// A part cannot be read, is of another plan, is missing, is there twice, or has not ended.
+    pub fn merge(&self, parts: &[impl AsRef<Path>]) -> anyhow::Result<Evaluated> {
+        let records = parts::gather(self, parts)?;
+        let wall_s = records.iter().map(|record| record.cpu_s).sum();
+        Ok(self.evaluated(&self.sort(records), wall_s))
+    }
+
+    /// The trials of the jobs that are wanted, in the order of the plan; `ended` takes each as it ends, from any thread.
+    fn trials_of(
+        &self,
+        wanted: impl Fn(usize) -> bool,
+        stop: &AtomicBool,
+        ended: impl Fn(usize, &Record) -> anyhow::Result<()> + Sync,
+    ) -> anyhow::Result<Option<Vec<Record>>> {
         anyhow::ensure!(
             !self.objects.is_empty(),
             "could not evaluate because there is no object; name one with --objects"
@@ -42,21 +96,19 @@ impl Plan {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)
             .build()?;
-        let begin = Instant::now();
-        let one = |job: Job| {
+        let one = |(index, job): (usize, Job)| {
             if stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
             let record = trial::run(&robot, self, &job)?;
-            done();
+            ended(index, &record)?;
             Ok(Some(record))
         };
-        let jobs = self.deal();
+        let jobs = self.deal().into_iter().enumerate();
+        let jobs: Vec<_> = jobs.filter(|(index, _)| wanted(*index)).collect();
         let records: anyhow::Result<Vec<Option<Record>>> =
             pool.install(|| jobs.into_par_iter().with_max_len(1).map(one).collect());
-        let wall_s = begin.elapsed().as_secs_f64();
-        let records: Option<Vec<Record>> = records?.into_iter().collect();
-        Ok(records.map(|records| self.evaluated(&self.sort(records), wall_s)))
+        Ok(records?.into_iter().collect())
     }
 
     fn evaluated(&self, series: &[Vec<Record>], wall_s: f64) -> Evaluated {

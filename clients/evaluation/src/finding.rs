@@ -2,6 +2,7 @@
 
 use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
+use serde::{Deserialize, Serialize};
 use shm_schemas::{ObjectTruth, WorldTruth};
 
 use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
@@ -9,7 +10,7 @@ use crate::offline::Trial;
 use crate::task::{SIDE, Task};
 
 /// The judgement of one trial.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// What became of it, in the words that reports count: `held`, `dropped`, `refused: too-heavy`.
     pub outcome: String,
@@ -22,7 +23,7 @@ pub struct Finding {
     /// Something was dropped.
     pub dropped: bool,
     /// What was measured, by names with units.
-    pub measures: Vec<(&'static str, f64)>,
+    pub measures: Vec<(String, f64)>,
     /// F_2 that the controller measured over F_2 at the true stiffness; `None` if it never got so far.
     pub f2_ratio: Option<f64>,
 }
@@ -38,7 +39,7 @@ impl Finding {
     /// What was measured under this name.
     #[must_use]
     pub fn measure(&self, name: &str) -> Option<f64> {
-        let found = self.measures.iter().find(|(known, _)| *known == name);
+        let found = self.measures.iter().find(|(known, _)| known == name);
         found.map(|(_, value)| *value)
     }
 }
@@ -94,9 +95,13 @@ pub(super) fn judge(
         refused: matches!(outcome, Outcome::Refused(_)),
         crushed: happened(|o| o.crushed),
         dropped: happened(|o| o.dropped),
-        measures,
+        measures: measures.into_iter().map(named).collect(),
         f2_ratio: felt_f2.then(|| f64::from(end.figures.f2_n) / load.f2_n),
     }
+}
+
+fn named((name, value): (&str, f64)) -> (String, f64) {
+    (name.to_owned(), value)
 }
 
 fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {

@@ -5,7 +5,7 @@
 //!   └─▶ trial ─ Scene (a member of a family), goal from nominal knowledge, GripPolicy
 //!        └─▶ OfflineRun ─ controller and world in turn ─▶ judge: what physics allows, what became of it
 //!             ├─▶ Report: counts, ratios, intervals; markdown: the README's tables
-//!             ├─▶ TrialRow: one row per trial
+//!             ├─▶ TrialRow: one row per trial; parts: an evaluation on several machines
 //!             └─▶ figures: the same run, tick by tick, as SVG
 //!
 //!  a clumsy policy ─▶ reflex: the same targets with a reflex beneath and without it
@@ -31,6 +31,7 @@ pub mod hybrid;
 pub mod judge;
 mod markdown;
 pub mod offline;
+pub mod parts;
 mod physics;
 mod plan;
 mod policy;
@@ -51,7 +52,7 @@ pub use execute::Evaluated;
 pub use finding::Finding;
 pub use markdown::{errors_table, table};
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
-pub use plan::Plan;
+pub use plan::{Plan, Shard};
 pub use policy::GripPolicy;
 pub use reflex::{ReflexPlan, ReflexReport, Script};
 pub use report::{Baseline, Family, Report, Row};

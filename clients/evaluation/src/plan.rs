@@ -1,7 +1,11 @@
 //! What to evaluate: data, and how it is dealt into trials.
 
+use std::str::FromStr;
+
 use atas_core::Settings;
 use robot_model::RobotFiles;
+use serde::{Deserialize, Serialize};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use sim_backend::Object;
 
 use crate::condition::Condition;
@@ -33,6 +37,39 @@ pub struct Plan {
     pub settings: Settings,
 }
 
+/// One of several parts of an evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// Which, from 1.
+    pub number: u64,
+    /// Of how many.
+    pub of: u64,
+}
+
+impl Shard {
+    /// Everything at once.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// Whether the job of this index belongs to it.
+    pub(crate) fn has(self, index: usize) -> bool {
+        index as u64 % self.of == self.number - 1
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(number, of)| {
+            let (number, of) = (number.parse().ok()?, of.parse().ok()?);
+            (1..=of).contains(&number).then_some(Self { number, of })
+        });
+        numbers.ok_or_else(|| {
+            format!("a shard is {text:?}, needs to be I/N with I from 1 to N, for example 2/8")
+        })
+    }
+}
+
 /// One trial of a plan.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
@@ -51,6 +88,25 @@ impl Plan {
     #[must_use]
     pub fn jobs(&self) -> u64 {
         self.trials * self.series().len() as u64
+    }
+
+    /// A hash of everything that decides about its trials.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        let decisive = Self {
+            threads: 0,
+            ..self.clone()
+        };
+        let text = format!("{} {decisive:?}", env!("CARGO_PKG_VERSION"));
+        fnv1a(FNV_OFFSET, text.as_bytes())
+    }
+
+    /// How many trials one shard has.
+    #[must_use]
+    pub fn jobs_of(&self, shard: Shard) -> u64 {
+        (0..self.jobs() as usize)
+            .filter(|&index| shard.has(index))
+            .count() as u64
     }
 
     /// Every law with its condition: ours under all of them, then each baseline.
@@ -90,5 +146,27 @@ impl Plan {
             })
         };
         (0..self.trials).flat_map(trial).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_read_and_share_all_trials() {
+        let check = |text: &str, expected: Option<(u64, u64)>| {
+            let shard = text.parse::<Shard>().ok();
+            assert_eq!(shard.map(|s| (s.number, s.of)), expected, "{text}");
+        };
+        check("2/8", Some((2, 8)));
+        check("1/1", Some((1, 1)));
+        for wrong in ["", "0/8", "9/8", "1/0", "2", "a/b", "1/2/3", "-1/2"] {
+            check(wrong, None);
+        }
+        for index in 0..20 {
+            let owners = (1..=3).filter(|&number| Shard { number, of: 3 }.has(index));
+            assert_eq!(owners.count(), 1);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! One row per trial: what was drawn, what became of it, how hard and how long.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sim_backend::Scene;
 
 use crate::condition::Condition;
@@ -10,7 +10,7 @@ use crate::policy::GripPolicy;
 use crate::trial::Record;
 
 /// What a trial drew from its families and errors, of its first object.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
     noise: f64,
     mass_kg: f64,

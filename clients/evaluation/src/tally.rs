@@ -19,16 +19,16 @@ pub struct Tally {
     /// How many are not, by what became of them.
     pub failures: BTreeMap<String, u64>,
     /// Medians of what was measured, over successes.
-    pub medians: BTreeMap<&'static str, f64>,
+    pub medians: BTreeMap<String, f64>,
     /// The largest of the same.
-    pub largest: BTreeMap<&'static str, f64>,
+    pub largest: BTreeMap<String, f64>,
 }
 
 impl Tally {
     pub(super) fn of(records: &[&Record]) -> Self {
         let trials = records.len() as u64;
         let mut failures = BTreeMap::<String, u64>::new();
-        let mut measures = BTreeMap::<&'static str, Vec<f64>>::new();
+        let mut measures = BTreeMap::<&str, Vec<f64>>::new();
         for record in records {
             if let Some(key) = record.failure() {
                 *failures.entry(key.to_owned()).or_default() += 1;
@@ -57,11 +57,13 @@ pub(super) fn share(part: u64, whole: u64) -> f64 {
 }
 
 fn of_each(
-    measures: &BTreeMap<&'static str, Vec<f64>>,
+    measures: &BTreeMap<&str, Vec<f64>>,
     figure: impl Fn(&Vec<f64>) -> Option<f64>,
-) -> BTreeMap<&'static str, f64> {
+) -> BTreeMap<String, f64> {
     let figures = measures
         .iter()
         .map(|(name, values)| (*name, figure(values)));
-    figures.filter_map(|(name, f)| Some((name, f?))).collect()
+    figures
+        .filter_map(|(name, f)| Some((name.to_owned(), f?)))
+        .collect()
 }

@@ -4,6 +4,7 @@ use anyhow::Context;
 use atas_client::GoalProgress;
 use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
+use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use sim_backend::random::split_mix;
 
@@ -18,7 +19,7 @@ use crate::task::Task;
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
 
 /// The judgement of one trial.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Index of the object in the plan.
     pub object: usize,

@@ -68,6 +68,63 @@ fn eval_prints_one_json_line() {
 }
 
 #[test]
+fn parts_put_together_give_the_report_of_one_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (one, two, whole) = (file("1.part"), file("2.part"), file("whole.csv"));
+    let eval = |more: &[&str]| {
+        let words =
+            "eval grasp --trials 3 --objects sponge,wood --noise 1 --fixed-force 2 --format json";
+        let words: Vec<&str> = words.split(' ').chain(more.iter().copied()).collect();
+        run(&words)
+    };
+    let merge = |parts: &[&str]| {
+        let rows = file("merged.csv");
+        run(&[
+            &["eval", "merge", "--format", "json", "--rows", &rows],
+            parts,
+        ]
+        .concat())
+    };
+    assert_eq!(eval(&["--shard", "1/2", "--out", &one]).0, 0);
+    let refused = |parts: &[&str], said: &str| {
+        let (code, _, stderr) = merge(parts);
+        assert_eq!(code, 1, "{parts:?}");
+        assert!(stderr.contains(said), "{stderr}");
+    };
+    refused(&[&one], "part 2/2 is missing");
+    refused(&[&one, &one], "part 1/2 is there twice");
+    assert_eq!(eval(&["--shard", "2/2", "--out", &two]).0, 0);
+    // A part whose last trial was cut off in writing goes on with that trial.
+    let bytes = std::fs::read(&two).expect("readable");
+    std::fs::write(&two, &bytes[..bytes.len() - 9]).expect("writable");
+    refused(&[&one, &two], "has 3 of 4 trials");
+    let (code, again, _) = eval(&["--shard", "2/2", "--out", &two]);
+    let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
+    assert_eq!((code, &again["ran"]), (0, &1.into()));
+    let (code, _, other) = eval(&["--shard", "1/2", "--out", &two]);
+    assert!(
+        code == 1 && other.contains("part of another evaluation"),
+        "{other}"
+    );
+
+    let report = |(code, stdout, stderr): (i32, String, String)| {
+        assert_eq!(code, 0, "{stderr}");
+        let mut report: serde_json::Value = serde_json::from_str(&stdout).expect("JSON");
+        let times = ["wall_s", "realtime_factor"];
+        let fields = report.as_object_mut().expect("an object");
+        fields.retain(|name, _| !times.contains(&name.as_str()));
+        report
+    };
+    assert_eq!(
+        report(merge(&[&two, &one])),
+        report(eval(&["--rows", &whole]))
+    );
+    let text = |name: &str| std::fs::read_to_string(file(name)).expect("readable");
+    assert_eq!(text("merged.csv"), text("whole.csv"));
+}
+
+#[test]
 fn a_program_without_its_neighbours_says_how_to_build_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let alone = folder.path().join("atas-lab");

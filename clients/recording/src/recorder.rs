@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
-use atas_client::{fifo, json};
+use atas_client::json;
+use atas_process::scheduling;
 use shm_bus::{Bus, BusError, Subscriber};
 use shm_schemas::{
     ModuleEvent, Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport, service,
@@ -149,7 +150,7 @@ impl Ports {
     /// The stream of inputs holds a quarter of a second: where it may, this thread goes before other work.
     fn read(&mut self, messages: &SyncSender<Message>, stop: &AtomicBool) -> Result<(), BusError> {
         // Where it is refused, a busy machine may cost parts, which are counted.
-        let _ = fifo::enter(PRIORITY);
+        let _ = scheduling::enter_fifo(PRIORITY);
         let mut waiting = Vec::new();
         loop {
             let last = stop.load(Ordering::Relaxed);

@@ -12,7 +12,7 @@
 //! Invariants:
 //!
 //! * A run's bits depend on its condition, settings and seed alone: not on SIMD width, threads, the runs beside it,
-//!   interruption or sharding (tests `tests/same_bits.rs` and `tests/commands.rs`).
+//!   interruption or sharding (tests `tests/same_bits.rs` and `tests/commands/`).
 //! * A run that finished is on the disk before anybody is told so, and nothing finished is ever lost or overwritten.
 //! * Nothing from outside is believed: files carry hashes, numbers are checked, genomes are evaluated again, and what is
 //!   wrong is said.

@@ -11,7 +11,7 @@ use crate::support::{Daemon, PATIENCE, PATIENT, World, wait_for};
 
 const PERIOD_NS: u64 = 1_000_000;
 
-fn grasp(goal_id: u64) -> GoalRequest {
+pub(crate) fn grasp(goal_id: u64) -> GoalRequest {
     GoalRequest {
         goal_id,
         kind: GoalKind::GRASP,

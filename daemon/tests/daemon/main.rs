@@ -5,6 +5,7 @@ mod example;
 mod goals;
 mod kernel;
 mod lives;
+mod orders;
 mod outputs;
 mod replay;
 mod service;

@@ -1,6 +1,6 @@
 //! The arrows between the crates, the top level, and what must not be in the tree.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Which of our packages each of our packages may use. Tests and benches (dev-dependencies) are free.
@@ -9,20 +9,42 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("shm-bus", &["shm-schemas"]),
     ("robot-model", &[]),
     ("atas-core", &["shm-schemas", "robot-model"]),
+    ("atas-process", &[]),
     (
         "atasd",
-        &["atas-core", "shm-bus", "shm-schemas", "robot-model"],
+        &[
+            "atas-process",
+            "atas-core",
+            "shm-bus",
+            "shm-schemas",
+            "robot-model",
+        ],
     ),
     ("field", &[]),
     ("pinch", &[]),
     (
         "sim-backend",
-        &["shm-bus", "shm-schemas", "robot-model", "field"],
+        &[
+            "atas-process",
+            "shm-bus",
+            "shm-schemas",
+            "robot-model",
+            "field",
+        ],
     ),
-    ("atas-console", &["atas-client", "shm-bus", "shm-schemas"]),
+    (
+        "atas-console",
+        &["atas-process", "atas-client", "shm-bus", "shm-schemas"],
+    ),
     (
         "atas-recording",
-        &["atas-client", "robot-model", "shm-bus", "shm-schemas"],
+        &[
+            "atas-process",
+            "atas-client",
+            "robot-model",
+            "shm-bus",
+            "shm-schemas",
+        ],
     ),
     (
         "atas-evaluation",
@@ -56,6 +78,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "atas-cli",
         &[
+            "atas-process",
             "atas-client",
             "atas-console",
             "atas-recording",
@@ -66,6 +89,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "atas-lab",
         &[
+            "atas-process",
             "atas-client",
             "atas-console",
             "atas-core",
@@ -94,6 +118,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "ebts",
         &[
+            "atas-process",
             "atas-core",
             "atas-evaluation",
             "field",
@@ -104,8 +129,11 @@ const ARROWS: &[(&str, &[&str])] = &[
             "sim-backend",
         ],
     ),
-    ("atas-robots", &["robot-model", "shm-bus", "shm-schemas"]),
-    ("atas-sensors", &["shm-bus", "shm-schemas"]),
+    (
+        "atas-robots",
+        &["atas-process", "robot-model", "shm-bus", "shm-schemas"],
+    ),
+    ("atas-sensors", &["atas-process", "shm-bus", "shm-schemas"]),
     (
         "system-tests",
         &[
@@ -150,14 +178,8 @@ pub(crate) fn root() -> &'static Path {
 
 #[test]
 fn packages_depend_only_along_the_arrows() {
-    let metadata = cargo_metadata::MetadataCommand::new()
-        .manifest_path(root().join("Cargo.toml"))
-        .no_deps()
-        .other_options(["--offline".to_string()])
-        .exec()
-        .expect("cargo metadata");
     let allowed: BTreeMap<&str, &[&str]> = ARROWS.iter().copied().collect();
-    for package in &metadata.packages {
+    for package in &packages() {
         let name = package.name.as_str();
         let may = allowed
             .get(name)
@@ -204,39 +226,40 @@ fn the_top_level_holds_only_what_is_agreed() {
     }
 }
 
+/// CI builds once: its figures and its tests stand for a release only if both are the same code.
+#[test]
+fn a_release_is_built_as_it_was_tested() {
+    let text = std::fs::read_to_string(root().join("Cargo.toml")).expect("readable");
+    let profile = |name: &str| {
+        let rest = text.split_once(name).expect("a profile").1;
+        let lines = rest.lines().skip(1).take_while(|l| !l.starts_with('['));
+        let settings = lines.filter(|l| l.contains('=') && !l.starts_with('#'));
+        settings.map(str::to_string).collect::<BTreeSet<_>>()
+    };
+    assert_eq!(profile("[profile.dev]"), profile("[profile.release]"));
+}
+
+/// Our packages.
+pub(crate) fn packages() -> Vec<cargo_metadata::Package> {
+    let metadata = cargo_metadata::MetadataCommand::new()
+        .manifest_path(root().join("Cargo.toml"))
+        .no_deps()
+        .other_options(["--offline".to_string()])
+        .exec();
+    metadata.expect("cargo metadata").packages
+}
+
 fn manifests() -> Vec<(String, String)> {
-    let read = |path: &str| std::fs::read_to_string(root().join(path)).expect("readable");
-    let folders = [
-        "shm-schemas",
-        "shm-schemas/bus",
-        "daemon",
-        "daemon/robot",
-        "daemon/atas",
-        "sim-backend",
-        "sim-backend/field",
-        "sim-backend/pinch",
-        "clients/client",
-        "clients/console",
-        "clients/recording",
-        "clients/evaluation",
-        "clients/cli",
-        "clients/lab",
-        "clients/learning",
-        "clients/live",
-        "clients/python",
-        "clients/robots",
-        "clients/swarm",
-        "clients/sensors",
-        "tests",
-    ];
-    let mut all: Vec<(String, String)> = folders
+    let mut all: Vec<(String, String)> = packages()
         .iter()
-        .map(|folder| {
-            let text = read(&format!("{folder}/Cargo.toml"));
-            let name = text.split('"').nth(1).expect("a name").to_string();
-            (name, text)
+        .map(|package| {
+            let text = std::fs::read_to_string(&package.manifest_path).expect("readable");
+            (package.name.to_string(), text)
         })
         .collect();
-    all.push(("workspace".into(), read("Cargo.toml")));
+    all.push((
+        "workspace".into(),
+        std::fs::read_to_string(root().join("Cargo.toml")).expect("readable"),
+    ));
     all
 }

@@ -9,30 +9,9 @@ use std::path::Path;
 /// Module path of a file, and the modules that it names.
 type Imports = BTreeMap<Vec<String>, BTreeSet<Vec<String>>>;
 
-/// Crates without a circle. Others have some: `atas-evaluation` between policy and task, rows and trial.
-const LADDERS: [&str; 8] = [
-    "shm-schemas",
-    "shm-bus",
-    "robot-model",
-    "atas-core",
-    "atasd",
-    "field",
-    "atas-client",
-    "atas-robots",
-];
-
 #[test]
 fn no_crate_imports_in_a_circle() {
-    let metadata = cargo_metadata::MetadataCommand::new()
-        .manifest_path(crate::architecture::root().join("Cargo.toml"))
-        .no_deps()
-        .other_options(["--offline".to_string()])
-        .exec()
-        .expect("cargo metadata");
-    for package in &metadata.packages {
-        if !LADDERS.contains(&package.name.as_str()) {
-            continue;
-        }
+    for package in &crate::architecture::packages() {
         let source = package
             .manifest_path
             .parent()

@@ -12,6 +12,7 @@ mod optoforce;
 mod readme;
 mod recorded;
 mod recordings;
+mod restarts;
 mod robots;
 mod servos;
 mod swarm;

@@ -6,7 +6,8 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-use atas_client::{ClientError, Session, fifo, standstill};
+use atas_client::{ClientError, Session, standstill};
+use atas_process::scheduling;
 use rustix::process::{Resource, geteuid, getrlimit};
 use rustix::time::{ClockId, clock_getres};
 use shm_bus::{BusError, BusName, now_ns};
@@ -146,7 +147,7 @@ fn free_shared_memory() -> u64 {
 
 /// Whether the kernel makes a thread of this process `SCHED_FIFO`. The thread ends at once.
 fn try_fifo() -> io::Result<()> {
-    std::thread::spawn(|| fifo::enter(fifo::PRIORITY))
+    std::thread::spawn(|| scheduling::enter_fifo(scheduling::TICK_PRIORITY))
         .join()
         .unwrap_or_else(|_| Err(io::Error::other("the thread that tried it panicked")))
 }

@@ -12,6 +12,8 @@ pub enum Bench {
     Latency(BenchLatency),
     /// Whether a stop gets through a flood of goals, long checks and a frozen client
     Stop(BenchStop),
+    /// Whether looking on costs the tick anything: alone and with eight observers that hang, die and come back
+    Observers(BenchObservers),
     /// The other end of a transport that is being measured
     #[command(hide = true)]
     Echo {
@@ -46,6 +48,17 @@ pub struct BenchStop {
     /// How often the daemon is stopped and recovered
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub count: u32,
+}
+
+/// `atas bench observers`.
+#[derive(Args, Clone, Debug)]
+pub struct BenchObservers {
+    /// Length of each half of a comparison, seconds
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    pub seconds: u64,
+    /// How often both halves are measured in turn; medians are reported
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
 }
 
 /// Transports that have an echo in this program.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use serde::{Deserialize, Serialize};
 
 use super::demos::COURSE_TABLE;
 use super::values::finite;
@@ -33,6 +34,8 @@ pub enum Eval {
     Tune(Tuning),
     /// Production perception on a recording of real fingertips, judged by labels
     Recording(RecordedEvaluation),
+    /// Put the parts of an evaluation together that were run with --shard: the report of one run
+    Merge(Merging),
 }
 
 /// How all tasks are evaluated.
@@ -130,6 +133,17 @@ pub struct Tuning {
     pub threads: usize,
 }
 
+/// How parts are put together.
+#[derive(Args, Clone, Debug)]
+pub struct Merging {
+    /// The part files, in any order
+    #[arg(value_name = "FILE", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Write one row per trial into this file; .csv or .jsonl
+    #[arg(long, value_name = "FILE")]
+    pub rows: Option<PathBuf>,
+}
+
 /// How a recording is judged.
 #[derive(Args, Clone, Debug)]
 pub struct RecordedEvaluation {
@@ -167,7 +181,7 @@ pub struct RecordedEvaluation {
 }
 
 /// How a task is evaluated.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct Evaluation {
     /// The robot: one that ships (`atas robot list`), or a robot file
     #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
@@ -203,8 +217,15 @@ pub struct Evaluation {
     #[arg(long, value_name = "N", conflicts_with = "no_baselines", value_parser = finite)]
     pub fixed_force: Option<f64>,
     /// Write one row per trial into this file: what was drawn, verdict, slip, turn, forces, times; .csv or .jsonl
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
     pub rows: Option<PathBuf>,
+    /// Run only the I-th of N parts, into the file that --out names; the same command again goes on where it ended. `atas eval
+    /// merge` puts the parts together
+    #[arg(long, value_name = "I/N", requires = "out")]
+    pub shard: Option<String>,
+    /// Where a part's trials are kept
+    #[arg(long, value_name = "FILE", requires = "shard")]
+    pub out: Option<PathBuf>,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

@@ -127,6 +127,15 @@ const HELPS: &[Help] = &[
         "one object: calibration, model, elements, presses, error_n, error_share, thresholds, motion_at, block, warnings",
     ),
     Help(
+        "eval merge",
+        &[
+            "atas eval grasp --trials 10000 --shard 1/2 --out one.part",
+            "atas eval grasp --trials 10000 --shard 2/2 --out two.part",
+            "atas eval merge one.part two.part --format json",
+        ],
+        "one object: success, ci95, failures, medians, families, rows, baselines, …",
+    ),
+    Help(
         "eval recording",
         &[
             "atas eval recording basic.csv --labels label --cross-validate",
@@ -259,6 +268,11 @@ const HELPS: &[Help] = &[
         "bench stop",
         &["atas bench stop --count 1000"],
         "one object: stops, seen, within_3_ticks, ticks and answered_us as distributions, goals",
+    ),
+    Help(
+        "bench observers",
+        &["atas bench observers --seconds 10 --repeats 5"],
+        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, ratio), missed_ticks",
     ),
     Help(
         "record",

@@ -2,6 +2,7 @@
 
 use atas_core::settings;
 use atas_core::thresholds::Thresholds;
+use serde::{Deserialize, Serialize};
 use sim_backend::Object;
 
 /// An object is borderline if the force it needs is within this share of F_2. Measured with `atas eval grasp --seeds 25`:
@@ -9,7 +10,7 @@ use sim_backend::Object;
 const BORDERLINE_SHARE: f64 = 0.15;
 
 /// The forces that decide whether an object can be held. All per finger, N.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Load {
     /// Normal force that carries it by friction: m·g / (2·μ), with the true static friction.
     pub needed_n: f64,

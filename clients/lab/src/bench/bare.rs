@@ -6,8 +6,9 @@ use std::io::Write;
 use std::time::Duration;
 
 use anyhow::Context;
-use atas_client::{fifo, percentiles};
+use atas_client::percentiles;
 use atas_console::Interrupt;
+use atas_process::scheduling;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
@@ -68,7 +69,7 @@ fn run(
 ) -> anyhow::Result<Vec<u64>> {
     machine::pin(core)?;
     // Without the right to it the daemon runs without it as well: the two stay comparable.
-    let _ = fifo::enter(fifo::PRIORITY);
+    let _ = scheduling::enter_fifo(scheduling::TICK_PRIORITY);
     let ticks = u64::try_from(window.as_nanos())? / PERIOD_NS;
     let mut late_ns = Vec::with_capacity(usize::try_from(ticks)?);
     let mut deadline_ns = now_ns();

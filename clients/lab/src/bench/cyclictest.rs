@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::time::Duration;
 
-use atas_client::{fifo, percentiles};
+use atas_client::percentiles;
+use atas_process::scheduling;
 use shm_schemas::Percentiles;
 
 use super::Plan;
@@ -16,7 +17,10 @@ const GRACE: Duration = Duration::from_secs(20);
 /// How late cyclictest's thread wakes up on the plan's core; `None`, with a note, where it cannot run.
 pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<Percentiles>> {
     let site = Site::new()?;
-    let (core, priority) = (format!("-a{}", plan.core), format!("-p{}", fifo::PRIORITY));
+    let (core, priority) = (
+        format!("-a{}", plan.core),
+        format!("-p{}", scheduling::TICK_PRIORITY),
+    );
     let duration = format!("-D{}", plan.window.as_secs());
     // Every sample in nanoseconds, of one thread with locked memory, once a millisecond.
     let arguments = [

@@ -23,6 +23,7 @@ mod cyclictest;
 mod echo;
 mod load;
 mod machine;
+mod observers;
 mod pair;
 mod punctual;
 mod report;
@@ -65,6 +66,7 @@ pub(crate) fn bench(
     match what {
         Bench::Latency(arguments) => latency(arguments, interrupt, output),
         Bench::Stop(arguments) => stops::stops(arguments, interrupt, output),
+        Bench::Observers(arguments) => observers::observers(arguments, interrupt, output),
         Bench::Echo { by, bus, socket } => echo::run(*by, bus, socket, interrupt),
     }
 }

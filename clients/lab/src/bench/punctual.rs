@@ -192,10 +192,10 @@ fn daemon(
 
 /// Durations of every tick, ns.
 #[derive(Default)]
-struct Ticks {
-    wake: Vec<u64>,
+pub(super) struct Ticks {
+    pub(super) wake: Vec<u64>,
     frame_age: Vec<u64>,
-    body: Vec<u64>,
+    pub(super) body: Vec<u64>,
     stages: [Vec<u64>; STAGES],
     sensor_to_command: Vec<u64>,
 }
@@ -215,15 +215,15 @@ impl Ticks {
 }
 
 /// What the kernel counted over a window.
-struct Used {
+pub(super) struct Used {
     tick_cpu_percent: f64,
     cpu_percent: f64,
     page_faults: u64,
-    missed_ticks: u64,
+    pub(super) missed_ticks: u64,
 }
 
 /// Listens for a while.
-fn gather(
+pub(super) fn gather(
     pair: &mut Pair,
     window: Duration,
     plan: &Plan<'_>,

@@ -4,6 +4,7 @@ mod hybrid;
 mod recording;
 mod reflex;
 mod rows;
+mod shards;
 mod summary;
 mod table;
 mod tune;
@@ -36,6 +37,7 @@ pub(crate) fn evaluate(
         Eval::Errors(summary) => summary::errors(summary, interrupt, output),
         Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
         Eval::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
+        Eval::Merge(merging) => shards::merge(merging, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),
     }
 }
@@ -47,6 +49,9 @@ fn one(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
+    if let (Some(shard), Some(out)) = (&arguments.shard, &arguments.out) {
+        return shards::part(task, arguments, (shard, out), interrupt, output);
+    }
     let plan = plan(task, arguments)?;
     let file = arguments.rows.as_deref().map(rows::File::create);
     let file = file.transpose()?;

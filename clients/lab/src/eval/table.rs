@@ -11,7 +11,7 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
     if output.is_json() {
         return output.json(report);
     }
-    let measures: Vec<&'static str> = report.tally.medians.keys().copied().collect();
+    let measures: Vec<&str> = report.tally.medians.keys().map(String::as_str).collect();
     let can_be_held = report.physics.is_some();
     let mut header = vec!["", "trials", "success"];
     if can_be_held {

@@ -11,8 +11,8 @@ use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use atas_process::end;
 use serde_json::json;
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::cli::{Format, Verb};
 use crate::drivers::{DRIVERS, LimitKind};
@@ -102,13 +102,8 @@ fn say(line: &str) {
 
 /// Set when SIGINT or SIGTERM comes.
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(|error| {
-            Failure::Usage(format!("could not watch for signal {signal}: {error}"))
-        })?;
-    }
-    Ok(stop)
+    end::on_signals(&end::SIGNALS, end::AT_ONCE)
+        .map_err(|error| Failure::Usage(format!("could not watch for signals: {error}")))
 }
 
 /// Writes a file for a person to use.

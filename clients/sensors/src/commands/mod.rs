@@ -9,9 +9,9 @@ use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use atas_process::end;
 use clap::{ArgMatches, FromArgMatches};
 use serde_json::{Value, json};
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::cli::{Format, Tool};
 use crate::failure::Failure;
@@ -81,11 +81,6 @@ fn print(line: &str) -> Result<(), Failure> {
 
 /// Set when SIGINT or SIGTERM comes.
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(|error| {
-            Failure::Usage(format!("could not watch for signal {signal}: {error}"))
-        })?;
-    }
-    Ok(stop)
+    end::on_signals(&end::SIGNALS, end::AT_ONCE)
+        .map_err(|error| Failure::Usage(format!("could not watch for signals: {error}")))
 }

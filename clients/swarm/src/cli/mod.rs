@@ -20,6 +20,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use atas_process::end;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 
@@ -167,11 +168,6 @@ fn unless_set(stop: &AtomicBool) -> ControlFlow<()> {
 
 /// A flag that Ctrl-C and SIGTERM set; a second signal ends the process at once.
 fn stop_flag() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register_conditional_shutdown(signal, 130, Arc::clone(&stop))
-            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&stop)))
-            .map_err(Error::io("watch signals for", Path::new("this process")))?;
-    }
-    Ok(stop)
+    end::on_signals(&end::SIGNALS, end::AT_ONCE)
+        .map_err(Error::io("watch signals for", Path::new("this process")))
 }

@@ -4,6 +4,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use atas_process::scheduling;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
@@ -23,7 +24,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let begin_ns = now_ns();
     session.follow_clock(begin_ns);
-    if let Err(refused) = crate::realtime::enter() {
+    if let Err(refused) = scheduling::enter_fifo(scheduling::ROBOT_PRIORITY) {
         tracing::info!(%refused, "no real-time scheduling: a busy machine will make ticks late");
     }
     session.publish()?;

@@ -10,49 +10,38 @@ mod field_host;
 mod free_run;
 mod lists;
 mod lockstep;
-mod realtime;
 mod scene_args;
 mod session;
 mod wait;
 
-use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use atas_process::end;
 use clap::Parser;
 use robot_model::RobotModel;
 use shm_bus::Bus;
 use sim_backend::{Scene, World};
-use tracing_subscriber::EnvFilter;
 
 use args::{Cli, Command, RunArgs};
 use failure::Failure;
 use session::Session;
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Run(args) => {
-            start_log();
-            run(&args)
-        }
-        Command::Field(args) => {
-            start_log();
-            field_host::run(&args)
-        }
+    let command = Cli::parse().command;
+    atas_process::run("atas-sim", || obey(command), Failure::exit_code)
+}
+
+fn obey(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Run(args) => run(&args),
+        Command::Field(args) => field_host::run(&args),
         Command::Objects { format } => lists::objects(format),
         Command::Faults => lists::faults(),
         Command::Errors => lists::errors(),
         Command::Completions { shell } => lists::completions(shell),
         Command::Man { folder } => lists::manual(&folder),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            // If nobody can read it, nobody needs to be told.
-            let _ = writeln!(io::stderr(), "atas-sim: {failure}");
-            ExitCode::from(failure.exit_code())
-        }
     }
 }
 
@@ -95,22 +84,7 @@ fn announce(args: &RunArgs, scene: &Scene) {
     }
 }
 
+/// A flag that SIGINT or SIGTERM sets.
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(Failure::Signals)?;
-    }
-    Ok(stop)
-}
-
-fn start_log() {
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
-    let colours = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(io::stderr)
-        .with_ansi(colours)
-        // What cannot be logged cannot be complained of there either.
-        .log_internal_errors(false)
-        .init();
+    end::on_signals(&end::SIGNALS, end::AT_ONCE).map_err(Failure::Signals)
 }

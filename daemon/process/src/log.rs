@@ -7,8 +7,8 @@
 //! * **In:** what `tracing` says. **Out:** lines on standard error.
 //! * **Invariants:** a reader that does not read, a full disk or a closed pipe costs lines, never time and never the
 //!   process. Lost lines are counted, and the next line that gets through says how many.
-//! * **Absent on purpose:** the tick. It leaves records, which the supervisor turns into lines. A ready-made appender would
-//!   do, but its thread has a stack of 2 MiB, which the daemon would have to lock.
+//! * **Absent on purpose:** the daemon's tick. It leaves records, which the supervisor turns into lines. A ready-made
+//!   appender would do, but its thread has a stack of 2 MiB, which the daemon would have to lock.
 
 use std::io::{self, IsTerminal as _, Write};
 use std::sync::Arc;
@@ -21,7 +21,14 @@ use tracing_subscriber::EnvFilter;
 use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::MakeWriter;
 
-use crate::args::LogFormat;
+/// Form of the lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For people; coloured on a terminal, unless `NO_COLOR` is set.
+    Human,
+    /// One JSON object per line.
+    Json,
+}
 
 /// Lines that wait: some seconds of a daemon in trouble. Ours.
 const LINES: usize = 512;
@@ -48,7 +55,7 @@ pub fn start(format: LogFormat) -> io::Result<Log> {
     let lost = Arc::<AtomicU64>::default();
     let counted = Arc::clone(&lost);
     let writer = Builder::new()
-        .name("atasd-log".to_owned())
+        .name("log".to_owned())
         .stack_size(STACK_BYTES)
         .spawn(move || write_all(&receive, &counted, &mut io::stderr()))?;
     let queue = Queue {
@@ -60,12 +67,12 @@ pub fn start(format: LogFormat) -> io::Result<Log> {
         .from_env_lossy();
     let log = tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(queue);
+        .with_writer(queue)
+        // What cannot be logged cannot be complained of there either.
+        .log_internal_errors(false);
+    let colours = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     match format {
-        LogFormat::Human => log
-            .with_ansi(io::stderr().is_terminal())
-            .with_target(false)
-            .init(),
+        LogFormat::Human => log.with_ansi(colours).with_target(false).init(),
         LogFormat::Json => log.json().init(),
     }
     Ok(Log {

@@ -12,16 +12,22 @@
 //! * **Absent on purpose:** queues with several writers. They are lock-free at best: a tick that preempts a writer on the
 //!   same core would spin for ever.
 
+mod supervisor;
+mod tick;
+
+pub use supervisor::SupervisorEnd;
+pub use tick::TickEnd;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use atas_core::Order;
 use robot_model::RobotVector;
-use rtrb::{Consumer, Producer, RingBuffer};
+use rtrb::RingBuffer;
 use shm_bus::stop;
-use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, TickReport, View};
+use shm_schemas::{GoalUpdate, Status, TickReport, View};
 
-use crate::input_log::{self, LogReader, LogWriter};
+use crate::input_log;
 
 /// Orders that wait; a goal that finds the queue full is refused as BUSY. Ours: the tick takes a thousand a second.
 const ORDERS: usize = 32;
@@ -35,10 +41,6 @@ const EVENTS: usize = 1024;
 /// goal and must be answered.
 const NEWS: usize = 1024;
 const NEWS_KEPT: usize = 2 * (ORDERS + STOPS) + 2;
-/// Silence of the supervisor after which the robot holds, ns: whoever watches over the robot, tells its users and takes
-/// their orders is not there. Ours: a hundred rounds.
-const SILENT_NS: u64 = 500_000_000;
-
 /// What one tick leaves behind. Fixed size, no pointers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickRecord {
@@ -93,38 +95,6 @@ impl Shared {
     }
 }
 
-/// The tick's end.
-#[derive(Debug)]
-pub struct TickEnd {
-    orders: Consumer<Ticketed>,
-    stops: Consumer<Ticketed>,
-    signal: Arc<stop::Signal>,
-    /// The stop that this tick takes by the signal.
-    signalled: Option<u64>,
-    records: Producer<TickRecord>,
-    news: Producer<News>,
-    events: Producer<ModuleEvent>,
-    snapshot: triple_buffer::Input<Status>,
-    view: triple_buffer::Input<View>,
-    input_log: Option<LogWriter>,
-    shared: Arc<Shared>,
-}
-
-/// The supervisor's end.
-#[derive(Debug)]
-pub struct SupervisorEnd {
-    orders: Producer<Ticketed>,
-    stops: Producer<Ticketed>,
-    tickets: u64,
-    records: Consumer<TickRecord>,
-    news: Consumer<News>,
-    events: Consumer<ModuleEvent>,
-    snapshot: triple_buffer::Output<Status>,
-    view: triple_buffer::Output<View>,
-    input_log: Option<LogReader>,
-    shared: Arc<Shared>,
-}
-
 /// Ends the tick loop.
 #[derive(Clone, Debug)]
 pub struct Quit(Arc<Shared>);
@@ -177,184 +147,13 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd
     (tick, supervisor)
 }
 
-impl SupervisorEnd {
-    /// Queues an order; its ticket comes back as [`News::Taken`]. `None` if the queue is full.
-    #[must_use]
-    pub fn order(&mut self, order: Order) -> Option<u64> {
-        let queue = if matches!(order, Order::Stop(_)) {
-            &mut self.stops
-        } else {
-            &mut self.orders
-        };
-        let ticket = self.tickets + 1;
-        queue.push(Ticketed { ticket, order }).ok()?;
-        self.tickets = ticket;
-        Some(ticket)
-    }
-
-    /// Says that the supervisor has come round.
-    pub fn supervise(&self, now_ns: u64) {
-        self.shared.supervised_ns.store(now_ns, Ordering::Relaxed);
-    }
-
-    /// The next record.
-    #[must_use]
-    pub fn next_record(&mut self) -> Option<TickRecord> {
-        self.records.pop().ok()
-    }
-
-    /// The next piece of news.
-    #[must_use]
-    pub fn next_news(&mut self) -> Option<News> {
-        self.news.pop().ok()
-    }
-
-    /// The next event.
-    #[must_use]
-    pub fn next_event(&mut self) -> Option<ModuleEvent> {
-        self.events.pop().ok()
-    }
-
-    /// The newest snapshot, if there is one since the last call.
-    #[must_use]
-    pub fn newest_snapshot(&mut self) -> Option<Status> {
-        self.snapshot
-            .update()
-            .then(|| *self.snapshot.output_buffer())
-    }
-
-    /// The newest view, if there is one since the last call.
-    #[must_use]
-    pub fn newest_view(&mut self) -> Option<&View> {
-        self.view.update().then(|| self.view.output_buffer())
-    }
-
-    /// The input log, if recording is switched on.
-    #[must_use]
-    pub fn input_log(&mut self) -> Option<&mut LogReader> {
-        self.input_log.as_mut()
-    }
-
-    /// Takes the input log out, for a thread of its own.
-    #[must_use]
-    pub fn take_input_log(&mut self) -> Option<LogReader> {
-        self.input_log.take()
-    }
-
-    /// Records, news, events and parts of the input log dropped because the supervisor did not come round.
-    #[must_use]
-    pub fn dropped(&self) -> u64 {
-        let parts = self.input_log.as_ref().map_or(0, LogReader::dropped);
-        self.shared.dropped.load(Ordering::Relaxed) + parts
-    }
-
-    /// What ends the tick loop.
-    #[must_use]
-    pub fn quit_handle(&self) -> Quit {
-        Quit(Arc::clone(&self.shared))
-    }
-}
-
-impl TickEnd {
-    /// The order for this tick: a stop first, then the others in their order, unless the world still settles.
-    #[must_use]
-    pub fn take_order(&mut self, settling: bool) -> Option<Ticketed> {
-        self.signalled = self.signal.pending();
-        if self.signalled.is_some() {
-            let order = Order::Stop(Reason::of(Cause::ESTOP));
-            return Some(Ticketed { ticket: 0, order });
-        }
-        self.stops.pop().ok().or_else(|| {
-            if settling {
-                None
-            } else {
-                self.orders.pop().ok()
-            }
-        })
-    }
-
-    /// The command of the tick is out: a stop that came by the signal is in it.
-    pub fn published(&mut self) {
-        if let Some(number) = self.signalled.take() {
-            self.signal.take(number);
-        }
-    }
-
-    /// Whether an order waits.
-    #[must_use]
-    pub fn has_orders(&self) -> bool {
-        self.signal.pending().is_some() || !self.stops.is_empty() || !self.orders.is_empty()
-    }
-
-    /// Why the robot must hold at `now_ns`, if the supervisor has been silent for too long.
-    #[must_use]
-    pub fn supervision(&self, now_ns: u64) -> Reason {
-        let supervised_ns = self.shared.supervised_ns.load(Ordering::Relaxed);
-        let silent_ns = now_ns.saturating_sub(supervised_ns);
-        if supervised_ns == 0 || silent_ns <= SILENT_NS {
-            return Reason::default();
-        }
-        let s = |ns: u64| ns as f64 * 1e-9;
-        Reason::limit(Cause::SUPERVISOR_SILENT, s(silent_ns), s(SILENT_NS))
-    }
-
-    /// Whether another tick can be recorded without hurry; always, if recording is switched off.
-    #[must_use]
-    pub fn has_room(&self) -> bool {
-        self.input_log.as_ref().is_none_or(LogWriter::has_room)
-    }
-
-    /// The input log, if recording is switched on.
-    #[must_use]
-    pub fn input_log(&mut self) -> Option<&mut LogWriter> {
-        self.input_log.as_mut()
-    }
-
-    /// Leaves a record, the ticket of the order that was taken (0 if none), and what happened.
-    pub fn leave(
-        &mut self,
-        record: &TickRecord,
-        ticket: u64,
-        update: Option<&GoalUpdate>,
-        events: &[ModuleEvent],
-    ) {
-        let mut dropped = u64::from(self.records.push(*record).is_err());
-        if ticket != 0 {
-            dropped += u64::from(self.news.push(News::Taken(ticket)).is_err());
-        }
-        if let Some(update) = update {
-            let has_room = update.state.is_final() || self.news.slots() > NEWS_KEPT;
-            let left = has_room && self.news.push(News::Goal(*update)).is_ok();
-            dropped += u64::from(!left);
-        }
-        for event in events {
-            dropped += u64::from(self.events.push(*event).is_err());
-        }
-        self.shared.count(dropped);
-    }
-
-    /// Leaves a snapshot; an older one that nobody took is replaced.
-    pub fn leave_snapshot(&mut self, snapshot: &Status) {
-        self.snapshot.write(*snapshot);
-    }
-
-    /// Leaves a view that `fill` writes in place; an older one that nobody took is replaced.
-    pub fn leave_view(&mut self, fill: impl FnOnce(&mut View)) {
-        fill(self.view.input_buffer_mut());
-        self.view.publish();
-    }
-
-    /// Whether the loop shall end.
-    #[must_use]
-    pub fn is_quitting(&self) -> bool {
-        self.shared.quit.load(Ordering::Acquire)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::GoalState;
+    use atas_core::Order;
+    use shm_schemas::{Cause, GoalState, ModuleEvent, Reason};
+
+    use super::tick::SILENT_NS;
 
     fn ends() -> (TickEnd, SupervisorEnd) {
         link(false, Arc::default())
@@ -392,6 +191,40 @@ mod tests {
             tick.take_order(false).map(|t| t.order),
             Some(Order::Recover)
         );
+    }
+
+    #[test]
+    fn a_million_orders_pass_in_their_order_while_both_ends_hurry() {
+        const MANY: u64 = 1_000_000;
+        let (mut tick, mut supervisor) = ends();
+        std::thread::scope(|threads| {
+            threads.spawn(move || {
+                let mut taken = 0;
+                while taken < MANY {
+                    let ticket = tick.take_order(false).map_or(0, |order| order.ticket);
+                    assert!(ticket == 0 || ticket == taken + 1, "{ticket} after {taken}");
+                    taken += u64::from(ticket != 0);
+                    tick.leave(&TickRecord::default(), ticket, None, &[]);
+                    if ticket == 0 {
+                        std::thread::yield_now();
+                    }
+                }
+            });
+            let (mut given, mut answered) = (0, 0);
+            while answered < MANY {
+                let waits = given - answered < super::ORDERS as u64;
+                if given < MANY && waits && supervisor.order(Order::Recover).is_some() {
+                    given += 1;
+                } else {
+                    std::thread::yield_now();
+                }
+                while supervisor.next_record().is_some() {}
+                while let Some(news) = supervisor.next_news() {
+                    answered += 1;
+                    assert_eq!(news, News::Taken(answered));
+                }
+            }
+        });
     }
 
     #[test]

@@ -1,0 +1,193 @@
+//! `atas bench observers`: whether looking on costs the tick anything. One daemon, in turn alone and with eight observers: two of
+//! each kind, of which one hangs and the other is killed and comes back, again and again.
+//!
+//! * **Invariants:** both halves of a comparison are of the same daemon, in one run, next to each other in time.
+//! * **Absent on purpose:** a limit. `tests/benches` hold ratios; a busy machine's are noise.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use atas_client::percentiles;
+use atas_console::arguments::BenchObservers;
+use atas_console::{Interrupt, Output, table};
+use atas_evaluation::median;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::json;
+use shm_bus::BusName;
+use shm_schemas::Percentiles;
+
+use super::Plan;
+use super::machine;
+use super::pair::Pair;
+use super::punctual::{Ticks, gather};
+use super::site::Site;
+use crate::demo::child::Child;
+
+/// What looks on, as a program and its arguments; the bus comes after them.
+const KINDS: [(&str, &str); 4] = [
+    ("atas", "status --watch"),
+    ("atas", "topic echo view"),
+    ("atas", "topic hz tick-report"),
+    ("atas-live", "dashboard --port 0"),
+];
+/// How long an observer looks on before it hangs, or is killed.
+const LOOKS: Duration = Duration::from_millis(500);
+
+/// A figure of a half, by its name, ns.
+type Measure = (&'static str, fn(&Half) -> u64);
+
+/// `atas bench observers`.
+pub(super) fn observers(
+    arguments: &BenchObservers,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let plan = Plan {
+        core: machine::last_core()?,
+        window: Duration::from_secs(arguments.seconds),
+        repeats: arguments.repeats,
+        interrupt,
+    };
+    let core = format!("realtime.cpu={}", plan.core);
+    let mut pair = Pair::start(&["--set", &core], |site, control| {
+        Child::start("atasd", control, site.folder())
+    })?;
+    pair.wait_until_ready(interrupt)?;
+    let mut alone = Vec::new();
+    let mut observed = Vec::new();
+    for _ in 0..plan.repeats {
+        alone.push(Half::measure(&mut pair, &plan, || Ok(()))?);
+        let mut crowd = Crowd::gather(pair.site())?;
+        observed.push(Half::measure(&mut pair, &plan, || crowd.change())?);
+    }
+    print(&alone, &observed, output)
+}
+
+/// Half of a comparison.
+struct Half {
+    wake: Percentiles,
+    body: Percentiles,
+    missed_ticks: u64,
+}
+
+impl Half {
+    /// Listens for the plan's window; `meanwhile` is called every half second.
+    fn measure(
+        pair: &mut Pair,
+        plan: &Plan<'_>,
+        mut meanwhile: impl FnMut() -> anyhow::Result<()>,
+    ) -> anyhow::Result<Self> {
+        let (mut ticks, mut missed_ticks) = (Ticks::default(), 0);
+        let begin = Instant::now();
+        while begin.elapsed() < plan.window {
+            meanwhile()?;
+            missed_ticks += gather(pair, LOOKS, plan, &mut ticks)?.missed_ticks;
+        }
+        Ok(Self {
+            wake: percentiles::of(ticks.wake),
+            body: percentiles::of(ticks.body),
+            missed_ticks,
+        })
+    }
+}
+
+/// The observers: one of each kind that hangs, and one that comes and goes.
+struct Crowd {
+    bus: BusName,
+    logs: PathBuf,
+    hanging: Vec<Child>,
+    coming_and_going: Vec<Child>,
+}
+
+impl Crowd {
+    fn gather(site: &Site) -> anyhow::Result<Self> {
+        let (bus, logs) = (site.bus().clone(), site.folder().to_owned());
+        let hanging = start(&bus, &logs)?;
+        std::thread::sleep(LOOKS);
+        for child in &hanging {
+            signal(child, Signal::STOP)?;
+        }
+        Ok(Self {
+            coming_and_going: start(&bus, &logs)?,
+            hanging,
+            bus,
+            logs,
+        })
+    }
+
+    /// Kills those that come and go, and starts their successors.
+    fn change(&mut self) -> anyhow::Result<()> {
+        for child in &self.coming_and_going {
+            signal(child, Signal::KILL)?;
+        }
+        self.coming_and_going = start(&self.bus, &self.logs)?;
+        Ok(())
+    }
+}
+
+impl Drop for Crowd {
+    fn drop(&mut self) {
+        for child in &self.hanging {
+            // One that is gone need not go on.
+            let _ = signal(child, Signal::CONT);
+        }
+    }
+}
+
+/// One observer of each kind.
+fn start(bus: &BusName, logs: &Path) -> anyhow::Result<Vec<Child>> {
+    let bus = bus.as_str();
+    let one = |(program, words): &(&'static str, &str)| {
+        let words: Vec<&str> = words.split(' ').chain(["--bus", bus]).collect();
+        Child::start(program, &words, logs)
+    };
+    KINDS.iter().map(one).collect()
+}
+
+fn signal(child: &Child, signal: Signal) -> anyhow::Result<()> {
+    let pid = Pid::from_raw(child.pid().cast_signed());
+    Ok(pid.map_or(Ok(()), |pid| kill_process(pid, signal))?)
+}
+
+fn print(alone: &[Half], observed: &[Half], output: &mut Output) -> anyhow::Result<()> {
+    let us = |halves: &[Half], of: fn(&Half) -> u64| {
+        let values = halves.iter().map(|half| of(half) as f64 * 1e-3);
+        median(values.collect()).unwrap_or(f64::NAN)
+    };
+    let rows: [Measure; 4] = [
+        ("tick body, p50 µs", |half| half.body.p50_ns),
+        ("tick body, p99 µs", |half| half.body.p99_ns),
+        ("wake-up, p50 µs", |half| half.wake.p50_ns),
+        ("wake-up, p99 µs", |half| half.wake.p99_ns),
+    ];
+    let figures = rows.map(|(name, of)| (name, us(alone, of), us(observed, of)));
+    let missed = |halves: &[Half]| halves.iter().map(|half| half.missed_ticks).sum::<u64>();
+    if output.is_json() {
+        let [body, body_p99, wake, wake_p99] = figures.map(|(_, alone, observed)| {
+            json!({ "alone_us": alone, "observed_us": observed, "ratio": observed / alone })
+        });
+        return output.json(&json!({
+            "observers": 2 * KINDS.len(),
+            "body": { "p50": body, "p99": body_p99 },
+            "wake": { "p50": wake, "p99": wake_p99 },
+            "missed_ticks": { "alone": missed(alone), "observed": missed(observed) },
+        }));
+    }
+    let mut shown = table(&["", "alone", "observed", "ratio"]);
+    for (name, alone, observed) in figures {
+        let text = |value, digits| atas_console::number(value, digits);
+        shown.add_row([
+            name.to_owned(),
+            text(alone, 1),
+            text(observed, 1),
+            text(observed / alone, 2),
+        ]);
+    }
+    output.table(shown)?;
+    output.line(format_args!(
+        "{} observers: one of each kind hangs, one is killed and comes back twice a second; ticks missed {} alone, {} observed",
+        2 * KINDS.len(),
+        missed(alone),
+        missed(observed)
+    ))
+}

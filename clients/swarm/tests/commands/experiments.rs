@@ -1,0 +1,192 @@
+//! Experiments: what they print, their shards and threads, what a reader believes.
+
+use super::*;
+
+#[test]
+fn an_experiment_prints_its_documented_fields() {
+    let folder = folder();
+    let summary = json(folder.path(), &format!("{SMALL} --format json"));
+    let fields = [
+        "preset",
+        "fitness_rule",
+        "seeds",
+        "generations",
+        "wall_s",
+        "cpu_s",
+        "conditions",
+        "p_order",
+    ];
+    assert_eq!(keys(&summary), BTreeSet::from(fields));
+    let order = [
+        "three_gt_four",
+        "two_gt_four",
+        "three_gt_two",
+        "multi_ge_5x_single",
+    ];
+    assert_eq!(keys(&summary["p_order"]), BTreeSet::from(order));
+    assert_eq!(summary["conditions"].as_array().map(Vec::len), Some(4));
+    for (agents, condition) in (1..).zip(summary["conditions"].as_array().expect("a list")) {
+        assert_eq!(
+            keys(condition),
+            BTreeSet::from(["agents", "q1", "median", "q3", "mean"])
+        );
+        assert_eq!(condition["agents"], agents);
+        assert!(
+            condition["median"]
+                .as_f64()
+                .is_some_and(|median| median > 0.0 && median <= 800.0)
+        );
+    }
+    assert_eq!(
+        (&summary["preset"], &summary["seeds"]),
+        (&Value::from("N"), &Value::from(3))
+    );
+    assert!(folder.path().join("fig14-N-3x40/fig14.svg").exists());
+}
+
+#[test]
+fn threads_engines_shards_and_repetition_change_no_byte() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out whole"));
+    let whole = results(folder, "whole");
+    run(folder, &format!("{SMALL} --out whole"));
+    assert_eq!(results(folder, "whole"), whole, "run again");
+    for (name, flags) in [
+        ("one", "--threads 1"),
+        ("three", "--threads 3"),
+        ("portable", "--engine portable"),
+    ] {
+        run(folder, &format!("{SMALL} --out {name} {flags}"));
+        assert_eq!(results(folder, name), whole, "{flags}");
+    }
+    for shard in 1..=3 {
+        run(
+            folder,
+            &format!("{SMALL} --out part{shard} --shard {shard}/3"),
+        );
+    }
+    let partial = run(folder, "merge merged part1 part3");
+    assert!(partial.contains("4 runs are missing"), "{partial}");
+    run(folder, "merge merged part2 part1");
+    assert_eq!(results(folder, "merged"), whole, "sharded and merged");
+    assert!(
+        run(folder, "merge merged part1").contains("preset N, fitness rule anti-accident: 3 runs")
+    );
+}
+
+/// What somebody writes into `runs.jsonl`, and what is said of it.
+#[test]
+fn forged_runs_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out here"));
+    run(folder, &format!("{SMALL} --out other --first-seed 2"));
+    let runs = folder.join("here/runs.jsonl");
+    let intact = std::fs::read_to_string(&runs).expect("runs");
+    let first = intact.lines().next().expect("a run").to_owned();
+    let resealed = |change: &dyn Fn(&mut Value)| {
+        let mut line: Value = serde_json::from_str(&first).expect("JSON");
+        change(&mut line["run"]);
+        line.to_string()
+    };
+    let foreign = std::fs::read_to_string(folder.join("other/runs.jsonl")).expect("runs");
+    let foreign = foreign.lines().next().expect("a run");
+    let rows = [
+        (
+            first.replacen("\"fitness\":", "\"fitness\":1e30,\"f\":", 1),
+            "was damaged",
+        ),
+        (resealed(&|run| run["agents"] = 7.into()), "seal"),
+        (resealed(&|run| run["points"][0] = 100.into()), "seal"),
+        (
+            resealed(&|run| run["genome"] = "0".repeat(32).into()),
+            "seal",
+        ),
+        (foreign.to_owned(), "seal"),
+        (format!("{first}\n{first}"), "this run was there before"),
+        ("{}".to_owned(), "missing field"),
+    ];
+    for (line, expected) in rows {
+        std::fs::write(&runs, intact.replacen(&first, &line, 1)).expect("a writable file");
+        for command in [
+            format!("{SMALL} --out here"),
+            "analyse here".to_owned(),
+            "merge m here".to_owned(),
+        ] {
+            let said = refused(folder, &command, 3);
+            assert!(
+                said.contains(expected),
+                "{command}: {said:?} does not say {expected:?}"
+            );
+        }
+    }
+    std::fs::write(&runs, intact).expect("a writable file");
+    run(folder, "analyse here --random-tables 1");
+}
+
+#[test]
+fn merging_different_experiments_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out a --shard 1/2"));
+    run(
+        folder,
+        "experiment fig14 --preset LB --seeds 3 --generations 40 --out b --shard 2/2",
+    );
+    assert!(refused(folder, "merge c a b", 3).contains("its preset was"));
+    assert!(
+        refused(folder, "merge c nowhere", 3).contains("could not read nowhere/experiment.toml")
+    );
+}
+
+#[test]
+fn an_experiment_can_be_analysed_and_drawn_again() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out here"));
+    let analysis = json(folder, "analyse here --random-tables 20 --format json");
+    assert_eq!(keys(&analysis), BTreeSet::from(["findings", "comparisons"]));
+    assert_eq!(analysis["comparisons"].as_array().map(Vec::len), Some(4));
+    assert!(run(folder, "analyse here --random-tables 20").contains("held out"));
+    assert!(run(folder, "plot here").contains("fig14.svg"));
+}
+
+/// The scripts do what they say without a scheduler too: every shard, one of them twice, and the merge.
+#[test]
+fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out whole"));
+    let small = SMALL.trim_start_matches("experiment ");
+    let written = json(
+        folder,
+        &format!("slurm --shards 3 --out it's --format json -- {small}"),
+    );
+    assert_eq!(
+        (&written["runs"], &written["scripts"][0]),
+        (&12.into(), &"it's/shard.sh".into())
+    );
+    let bash = |script: &str, variables: &[(&str, &str)]| {
+        let mut bash = Command::new("bash");
+        bash.current_dir(folder)
+            .arg(folder.join("it's").join(script))
+            .envs(variables.iter().copied());
+        let output = bash.output().expect("bash starts");
+        assert!(
+            output.status.success(),
+            "{script}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    };
+    for task in ["1", "2", "3", "2"] {
+        bash(
+            "array.sbatch",
+            &[("SLURM_ARRAY_TASK_ID", task), ("SLURM_JOB_ID", "1")],
+        );
+    }
+    bash("merge.sbatch", &[]);
+    assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
+    let said = refused(folder, "slurm --shards 2 --out x -- fig14 --preset R9", 3);
+    assert!(said.contains("neither a preset nor a file"), "{said}");
+}

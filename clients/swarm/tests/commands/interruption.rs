@@ -1,0 +1,136 @@
+//! What an interruption, a full disk or a second process does to a run: nothing finished is lost.
+
+use super::*;
+
+#[test]
+fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
+    const LONGER: &str = "experiment fig14 --preset N --seeds 12 --generations 150 --threads 1";
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{LONGER} --out straight"));
+    let mut child = ebts(folder, &format!("{LONGER} --out cut"))
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("ebts starts");
+    let runs = folder.join("cut/runs.jsonl");
+    while std::fs::metadata(&runs).map_or(0, |file| file.len()) == 0
+        && child.try_wait().expect("a child").is_none()
+    {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    interrupt(child.id());
+    let code = child.wait().expect("a child").code();
+    assert!(matches!(code, Some(130 | 0)), "{code:?}");
+    // A power cut may leave half a line behind.
+    let mut torn = std::fs::read(&runs).expect("runs");
+    torn.extend_from_slice(b"{\"agents\":4,\"se");
+    std::fs::write(&runs, torn).expect("a writable file");
+    run(folder, &format!("{LONGER} --out cut"));
+    assert_eq!(results(folder, "cut"), results(folder, "straight"));
+    assert!(
+        !folder.join("cut/under-way").exists(),
+        "nothing is under way any more"
+    );
+}
+
+/// One generation of this population takes many seconds: it is broken off, and what was before it is saved.
+#[test]
+fn a_generation_of_a_huge_population_stops_too() {
+    let folder = folder();
+    let mut child = ebts(
+        folder.path(),
+        "evolve --population 10000 --islands 100 --agents 4 --engine scalar --threads 1 --out huge.toml",
+    )
+    .stderr(Stdio::null())
+    .spawn()
+    .expect("ebts starts");
+    std::thread::sleep(Duration::from_millis(500));
+    interrupt(child.id());
+    assert_eq!(child.wait().expect("a child").code(), Some(130));
+    let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(left, 0, "nothing was evaluated, so nothing is saved");
+}
+
+#[test]
+fn an_interrupted_run_goes_on_to_the_same_table() {
+    const EVOLVE: &str = "evolve --preset N --agents 4 --seed 11 --generations 3000 --islands 2";
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{EVOLVE} --out straight.toml"));
+    let mut child = ebts(folder, &format!("{EVOLVE} --out cut.toml"))
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("ebts starts");
+    std::thread::sleep(Duration::from_millis(150));
+    interrupt(child.id());
+    if child.wait().expect("a child").code() == Some(130) {
+        assert!(!folder.join("cut.toml").exists(), "no table before the end");
+        refused(folder, &format!("{EVOLVE} --out cut.toml"), 3);
+        run(folder, "evolve --out cut.toml --resume");
+    }
+    let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
+    assert_eq!(table("cut.toml"), table("straight.toml"));
+    assert!(!folder.join("cut.toml.checkpoint").exists());
+    assert!(refused(folder, &format!("{EVOLVE} --out cut.toml"), 3).contains("is there already"));
+}
+
+fn interrupt(process: u32) {
+    let status = Command::new("kill")
+        .args(["-INT", &process.to_string()])
+        .status();
+    assert!(status.is_ok(), "kill is there");
+}
+
+/// A limit on the size of files stands in for a full disk: writing fails half-way.
+#[test]
+fn a_full_disk_loses_nothing_that_was_finished() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out straight"));
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 2; exec {} {SMALL} --threads 1 --out full",
+        env!("CARGO_BIN_EXE_ebts")
+    );
+    let output = Command::new("bash")
+        .current_dir(folder)
+        .args(["-c", &limited])
+        .output()
+        .expect("bash starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(5), "{said}");
+    assert!(
+        said.contains("free some and run the same command again"),
+        "{said}"
+    );
+    let kept = std::fs::read_to_string(folder.join("full/runs.jsonl")).expect("runs");
+    assert!(
+        kept.ends_with('\n') && kept.lines().count() >= 1,
+        "whole lines: {kept:?}"
+    );
+    run(folder, &format!("{SMALL} --out full"));
+    let after = std::fs::read_to_string(folder.join("full/runs.jsonl")).expect("runs");
+    assert!(after.starts_with(&kept), "finished runs stay");
+    assert_eq!(results(folder, "full"), results(folder, "straight"));
+}
+
+#[test]
+fn one_folder_holds_one_experiment_at_a_time() {
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out here"));
+    let said = refused(
+        folder,
+        "experiment fig14 --preset N --seeds 3 --generations 41 --out here",
+        3,
+    );
+    assert!(said.contains("its generations was 40, needs 41"), "{said}");
+    let lock = std::fs::File::open(folder.join("here/.lock")).expect("the lock file");
+    lock.try_lock().expect("a free lock");
+    assert!(
+        refused(folder, &format!("{SMALL} --out here"), 4).contains("another ebts works on it")
+    );
+    drop(lock);
+    run(folder, &format!("{SMALL} --out here"));
+    std::fs::write(folder.join("here/runs.jsonl"), "not a run\n").expect("a writable file");
+    assert!(refused(folder, &format!("{SMALL} --out here"), 3).contains("line 1 was damaged"));
+}

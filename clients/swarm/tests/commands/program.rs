@@ -1,0 +1,178 @@
+//! Presets, help, pipes, columns, and what makes no sense.
+
+use super::*;
+
+#[test]
+fn presets_are_printed_completed_and_stay_inside() {
+    let folder = folder();
+    let folder = folder.path();
+    assert!(run(folder, "preset").contains("LB3"));
+    std::fs::write(folder.join("r3.toml"), run(folder, "preset R3")).expect("a writable file");
+    run(
+        folder,
+        "evolve --preset r3.toml --generations 3 --out a.toml",
+    );
+    run(folder, "evolve --preset R3 --generations 3 --out b.toml");
+    let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
+    assert_eq!(table("a.toml"), table("b.toml"));
+    let inside = folder.join("inside");
+    std::fs::create_dir(&inside).expect("a folder");
+    let partial = "base = \"R3\"\nname = \"../../outside\"\nfriction_per_stall_force = 0.9\n";
+    std::fs::write(inside.join("p.toml"), partial).expect("a writable file");
+    run(
+        &inside,
+        "experiment fig14 --preset p.toml --seeds 1 --generations 1 --agents 1",
+    );
+    let mut made: Vec<_> = std::fs::read_dir(folder)
+        .expect("the folder")
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    made.sort();
+    assert_eq!(
+        made,
+        ["a.toml", "b.toml", "inside", "r3.toml"],
+        "nothing outside"
+    );
+}
+
+#[test]
+fn completions_manual_pages_and_help_are_there() {
+    let folder = folder();
+    let folder = folder.path();
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(run(folder, &format!("completions {shell}")).contains("experiment"));
+    }
+    run(folder, "man pages");
+    assert!(folder.join("pages/ebts-sweep.1").exists());
+    let commands = [
+        "evolve",
+        "experiment",
+        "sweep",
+        "merge",
+        "analyse",
+        "compare",
+        "export",
+        "find",
+        "preset",
+        "plot",
+        "show",
+        "agents",
+        "replay",
+        "completions",
+        "man",
+        "slurm",
+    ];
+    for command in commands {
+        let help = run(folder, &format!("{command} --help"));
+        assert!(help.contains("Example"), "{command}: {help}");
+        assert!(help.contains("--format"), "{command}: {help}");
+    }
+}
+
+/// A reader that goes away ends nothing in anger; a full disk is told.
+#[test]
+fn closed_pipes_and_full_disks_are_no_panic() {
+    let folder = folder();
+    for arguments in [
+        "preset",
+        "preset R3",
+        "completions bash",
+        "--help",
+        "preset --format json",
+    ] {
+        let command = format!("{} {arguments}", env!("CARGO_BIN_EXE_ebts"));
+        let shell = |script: String| {
+            let mut shell = Command::new("bash");
+            shell
+                .current_dir(folder.path())
+                .args(["-c", &script])
+                .output()
+                .expect("bash starts")
+        };
+        let closed = shell(format!("{command} | true; exit ${{PIPESTATUS[0]}}"));
+        let said = String::from_utf8_lossy(&closed.stderr).into_owned();
+        assert_eq!(
+            (closed.status.code(), said.as_str()),
+            (Some(0), ""),
+            "{arguments}"
+        );
+        let full = shell(format!("{command} > /dev/full"));
+        let said = String::from_utf8_lossy(&full.stderr);
+        assert!(!said.contains("panicked"), "{arguments}: {said}");
+        if arguments != "--help" {
+            assert_eq!(full.status.code(), Some(5), "{arguments}: {said}");
+        }
+    }
+}
+
+#[test]
+fn tables_fit_into_80_columns() {
+    let folder = folder();
+    let folder = folder.path();
+    let printed = [
+        run(folder, &format!("{SMALL} --out here")),
+        run(folder, "analyse here --random-tables 1000"),
+        run(folder, "find here"),
+        run(folder, "preset"),
+        run(folder, "evolve --generations 20 --out t.toml"),
+        run(folder, "show t.toml"),
+        run(folder, "plot t.toml"),
+    ];
+    for line in printed.iter().flat_map(|text| text.lines()) {
+        assert!(
+            line.chars().count() <= 80,
+            "{} columns: {line}",
+            line.chars().count()
+        );
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_before_anything_is_written() {
+    let folder = folder();
+    let folder = folder.path();
+    std::fs::write(folder.join("bad.toml"), "name = \"bad\"\n").expect("a writable file");
+    let rows = [
+        ("evolve --agents 0", 3, "could not place 0 agents"),
+        ("evolve --preset R9", 3, "neither a preset nor a file"),
+        ("evolve --preset bad.toml", 3, "missing field"),
+        ("evolve --population 7", 3, "population because it was 7"),
+        ("evolve --elite 10", 3, "elite because it was 10"),
+        ("evolve --elite 0", 3, "elite because it was 0"),
+        ("experiment fig14 --agents 2,2", 3, "each once"),
+        ("experiment fig14 --agents 5", 3, "could not place 5 agents"),
+        ("sweep --vary speed=1", 3, "unknown field `speed`"),
+        ("sweep --vary goal_radius_px", 2, "goal_radius_px=40,50"),
+        ("preset R9", 3, "neither a preset nor a file"),
+        (
+            "evolve --mutation-rate nan",
+            3,
+            "mutation_rate because it was NaN",
+        ),
+        (
+            "evolve --engine abacus",
+            3,
+            "could not use engine \"abacus\"",
+        ),
+        ("evolve --sensors ir-left", 2, "permutation"),
+        ("evolve --resume", 3, "could not read table.toml.checkpoint"),
+        ("experiment fig14 --shard 4/3", 2, "needs i/n"),
+        ("experiment fig15", 2, "fig15"),
+        ("show missing.toml", 3, "could not read missing.toml"),
+        ("show bad.toml", 3, "it is no table file"),
+        ("plot missing", 3, "could not read missing"),
+    ];
+    for (arguments, code, expected) in rows {
+        let said = refused(folder, arguments, code);
+        assert!(
+            said.contains(expected),
+            "{arguments}: {said:?} does not say {expected:?}"
+        );
+    }
+    let left: Vec<_> = std::fs::read_dir(folder)
+        .expect("the folder")
+        .filter_map(Result::ok)
+        .map(|e| e.file_name())
+        .collect();
+    assert_eq!(left, ["bad.toml"]);
+}

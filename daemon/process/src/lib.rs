@@ -1,0 +1,43 @@
+//! What the processes on a bus do alike, whatever they are: how they log, how they end, how a thread becomes real-time.
+//!
+//! ```text
+//!  tracing ─▶ log ─▶ standard error        SIGINT, SIGTERM ─▶ end ─▶ a flag        thread ─▶ scheduling ─▶ SCHED_FIFO
+//! ```
+//!
+//! * **Invariants:** nothing here waits for who reads the log, and nothing panics because standard error is gone.
+//! * **Absent on purpose:** the bus (`shm-bus`), and what only the daemon does: locked memory, pinned cores
+//!   (`atasd::realtime`).
+
+pub mod end;
+pub mod log;
+pub mod scheduling;
+
+use std::fmt::Display;
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+/// The life of a process: a log, its work, and the sentence and exit code that its failure has.
+pub fn run<E: Display>(
+    program: &str,
+    work: impl FnOnce() -> Result<(), E>,
+    exit_code: impl FnOnce(&E) -> u8,
+) -> ExitCode {
+    // Without threads no process of ours can work.
+    let log = match log::start(log::LogFormat::Human) {
+        Ok(log) => log,
+        Err(error) => {
+            let _ = writeln!(io::stderr(), "{program}: could not start a thread: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let outcome = work();
+    drop(log);
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // If nobody can read it, nobody needs to be told.
+            let _ = writeln!(io::stderr(), "{program}: {failure}");
+            ExitCode::from(exit_code(&failure))
+        }
+    }
+}

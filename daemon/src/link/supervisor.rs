@@ -1,0 +1,104 @@
+//! The supervisor's end: gives orders, takes what ticks left.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use atas_core::Order;
+use rtrb::{Consumer, Producer};
+use shm_schemas::{ModuleEvent, Status, View};
+
+use super::{News, Quit, Shared, TickRecord, Ticketed};
+use crate::input_log::LogReader;
+
+/// The supervisor's end.
+#[derive(Debug)]
+pub struct SupervisorEnd {
+    pub(super) orders: Producer<Ticketed>,
+    pub(super) stops: Producer<Ticketed>,
+    pub(super) tickets: u64,
+    pub(super) records: Consumer<TickRecord>,
+    pub(super) news: Consumer<News>,
+    pub(super) events: Consumer<ModuleEvent>,
+    pub(super) snapshot: triple_buffer::Output<Status>,
+    pub(super) view: triple_buffer::Output<View>,
+    pub(super) input_log: Option<LogReader>,
+    pub(super) shared: Arc<Shared>,
+}
+
+impl SupervisorEnd {
+    /// Queues an order; its ticket comes back as [`News::Taken`]. `None` if the queue is full.
+    #[must_use]
+    pub fn order(&mut self, order: Order) -> Option<u64> {
+        let queue = if matches!(order, Order::Stop(_)) {
+            &mut self.stops
+        } else {
+            &mut self.orders
+        };
+        let ticket = self.tickets + 1;
+        queue.push(Ticketed { ticket, order }).ok()?;
+        self.tickets = ticket;
+        Some(ticket)
+    }
+
+    /// Says that the supervisor has come round.
+    pub fn supervise(&self, now_ns: u64) {
+        self.shared.supervised_ns.store(now_ns, Ordering::Relaxed);
+    }
+
+    /// The next record.
+    #[must_use]
+    pub fn next_record(&mut self) -> Option<TickRecord> {
+        self.records.pop().ok()
+    }
+
+    /// The next piece of news.
+    #[must_use]
+    pub fn next_news(&mut self) -> Option<News> {
+        self.news.pop().ok()
+    }
+
+    /// The next event.
+    #[must_use]
+    pub fn next_event(&mut self) -> Option<ModuleEvent> {
+        self.events.pop().ok()
+    }
+
+    /// The newest snapshot, if there is one since the last call.
+    #[must_use]
+    pub fn newest_snapshot(&mut self) -> Option<Status> {
+        self.snapshot
+            .update()
+            .then(|| *self.snapshot.output_buffer())
+    }
+
+    /// The newest view, if there is one since the last call.
+    #[must_use]
+    pub fn newest_view(&mut self) -> Option<&View> {
+        self.view.update().then(|| self.view.output_buffer())
+    }
+
+    /// The input log, if recording is switched on.
+    #[must_use]
+    pub fn input_log(&mut self) -> Option<&mut LogReader> {
+        self.input_log.as_mut()
+    }
+
+    /// Takes the input log out, for a thread of its own.
+    #[must_use]
+    pub fn take_input_log(&mut self) -> Option<LogReader> {
+        self.input_log.take()
+    }
+
+    /// Records, news, events and parts of the input log dropped because the supervisor did not come round.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        let parts = self.input_log.as_ref().map_or(0, LogReader::dropped);
+        self.shared.dropped.load(Ordering::Relaxed) + parts
+    }
+
+    /// What ends the tick loop.
+    #[must_use]
+    pub fn quit_handle(&self) -> Quit {
+        Quit(Arc::clone(&self.shared))
+    }
+}

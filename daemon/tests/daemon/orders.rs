@@ -1,0 +1,44 @@
+//! Orders by the thousand while ticks and supervisor share one core: neither may ever wait for the other.
+
+use shm_bus::FreshBus;
+use shm_schemas::{ControlOp, ControlOutcome, Mode};
+
+use crate::goals::grasp;
+use crate::support::{Daemon, PATIENT, World};
+
+/// Nearly as many as killed a daemon whose queues were lock-free and not wait-free; `ATAS_ORDERS=5000` in the environment asks
+/// for more.
+const ORDERS: u32 = 500;
+
+fn orders() -> u32 {
+    let asked = std::env::var("ATAS_ORDERS").ok();
+    asked.map_or(ORDERS, |count| {
+        count.parse().expect("ATAS_ORDERS is a number")
+    })
+}
+
+#[test]
+fn thousands_of_orders_on_one_core_end_nothing() {
+    let bus = FreshBus::new("orders");
+    let mut world = World::on(&bus);
+    let mut daemon = Daemon::start_under(&["taskset", "-c", "0"], &bus, PATIENT, &[], |_| ());
+    world.until_mode(Mode::READY);
+    let goals = world.bus.goal_client().expect("there is room");
+    for order in 0..orders() {
+        world.publish(shm_bus::now_ns());
+        world.listen();
+        // A goal's request stays pending meanwhile, as a client that waits for its end keeps it.
+        let _pending = goals.send(&grasp(u64::from(order) + 1)).ok();
+        let value = 0.06 + 0.01 * f64::from(order % 2);
+        let reply = world.control(ControlOp::PARAM_SET, "grasp.dr_n", value);
+        let known = [ControlOutcome::DONE, ControlOutcome::REFUSED];
+        assert!(known.contains(&reply.outcome), "{order}: {}", reply.text);
+        if order % 100 == 0 {
+            daemon.signal(rustix::process::Signal::HUP);
+        }
+    }
+    assert!(daemon.is_running(), "{}", daemon.log());
+    let stopped = world.control(ControlOp::ESTOP, "", 0.0);
+    assert_eq!(stopped.outcome, ControlOutcome::DONE);
+    world.until_mode(Mode::SAFE_STOP);
+}

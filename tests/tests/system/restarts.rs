@@ -1,0 +1,118 @@
+//! The grip outlives processes: a daemon that is killed, ended, stopped or reloaded while an object hangs in the hand finds it
+//! there again, with real processes and real signals.
+
+use rustix::process::Signal;
+use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
+use shm_schemas::{WorldTruth, service};
+use system_tests::{Process, alone, wait_for};
+
+/// How long an object must stay in the hand after what happened, of simulated time, ns.
+const AFTER_NS: u64 = 1_000_000_000;
+/// Height above which it counts as hanging, m.
+const HANGING_M: f64 = 0.01;
+
+/// A hand that lifts an object in lock-step.
+struct Rig {
+    daemon: Process,
+    _robot: Process,
+    _goal: Process,
+    truths: Subscriber<WorldTruth>,
+    truth: Box<WorldTruth>,
+    bus: FreshBus,
+}
+
+fn daemon(bus: &FreshBus) -> Process {
+    let arguments = ["--lockstep", "--config", "/dev/null", "--bus", bus.as_str()];
+    Process::start("atasd", &arguments)
+}
+
+impl Rig {
+    fn new((object, at, width): (&str, &str, &str)) -> Self {
+        let bus = FreshBus::new("restarts");
+        let name = bus.as_str();
+        let simulate = ["run", "--lockstep", "--object", object, "--bus", name];
+        let goal = [
+            "grasp", "--at", at, "--width", width, "--hold", "3600", "--bus", name,
+        ];
+        let observer = Bus::open(&bus, "judge", Realtime::No).expect("a bus");
+        Self {
+            _robot: Process::start("atas-sim", &simulate),
+            daemon: daemon(&bus),
+            _goal: Process::start("atas", &goal),
+            truths: observer
+                .subscriber(service::WORLD_TRUTH)
+                .expect("a subscriber"),
+            truth: Box::default(),
+            bus,
+        }
+    }
+
+    /// Lets the world go on until its truth is as wanted.
+    fn until(&mut self, what: &str, wanted: impl Fn(&WorldTruth) -> bool) {
+        let Self { truths, truth, .. } = self;
+        wait_for(what, || {
+            truths.newest(truth).expect("readable");
+            wanted(truth).then_some(())
+        });
+    }
+
+    fn until_lifted(&mut self, metres: f64) {
+        self.until("the object to be lifted", |t| {
+            t.objects[0].lifted_m > metres
+        });
+    }
+
+    fn atas(&self, word: &str) {
+        let mut asked = Process::start("atas", &[word, "--bus", self.bus.as_str()]);
+        assert_eq!(asked.wait().code(), Some(0), "atas {word}: {}", asked.log());
+    }
+
+    /// Ends the daemon by a signal, and starts its successor.
+    fn replace(&mut self, signal: Signal) {
+        self.daemon.signal(signal);
+        self.daemon.wait();
+        self.daemon = daemon(&self.bus);
+    }
+
+    fn assert_kept(&mut self, what: &str) {
+        let until_ns = self.truth.stamp.captured_ns + AFTER_NS;
+        self.until(what, |truth| truth.stamp.captured_ns >= until_ns);
+        let object = &self.truth.objects[0];
+        assert_eq!((object.dropped, object.crushed), (0, 0), "{what}");
+        assert!(object.lifted_m > HANGING_M, "{what}: {} m", object.lifted_m);
+    }
+}
+
+/// What happens to a daemon.
+const INTERRUPTIONS: [(&str, fn(&mut Rig)); 4] = [
+    ("killed", |rig| rig.replace(Signal::KILL)),
+    ("ended", |rig| rig.replace(Signal::TERM)),
+    ("stopped and recovered", |rig| {
+        rig.atas("estop");
+        rig.atas("recover");
+    }),
+    ("reloaded", |rig| rig.daemon.signal(Signal::HUP)),
+];
+
+#[test]
+fn an_object_in_the_hand_stays_there_whatever_happens_to_the_daemon() {
+    let _alone = alone();
+    for grasped in [
+        ("wood", "0.32,-0.15,0.0345", "50"),
+        ("sponge", "0.32,-0.15,0.029", "60"),
+    ] {
+        let object = grasped.0;
+        let mut held = Rig::new(grasped);
+        held.until_lifted(0.035);
+        for (what, interrupt) in INTERRUPTIONS {
+            interrupt(&mut held);
+            held.assert_kept(&format!("{object}, {what} while it holds"));
+        }
+        for (what, interrupt) in INTERRUPTIONS {
+            let mut lifted = Rig::new(grasped);
+            lifted.until_lifted(0.012);
+            interrupt(&mut lifted);
+            lifted.assert_kept(&format!("{object}, {what} while it lifts"));
+        }
+    }
+}
