@@ -40,6 +40,7 @@ mod object;
 mod pad;
 mod plant;
 pub mod random;
+mod range;
 mod ride;
 mod scene;
 mod sensor;
@@ -56,6 +57,7 @@ pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
 pub use object::{Neck, Object, ObjectError};
+pub use range::OutOfRange;
 pub use ride::Ride;
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use crate::scene::{SceneError, in_range};
+use crate::range::{OutOfRange, in_range};
 
 /// The fastest that any base may be said to move. Ours: ten times what a base of a course does.
 const SPEED_MAX_M_S: f64 = 5.0;
@@ -42,7 +42,7 @@ impl Ride {
     };
 
     /// Refuses what no base does.
-    pub(crate) fn check(&self) -> Result<(), SceneError> {
+    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
         for (what, value, most) in [
             (
                 "the base's speed in metres per second",

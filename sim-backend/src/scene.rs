@@ -10,6 +10,7 @@ use core::f64::consts::FRAC_PI_2;
 use robot_model::{GraspFrame, HandModel, RobotModel, RobotVector, Side, Unreachable};
 
 use crate::object::Object;
+use crate::range::{OutOfRange, in_range};
 use crate::shape::Shape;
 use crate::support::Plate;
 
@@ -115,19 +116,8 @@ pub enum SceneError {
     )]
     TooManyObjects(usize),
     /// A number is out of range.
-    #[error(
-        "could not set the scene because {what} was {value}, needs {lower} to {upper}; correct it"
-    )]
-    OutOfRange {
-        /// What the number is.
-        what: &'static str,
-        /// The number.
-        value: f64,
-        /// The lowest value allowed.
-        lower: f64,
-        /// The highest value allowed.
-        upper: f64,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// A cap has no neck to be on.
     #[error(
         "could not put a cap on because the scene has no bottle, needs one with a neck; add it"
@@ -325,25 +315,6 @@ fn grasp_height_m(shape: &Shape) -> f64 {
         .max(top_m - GRASP_DEPTH_MAX_M)
         .min(top_m - GRASP_BELOW_TOP_M)
         .max(GRASP_HEIGHT_MIN_M)
-}
-
-/// NaN lies in no range.
-pub(crate) fn in_range(
-    what: &'static str,
-    value: f64,
-    lower: f64,
-    upper: f64,
-) -> Result<(), SceneError> {
-    if value >= lower && value <= upper {
-        Ok(())
-    } else {
-        Err(SceneError::OutOfRange {
-            what,
-            value,
-            lower,
-            upper,
-        })
-    }
 }
 
 /// Streams of a seed, so that adding a draw in one place changes nothing in another.

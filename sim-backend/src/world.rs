@@ -10,8 +10,9 @@ use crate::drive::Drive;
 use crate::encoder;
 use crate::hand::Hand;
 use crate::random::Random;
+use crate::range::{OutOfRange, in_range};
 use crate::ride::Ride;
-use crate::scene::{Scene, SceneError, in_range, stream};
+use crate::scene::{Scene, SceneError, stream};
 use crate::sensor::HandSensor;
 use crate::support::{Ground, Plate};
 use crate::vibration::Vibration;
@@ -155,8 +156,8 @@ impl World {
     /// it, a person who takes hold of it.
     ///
     /// # Errors
-    /// [`SceneError::OutOfRange`] when there is no such object or the force is not a number within ±100 N; nothing changes then.
-    pub fn pull(&mut self, object: usize, force_n: [f64; 3]) -> Result<(), SceneError> {
+    /// [`OutOfRange`] when there is no such object or the force is not a number within ±100 N; nothing changes then.
+    pub fn pull(&mut self, object: usize, force_n: [f64; 3]) -> Result<(), OutOfRange> {
         for force_n in force_n {
             in_range("a pull in newtons", force_n, -PULL_MAX_N, PULL_MAX_N)?;
         }
@@ -173,8 +174,8 @@ impl World {
     /// holds feels the base's accelerations.
     ///
     /// # Errors
-    /// [`SceneError::OutOfRange`] when a number is not finite or beyond any base; nothing changes then.
-    pub fn ride(&mut self, ride: &Ride) -> Result<(), SceneError> {
+    /// [`OutOfRange`] when a number is not finite or beyond any base; nothing changes then.
+    pub fn ride(&mut self, ride: &Ride) -> Result<(), OutOfRange> {
         ride.check()?;
         self.ride = *ride;
         Ok(())

@@ -11,7 +11,7 @@ use shm_schemas::{
     GoalRequest, GoalState, GoalUpdate, GraspTarget, Hand, HandFrame, JointCommand, Mode, Reason,
     WorldTruth,
 };
-use sim_backend::{GraspHint, Ride, Scene, SceneError, Sensed, TICK_NS, World};
+use sim_backend::{GraspHint, OutOfRange, Ride, Scene, SceneError, Sensed, TICK_NS, World};
 
 /// Longest time that the controller may take to become ready, ticks.
 const READY_WITHIN_TICKS: u64 = 1000;
@@ -102,8 +102,8 @@ impl OfflineRun {
     /// Says how the robot's base moves from now on; see [`World::ride`].
     ///
     /// # Errors
-    /// [`SceneError`] when no base moves like that.
-    pub fn ride(&mut self, ride: &Ride) -> Result<(), SceneError> {
+    /// [`OutOfRange`] when no base moves like that.
+    pub fn ride(&mut self, ride: &Ride) -> Result<(), OutOfRange> {
         self.world.ride(ride)
     }
 

@@ -24,8 +24,9 @@
 
 use core::f64::consts::PI;
 
-use super::{GraspHint, Placed, Scene, SceneError, grasp_height_m, in_range, stream};
+use super::{GraspHint, Placed, Scene, grasp_height_m, stream};
 use crate::random::Random;
+use crate::range::{OutOfRange, in_range};
 use crate::shape::Shape;
 
 /// How far reality may lie from what was meant.
@@ -196,7 +197,7 @@ impl Errors {
     }
 
     /// Refuses what cannot be simulated.
-    pub(super) fn check(&self) -> Result<(), SceneError> {
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
         for (what, value, upper) in [
             ("the servo stiffness error", self.servo_stiffness, 0.5),
             ("the link error in metres", self.link_m, 0.01),
