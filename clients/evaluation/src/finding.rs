@@ -2,6 +2,7 @@
 
 use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
+use robot_model::{HandModel, VIRTUAL_FINGERS};
 use shm_schemas::{ObjectTruth, WorldTruth};
 
 use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
@@ -43,9 +44,10 @@ impl Finding {
     }
 }
 
-/// The judgement of a trial of a task with a place at `to_m`.
+/// The judgement of a trial of a task with a place at `to_m`, done by a hand.
 pub(super) fn judge(
     task: Task,
+    hand: &HandModel,
     trial: &Trial,
     progress: &GoalProgress,
     load: Load,
@@ -61,7 +63,7 @@ pub(super) fn judge(
         Task::Grasp => (
             (outcome != Outcome::Held).then(|| outcome.key(end.step.as_str())),
             "held",
-            grasped(outcome, truth, load),
+            grasped(outcome, hand, truth, load),
         ),
         Task::PickPlace => {
             let placing = Placing::of(end, truth, to_m, progress.let_go_ns());
@@ -108,12 +110,17 @@ fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// Mean true normal force of the fingers at the end over the force needed, of what is in the hand then.
-fn grasped(outcome: Outcome, truth: &WorldTruth, load: Load) -> Vec<(&'static str, f64)> {
+/// Mean true normal force of both sides at the end over the force needed, of what is in the hand then.
+fn grasped(
+    outcome: Outcome,
+    hand: &HandModel,
+    truth: &WorldTruth,
+    load: Load,
+) -> Vec<(&'static str, f64)> {
     if !matches!(outcome, Outcome::Held | Outcome::Slipped | Outcome::Turned) {
         return Vec::new();
     }
-    let pressed_n = &truth.normal_n[SIDE.index()][..robot_model::VIRTUAL_FINGERS];
-    let mean_n = pressed_n.iter().sum::<f64>() / pressed_n.len() as f64;
+    let pressed_n = &truth.normal_n[SIDE.index()][..hand.finger_count()];
+    let mean_n = pressed_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
     vec![("over_grip", mean_n / load.needed_n)]
 }

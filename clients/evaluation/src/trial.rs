@@ -12,7 +12,7 @@ use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
 use crate::rows::Drawn;
-use crate::task::Task;
+use crate::task::{SIDE, Task};
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -103,7 +103,14 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
         number: job.number,
         drawn: Drawn::of(&scene).context("a task's scene has its objects")?,
         load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
-        finding: judge(plan.task, &trial, &progress, load, [x_m, y_m]),
+        finding: judge(
+            plan.task,
+            robot.hand(SIDE),
+            &trial,
+            &progress,
+            load,
+            [x_m, y_m],
+        ),
         max_force_n: objects.map(|o| o.max_force_n).fold(0.0, f64::max),
         simulated_s: trial.simulated_s,
         cpu_s: cpu_s() - begin_s,

@@ -132,7 +132,8 @@ impl HandControl {
 
     /// Takes in where the joints are.
     pub(crate) fn locate(&mut self, measured: &HandPose) {
-        self.measured_gap_m = gap_m(measured);
+        let looked_m = self.servo.as_ref().map_or(0.0, HandServo::looked_m);
+        self.measured_gap_m = gap_m(measured) + looked_m;
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = tip.rotation;
         }

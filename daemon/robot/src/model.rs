@@ -273,6 +273,14 @@ impl HandModel {
         mean(self.fingers_of(virtual_finger).map(value))
     }
 
+    /// The longer of both sides' mean of a vector of each fingertip, m; 0 without fingertips.
+    pub(crate) fn side_error_m(&self, error_m: impl Fn(usize) -> Vector3<f64>) -> f64 {
+        (0..VIRTUAL_FINGERS).fold(0.0_f64, |worst_m, side| {
+            let mean = |axis: usize| self.mean_of_side(side, |finger| error_m(finger)[axis]);
+            worst_m.max(Vector3::new(mean(0), mean(1), mean(2)).norm())
+        })
+    }
+
     /// The posture that the inverse kinematics prefers where the task leaves freedom, radians, inside the limits.
     #[must_use]
     pub fn reference_rad(&self) -> &HandVector {

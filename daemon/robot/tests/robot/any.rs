@@ -11,19 +11,10 @@ use crate::support::assert_near;
 
 const DT_S: f64 = 1e-3;
 
-/// A hand whose kinematics are solved; the controller does not hold with it yet.
-fn three_fingers() -> RobotFiles {
-    RobotFiles {
-        name: "arm6-three-finger".into(),
-        urdf: include_str!("../robots/arm6-three-finger/robot.urdf").into(),
-        robot_file: include_str!("../robots/arm6-three-finger/robot.toml").into(),
-    }
-}
-
 /// Robots of other structures than the two-hand arm.
 fn robots() -> Vec<RobotFiles> {
     let [_, others @ ..] = SHIPPED;
-    others.into_iter().chain([three_fingers()]).collect()
+    others.into()
 }
 
 fn load(robot: &RobotFiles) -> RobotModel {
@@ -48,8 +39,8 @@ fn what_was_understood() {
     // Joints, of which the arm's, and those that move more than one fingertip; fingertips and the side of each.
     let wanted: [(usize, usize, usize, &[usize]); 3] = [
         (8, 7, 8, &[0, 1]),
-        (2, 1, 2, &[0, 1]),
         (12, 6, 6, &[0, 0, 1]),
+        (2, 1, 2, &[0, 1]),
     ];
     for (robot, (joints, arm, trunk, sides)) in robots().iter().zip(wanted) {
         let model = load(robot);
@@ -178,6 +169,41 @@ fn a_grasp_below_home_is_reached_and_followed() {
         }
         assert!(worst_m < 1e-6, "{}: {worst_m} m off", robot.name);
     }
+}
+
+/// What the two fingers of one side are asked for beyond their middle they take if they can, and never at its expense: each closes
+/// ahead of the other; neither goes away from the other, because both bend in parallel planes.
+#[test]
+fn fingers_of_one_side_meet_by_their_middle() {
+    let model = RobotModel::find("three-finger").expect("it ships");
+    let hand = model.hand(Side::Right);
+    let home_m = hand.home_m();
+    let grasp = GraspFrame::from_above(home_m, hand.home_yaw_rad(), 0.04);
+    let start = hand.posture_for(&grasp).expect("it gets there").q_rad;
+    // How far the first finger shall be from where it is, the second the other way; whether it gets there.
+    let check = |apart_m: Vector3<f64>, gets_there: bool| {
+        let mut target = grasp.target(hand);
+        target.tip_m[0] += apart_m;
+        target.tip_m[1] -= apart_m;
+        let (middle_m, thumb_m) = ((target.tip_m[0] + target.tip_m[1]) / 2.0, target.tip_m[2]);
+        let mut pose = hand.forward(&start);
+        for _ in 0..3000 {
+            let jacobian = hand.jacobian(&pose);
+            let step = hand.ik_step(&pose, &jacobian, &target, DT_S, &IkWeights::TICK);
+            assert_ne!(step.status, IkStatus::Failed, "{apart_m:?}");
+            pose = hand.forward(&step.q_rad);
+        }
+        let missed_m = (pose.side_m(0) - middle_m).norm() + (pose.side_m(1) - thumb_m).norm();
+        assert!(missed_m < 1e-6, "{apart_m:?}: {missed_m} m off");
+        let left_m = (pose.tip_m(0) - target.tip_m[0]).norm() / apart_m.norm();
+        assert!((left_m < 0.3) == gets_there, "{apart_m:?}: {left_m} left");
+    };
+    let closing = grasp.closing_axis();
+    let beside = closing.cross(&Vector3::z());
+    check(closing * 0.003, true);
+    check(closing * -0.003, true);
+    check(beside * 0.0005, false);
+    check(beside * -0.0005, false);
 }
 
 /// Asked to close from one side only, a gripper whose jaws move together meets in the middle if its arm cannot give way.
