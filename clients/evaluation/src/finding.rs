@@ -7,7 +7,7 @@ use shm_schemas::{ObjectTruth, WorldTruth};
 
 use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
 use crate::offline::Trial;
-use crate::task::{SIDE, Task};
+use crate::task::Task;
 
 /// The judgement of one trial.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub(super) fn judge(
     } = trial;
     let objects = &truth.objects[..truth.object_count as usize];
     let happened = |what: fn(&ObjectTruth) -> u32| objects.iter().any(|o| what(o) != 0);
-    let outcome = Outcome::of(end, truth, SIDE.index(), LIFT_M);
+    let outcome = Outcome::of(end, truth, hand.side().index(), LIFT_M);
     let (failure, done, mut measures) = match task {
         Task::Grasp => (
             (outcome != Outcome::Held).then(|| outcome.key(end.step.as_str())),
@@ -120,7 +120,7 @@ fn grasped(
     if !matches!(outcome, Outcome::Held | Outcome::Slipped | Outcome::Turned) {
         return Vec::new();
     }
-    let pressed_n = &truth.normal_n[SIDE.index()][..hand.finger_count()];
+    let pressed_n = &truth.normal_n[hand.side().index()][..hand.finger_count()];
     let mean_n = pressed_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
     vec![("over_grip", mean_n / load.needed_n)]
 }

@@ -12,7 +12,7 @@ use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
 use crate::rows::Drawn;
-use crate::task::{SIDE, Task};
+use crate::task::Task;
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -82,7 +82,7 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
         .with_errors(errors, seed);
     scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
     scene.sensor_rate_hz = [job.condition.rate_hz; 2];
-    let goal = plan.task.goal(&scene)?;
+    let goal = plan.task.goal(&scene, robot.acting_side())?;
     let load = Load::of(&scene.objects[0].object, &plan.settings.grasp);
     let mut progress = GoalProgress::default();
     let settings = job.law.settings(&plan.settings);
@@ -105,7 +105,7 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
         load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
         finding: judge(
             plan.task,
-            robot.hand(SIDE),
+            robot.hand(robot.acting_side()),
             &trial,
             &progress,
             load,

@@ -166,7 +166,7 @@ impl HandServo {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
         self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
         // The first side is pressed along +n, the second along −n, each fingertip with its share.
-        let n = self.frame.closing_axis();
+        let n = self.frame.as_done_by(hand).closing_axis();
         let mut force_n = [Vector3::zeros(); FINGERS_MAX];
         for side in 0..VIRTUAL_FINGERS {
             let share_n = self.squeeze_n / hand.fingers_of(side).count() as f64;
@@ -203,7 +203,7 @@ impl HandServo {
     /// undone before the hand opens, and the wish to close one finger alone, of a hand that can neither do that nor shift,
     /// would keep it from closing both.
     fn unwind(&mut self, hand: &HandModel, pose: &HandPose) {
-        let n = self.frame.closing_axis();
+        let n = self.frame.as_done_by(hand).closing_axis();
         let radius_m = hand.dome_radius_m();
         let is_m: [f64; VIRTUAL_FINGERS] = core::array::from_fn(|finger| {
             let sign = if finger == 0 { 1.0 } else { -1.0 };

@@ -43,6 +43,8 @@ pub struct HandModel {
     /// Per joint: whether it tilts its finger about the closing axis, as a wrist would.
     pub(crate) tilts: [bool; HAND_JOINTS_MAX],
     pub(crate) turning: Turning,
+    /// Its fingertips cannot pass each other, but its wrist turns it about the vertical.
+    pub(crate) turns_by_wrist: bool,
     /// Where the hand rests, from above, and how far open, m.
     pub(crate) home_m: Vector3<f64>,
     pub(crate) home_opening_m: f64,
@@ -163,6 +165,7 @@ impl HandModel {
             reference_rad: HandVector::zeros(0),
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
+            turns_by_wrist: false,
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
             home_yaw_rad: 0.0,

@@ -97,7 +97,8 @@ impl HandModel {
     /// [`POSTURE_DOME_ERROR_MAX_RAD`].
     pub fn posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
         let mut start = self.reference_rad;
-        self.turn_towards(&mut start, &grasp.centre_m, grasp.closing_yaw_rad);
+        let yaw_rad = grasp.as_done_by(self).closing_yaw_rad;
+        self.turn_towards(&mut start, &grasp.centre_m, yaw_rad);
         let best = self.solve(
             &self.clamp_to_limits(&start),
             &grasp.target(self),

@@ -171,6 +171,74 @@ fn a_grasp_below_home_is_reached_and_followed() {
     }
 }
 
+/// The robot files' workspaces: every grasp of a grid has a posture, whatever its closing axis if the wrist turns that far.
+#[test]
+fn every_grasp_of_a_workspace_has_a_posture() {
+    for robot in &robots() {
+        let model = load(robot);
+        let hand = model.hand(Side::Right);
+        let space = *hand.workspace().expect("its robot file has one");
+        let yaws_deg: &[f64] = match &*robot.name {
+            "test-bench" => &[0.0],
+            "three-finger" => &[-30.0, 0.0, 30.0],
+            _ => &[-90.0, -60.0, -30.0, 0.0, 30.0, 60.0],
+        };
+        let along = |[from, to]: [f64; 2]| {
+            [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|share| from + (to - from) * share)
+        };
+        let mut missed = Vec::new();
+        for x in along(space.x_m) {
+            for y in along(space.y_m) {
+                for z in along(space.z_m) {
+                    for opening_m in along(space.opening_m) {
+                        for yaw_deg in yaws_deg {
+                            let centre_m = Vector3::new(x, y, z);
+                            let yaw = hand.home_yaw_rad() + yaw_deg.to_radians();
+                            let yaw = hand.closing_yaw_rad(&centre_m, yaw);
+                            let grasp = GraspFrame::from_above(centre_m, yaw, opening_m);
+                            if let Err(error) = hand.posture_for(&grasp) {
+                                missed.push((centre_m, opening_m, yaw_deg, error.to_string()));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(
+            missed.is_empty(),
+            "{}: {} such as {:?}",
+            robot.name,
+            missed.len(),
+            missed[0]
+        );
+    }
+}
+
+/// A gripper turns a cap by its wrist as far as fingertips that pass each other would go round it; what stands on a stage cannot.
+#[test]
+fn a_gripper_turns_a_cap_by_its_wrist() {
+    let check = |robot: &str, turns_caps: bool, turns_by_wrist: bool| {
+        let model = RobotModel::find(robot).expect("it ships");
+        let able = model.hand(Side::Right).abilities();
+        let wanted = (turns_caps, turns_by_wrist);
+        assert_eq!((able.turns_caps, able.turns_by_wrist), wanted, "{robot}");
+    };
+    check("two-hand-arm", true, false);
+    check("arm7-gripper", true, true);
+    // Its two fingers stand farther apart than a cap is wide.
+    check("three-finger", false, true);
+    check("test-bench", false, false);
+    let model = RobotModel::find("arm7-gripper").expect("it ships");
+    let hand = model.hand(Side::Right);
+    let mut grasp = GraspFrame::from_above(hand.home_m(), hand.home_yaw_rad(), 0.03);
+    grasp.tangential_m = [0.006, -0.006];
+    let posture = hand.posture_for(&grasp).expect("it turns that far");
+    let pose = hand.forward(&posture.q_rad);
+    let across = pose.side_m(0) - pose.side_m(1);
+    let turned_rad = across.y.atan2(across.x) - hand.home_yaw_rad();
+    assert!((turned_rad - 0.006 / 0.015).abs() < 1e-6, "{turned_rad}");
+}
+
 /// What the two fingers of one side are asked for beyond their middle they take if they can, and never at its expense: each closes
 /// ahead of the other; neither goes away from the other, because both bend in parallel planes.
 #[test]
