@@ -188,6 +188,7 @@ impl HandControl {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
             frame: servo.frame(),
+            closing_axis: servo.frame().as_done_by(&self.model).closing_axis(),
             base_from_tip: &self.base_from_tip[..self.model.finger_count()],
         };
         let context = runner.context(settings, step_s, motion);

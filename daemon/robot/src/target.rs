@@ -8,8 +8,8 @@ use crate::model::HandModel;
 use crate::sizes::{FINGERS_MAX, VIRTUAL_FINGERS};
 
 /// Distance from the axis of a turn at which a hand that turns by its wrist goes as far round as fingertips would go past each
-/// other, metres (ours: the radius of a usual cap).
-const WRIST_TURN_RADIUS_M: f64 = 0.015;
+/// other, metres (ours: the radius of a small cap; every turn the longer is one regrasp the fewer).
+const WRIST_TURN_RADIUS_M: f64 = 0.012;
 
 /// Target of the inverse kinematics of one hand, base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl GraspFrame {
     }
 
     /// The grasp as `hand` does it: one whose fingertips cannot pass each other, but whose wrist turns it about the vertical, turns
-    /// as a whole by `d / 15 mm` where its fingertips should pass each other by `[d, -d]`.
+    /// as a whole by `d / 12 mm` where its fingertips should pass each other by `[d, -d]`.
     #[must_use]
     pub fn as_done_by(&self, hand: &HandModel) -> GraspFrame {
         if !hand.turns_by_wrist {
