@@ -2,12 +2,13 @@
 
 use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
+use robot_model::{HandModel, VIRTUAL_FINGERS};
 use serde::{Deserialize, Serialize};
 use shm_schemas::{ObjectTruth, WorldTruth};
 
 use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
 use crate::offline::Trial;
-use crate::task::{SIDE, Task};
+use crate::task::Task;
 
 /// The judgement of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,9 +45,10 @@ impl Finding {
     }
 }
 
-/// The judgement of a trial of a task with a place at `to_m`.
+/// The judgement of a trial of a task with a place at `to_m`, done by a hand.
 pub(super) fn judge(
     task: Task,
+    hand: &HandModel,
     trial: &Trial,
     progress: &GoalProgress,
     load: Load,
@@ -57,12 +59,12 @@ pub(super) fn judge(
     } = trial;
     let objects = &truth.objects[..truth.object_count as usize];
     let happened = |what: fn(&ObjectTruth) -> u32| objects.iter().any(|o| what(o) != 0);
-    let outcome = Outcome::of(end, truth, SIDE.index(), LIFT_M);
+    let outcome = Outcome::of(end, truth, hand.side().index(), LIFT_M);
     let (failure, done, mut measures) = match task {
         Task::Grasp => (
             (outcome != Outcome::Held).then(|| outcome.key(end.step.as_str())),
             "held",
-            grasped(outcome, truth, load),
+            grasped(outcome, hand, truth, load),
         ),
         Task::PickPlace => {
             let placing = Placing::of(end, truth, to_m, progress.let_go_ns());
@@ -113,12 +115,17 @@ fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// Mean true normal force of the fingers at the end over the force needed, of what is in the hand then.
-fn grasped(outcome: Outcome, truth: &WorldTruth, load: Load) -> Vec<(&'static str, f64)> {
+/// Mean true normal force of both sides at the end over the force needed, of what is in the hand then.
+fn grasped(
+    outcome: Outcome,
+    hand: &HandModel,
+    truth: &WorldTruth,
+    load: Load,
+) -> Vec<(&'static str, f64)> {
     if !matches!(outcome, Outcome::Held | Outcome::Slipped | Outcome::Turned) {
         return Vec::new();
     }
-    let pressed_n = &truth.normal_n[SIDE.index()][..robot_model::VIRTUAL_FINGERS];
-    let mean_n = pressed_n.iter().sum::<f64>() / pressed_n.len() as f64;
+    let pressed_n = &truth.normal_n[hand.side().index()][..hand.finger_count()];
+    let mean_n = pressed_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
     vec![("over_grip", mean_n / load.needed_n)]
 }

@@ -11,7 +11,7 @@ use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
 use crate::policy::GripPolicy;
 
-/// The hand that acts.
+/// The hand of the two-hand arm that acts.
 pub const SIDE: Side = Side::Right;
 /// Frames per second of a sensor that keeps up with the tick, and of two held ones (issue).
 const RATES_HZ: [u32; 3] = [1000, 100, 30];
@@ -125,10 +125,10 @@ impl Task {
             .collect()
     }
 
-    /// Whether a robot can do it with its right hand.
+    /// Whether a robot can do it with the hand that acts where nobody says which.
     #[must_use]
     pub fn is_within(self, robot: &RobotModel) -> bool {
-        let able = robot.hand(SIDE).abilities();
+        let able = robot.hand(robot.acting_side()).abilities();
         match self {
             Self::Grasp => able.lifts,
             Self::PickPlace => able.lifts && able.carries,
@@ -144,7 +144,7 @@ impl Task {
     pub fn check(self, robot: &RobotModel) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.is_within(robot),
-            "could not try {} because the robot cannot do it with its right hand, needs one that can; `atas robot list` shows \
+            "could not try {} because the robot's hand cannot do it, needs one that can; `atas robot list` shows \
              which",
             self.name()
         );
@@ -159,21 +159,21 @@ impl Task {
         seed: u64,
     ) -> Result<Scene, ObjectError> {
         let object = object.clone();
-        let bottle = || Object::built_in("open-bottle");
+        let (side, bottle) = (robot.acting_side(), || Object::built_in("open-bottle"));
         let scene = match self {
-            Self::Grasp => Scene::grasp(object, SIDE),
-            Self::PickPlace => Scene::pick_place(object, SIDE),
-            Self::Screw => Scene::screw(object, bottle()?, SIDE),
-            Self::Assembly => Scene::assembly(object, bottle()?, SIDE),
+            Self::Grasp => Scene::grasp(object, side),
+            Self::PickPlace => Scene::pick_place(object, side),
+            Self::Screw => Scene::screw(object, bottle()?, side),
+            Self::Assembly => Scene::assembly(object, bottle()?, side),
         };
-        Ok(scene.before(robot.hand(SIDE)).varied(seed))
+        Ok(scene.before(robot.hand(side)).varied(seed))
     }
 
-    /// What a client asks for, who knows what he is told of the scene.
+    /// What a client asks of a hand, who knows what he is told of the scene.
     ///
     /// # Errors
     /// The scene lacks what the task needs.
-    pub fn goal(self, scene: &Scene) -> anyhow::Result<GoalRequest> {
+    pub fn goal(self, scene: &Scene, side: Side) -> anyhow::Result<GoalRequest> {
         let hint = |index: usize| {
             scene
                 .grasp_hint(index)
@@ -184,10 +184,10 @@ impl Task {
         };
         let (object, lift_m) = (hint(0)?, LIFT_M);
         Ok(match self {
-            Self::Grasp => grasp_goal(&object, SIDE, lift_m, HOLD_S),
-            Self::PickPlace => pick_place_goal(&object, SIDE, place()?.from_m, lift_m),
-            Self::Screw => screw_goal(&object, SIDE),
-            Self::Assembly => assemble_goal(&object, &place()?, hint(1)?.width_m, SIDE),
+            Self::Grasp => grasp_goal(&object, side, lift_m, HOLD_S),
+            Self::PickPlace => pick_place_goal(&object, side, place()?.from_m, lift_m),
+            Self::Screw => screw_goal(&object, side),
+            Self::Assembly => assemble_goal(&object, &place()?, hint(1)?.width_m, side),
         })
     }
 }

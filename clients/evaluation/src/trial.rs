@@ -83,7 +83,7 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
         .with_errors(errors, seed);
     scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
     scene.sensor_rate_hz = [job.condition.rate_hz; 2];
-    let goal = plan.task.goal(&scene)?;
+    let goal = plan.task.goal(&scene, robot.acting_side())?;
     let load = Load::of(&scene.objects[0].object, &plan.settings.grasp);
     let mut progress = GoalProgress::default();
     let settings = job.law.settings(&plan.settings);
@@ -104,7 +104,14 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
         number: job.number,
         drawn: Drawn::of(&scene).context("a task's scene has its objects")?,
         load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
-        finding: judge(plan.task, &trial, &progress, load, [x_m, y_m]),
+        finding: judge(
+            plan.task,
+            robot.hand(robot.acting_side()),
+            &trial,
+            &progress,
+            load,
+            [x_m, y_m],
+        ),
         max_force_n: objects.map(|o| o.max_force_n).fold(0.0, f64::max),
         simulated_s: trial.simulated_s,
         cpu_s: cpu_s() - begin_s,

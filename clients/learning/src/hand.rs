@@ -170,6 +170,7 @@ impl PolicyHand {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
             frame: &frame,
+            closing_axis: frame.closing_axis(),
             turning: 1.0,
             lowering_m: None,
             base_from_tip,

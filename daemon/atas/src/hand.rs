@@ -132,7 +132,8 @@ impl HandControl {
 
     /// Takes in where the joints are.
     pub(crate) fn locate(&mut self, measured: &HandPose) {
-        self.measured_gap_m = gap_m(measured);
+        let looked_m = self.servo.as_ref().map_or(0.0, HandServo::looked_m);
+        self.measured_gap_m = gap_m(measured) + looked_m;
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = tip.rotation;
         }
@@ -187,6 +188,7 @@ impl HandControl {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
             frame: servo.frame(),
+            closing_axis: servo.frame().as_done_by(&self.model).closing_axis(),
             base_from_tip: &self.base_from_tip[..self.model.finger_count()],
         };
         let context = runner.context(settings, step_s, motion);

@@ -10,6 +10,7 @@ use crate::limits::{
     SECONDARY_STEPS_MAX,
 };
 use crate::perception::Percept;
+use crate::sharing::Sharing;
 use nalgebra::{Vector2, Vector3};
 use robot_model::{
     FINGERS_MAX, GraspFrame, HandJacobian, HandModel, HandPose, HandVector, IkStatus, IkWeights,
@@ -19,6 +20,10 @@ use robot_model::{
 /// How far the wanted opening of a finger may be ahead of what its joints were allowed, m (ours: ten times what a finger that
 /// closes at 2 mm/s and conveys at 50 mm/s lags behind).
 const AHEAD_MAX_M: f64 = 0.0005;
+
+/// How far the hand may be asked to shift between its fingers beyond what it does, m (ours: half of the above and a little more, so
+/// that one finger that is held back alone is not taken for a hand that cannot shift).
+const SHIFT_AHEAD_MAX_M: f64 = 0.0003;
 
 /// Joint positions that kinematics asks for, before the safety gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,18 +52,28 @@ pub struct HandServo {
     squeeze_n: f64,
     /// Share of the secondary gain that has built up since the hand was anchored, 0 to 1.
     secondary: f64,
+    sharing: Sharing,
 }
 
 impl HandServo {
     /// A hand that stands at these joint positions, rad.
     #[must_use]
     pub fn at(hand: &HandModel, q_rad: HandVector) -> Self {
+        let pose = hand.forward(&q_rad);
+        let frame = frame_of(hand, &pose);
         Self {
-            frame: frame_of(hand, &hand.forward(&q_rad)),
+            sharing: Sharing::at(hand, &pose, &frame),
+            frame,
             q_rad,
             squeeze_n: 0.0,
             secondary: 0.0,
         }
+    }
+
+    /// How far the hand has closed only so that every fingertip touches, m: no closing that presses.
+    #[must_use]
+    pub fn looked_m(&self) -> f64 {
+        self.sharing.looked_m()
     }
 
     /// The commanded pose, without the compliance correction.
@@ -106,10 +121,17 @@ impl HandServo {
         percept: &Percept,
         step_s: f64,
     ) -> HandCommand {
-        let closing_m_s = self.integrate(intent, step_s);
+        let mut closing_m_s = self.integrate(intent, step_s);
         let pose = hand.forward(&self.q_rad);
         if intent.pose.is_none_or(|carried| !carried.with_fingers) {
             self.unwind(hand, &pose);
+            let along_m = self.sharing.step(hand, percept, step_s);
+            for (side, along_m) in along_m.into_iter().enumerate() {
+                if along_m != 0.0 {
+                    self.frame.half_opening_m[side] -= along_m;
+                    closing_m_s[side] += along_m / step_s;
+                }
+            }
         }
         let jacobian = hand.jacobian(&pose);
         let mut corrected = self.frame;
@@ -118,7 +140,9 @@ impl HandServo {
             *up_m -= bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
         }
         let weights = self.weights(step_s);
-        let step = hand.ik_step(&pose, &jacobian, &corrected.target(hand), step_s, &weights);
+        let mut target = corrected.target(hand);
+        self.sharing.spread(hand, &mut target);
+        let step = hand.ik_step(&pose, &jacobian, &target, step_s, &weights);
         let q_rad = if step.status == IkStatus::Failed {
             self.q_rad
         } else {
@@ -142,7 +166,7 @@ impl HandServo {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
         self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
         // The first side is pressed along +n, the second along −n, each fingertip with its share.
-        let n = self.frame.closing_axis();
+        let n = self.frame.as_done_by(hand).closing_axis();
         let mut force_n = [Vector3::zeros(); FINGERS_MAX];
         for side in 0..VIRTUAL_FINGERS {
             let share_n = self.squeeze_n / hand.fingers_of(side).count() as f64;
@@ -175,16 +199,27 @@ impl HandServo {
         }
     }
 
-    /// While the gate lets no finger close, the wish to close must not pile up: it would have to be undone before the hand
-    /// opens.
+    /// What the joints do not follow must not pile up: the wish to close while the gate lets no finger close would have to be
+    /// undone before the hand opens, and the wish to close one finger alone, of a hand that can neither do that nor shift,
+    /// would keep it from closing both.
     fn unwind(&mut self, hand: &HandModel, pose: &HandPose) {
-        let n = self.frame.closing_axis();
+        let n = self.frame.as_done_by(hand).closing_axis();
         let radius_m = hand.dome_radius_m();
-        for (finger, sign) in [1.0, -1.0].into_iter().enumerate() {
+        let is_m: [f64; VIRTUAL_FINGERS] = core::array::from_fn(|finger| {
+            let sign = if finger == 0 { 1.0 } else { -1.0 };
             let from_centre_m = pose.side_m(finger) - self.frame.centre_m;
             let radius_m = hand.mean_of_side(finger, |tip| radius_m[tip]);
-            let least_m = sign * from_centre_m.dot(&n) - radius_m - AHEAD_MAX_M;
-            let half_opening_m = &mut self.frame.half_opening_m[finger];
+            sign * from_centre_m.dot(&n) - radius_m
+        });
+        let half_opening_m = &mut self.frame.half_opening_m;
+        let shift_m = (half_opening_m[0] - is_m[0] - (half_opening_m[1] - is_m[1])) / 2.0;
+        let beyond_m = shift_m - shift_m.clamp(-SHIFT_AHEAD_MAX_M, SHIFT_AHEAD_MAX_M);
+        if beyond_m != 0.0 {
+            half_opening_m[0] -= beyond_m;
+            half_opening_m[1] += beyond_m;
+        }
+        for (half_opening_m, is_m) in half_opening_m.iter_mut().zip(is_m) {
+            let least_m = is_m - AHEAD_MAX_M;
             if *half_opening_m < least_m {
                 *half_opening_m = least_m;
             }

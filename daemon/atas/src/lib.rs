@@ -40,6 +40,7 @@ pub mod record;
 pub mod runner;
 pub mod safety;
 pub mod settings;
+mod sharing;
 pub mod tasks;
 pub mod thresholds;
 mod tick;

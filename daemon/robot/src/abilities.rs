@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use crate::model::HandModel;
-use crate::sizes::VIRTUAL_FINGERS;
 use crate::target::GraspFrame;
 
 /// How far it must be able to rise from where it rests, or sink, m (ours: a lift).
@@ -22,8 +21,10 @@ pub struct Abilities {
     pub lifts: bool,
     /// It can carry an object to another place over the table.
     pub carries: bool,
-    /// Its fingertips can pass each other, as turning a cap between them needs.
+    /// It can turn a cap between its fingertips: they can pass each other, or its wrist turns it.
     pub turns_caps: bool,
+    /// It does so by its wrist.
+    pub turns_by_wrist: bool,
 }
 
 impl HandModel {
@@ -38,18 +39,33 @@ impl HandModel {
             reaches(&frame)
         };
         let either = |axis: Vector3<f64>, by_m: f64| moved(axis * by_m) || moved(axis * -by_m);
-        let turned = |by_m: f64| {
-            let mut frame = home;
-            frame.half_opening_m = [CAP_M / 2.0; VIRTUAL_FINGERS];
-            frame.tangential_m = [by_m, -by_m];
-            reaches(&frame)
-        };
+        // Of several fingertips that press from one side, each must meet the cap.
+        let fits_cap = self.fingers[..self.finger_count]
+            .iter()
+            .all(|finger| libm::fabs(finger.beside_m) < CAP_M / 4.0);
         Abilities {
             lifts: self.is_present() && either(Vector3::z(), RISE_M),
             carries: self.is_present()
                 && either(Vector3::x(), ASIDE_M)
                 && either(Vector3::y(), ASIDE_M),
-            turns_caps: self.is_present() && turned(PASS_M) && turned(-PASS_M),
+            turns_caps: self.is_present() && fits_cap && self.turns_both_ways(),
+            turns_by_wrist: self.turns_by_wrist,
         }
+    }
+
+    /// Whether it reaches both ends of a turn of a cap where it rests.
+    fn turns_both_ways(&self) -> bool {
+        [PASS_M, -PASS_M].into_iter().all(|by_m| {
+            let frame = GraspFrame {
+                tangential_m: [by_m, -by_m],
+                ..GraspFrame::from_above(self.home_m, self.home_yaw_rad, CAP_M)
+            };
+            self.posture_for(&frame).is_ok()
+        })
+    }
+
+    /// Finds out whether it has to turn caps by its wrist.
+    pub(crate) fn find_cap_turning(&mut self) {
+        self.turns_by_wrist = self.turning.wrist.is_some() && !self.turns_both_ways();
     }
 }

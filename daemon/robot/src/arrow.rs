@@ -1,6 +1,7 @@
 //! Equality-constrained least squares of one hand, solved in the block-arrow form that the hand's tree gives it.
 //!
-//! Minimise ½·xᵀHx − gᵀx subject to J·x = e, softened by ε: x = H⁻¹(g + Jᵀν) with (J·H⁻¹·Jᵀ + ε)ν = e − J·H⁻¹g.
+//! Minimise ½·xᵀHx − gᵀx subject to J·x = e, softened by E: x = H⁻¹(g + Jᵀν) with (J·H⁻¹·Jᵀ + E)ν = e − J·H⁻¹g. E is ε for
+//! the middle of the tips of each side, and ε + ε_s for what they differ by: a softened equation is one with the weight 1/E.
 //! Fingers meet only in the trunk (the arm, and drives that they share), so H has the shape
 //!
 //! ```text
@@ -47,6 +48,8 @@ pub(crate) struct FingerBlock {
     pub(crate) tip_by_trunk: TrunkByTip,
     /// Wanted change of the tip.
     pub(crate) e: Vector3<f64>,
+    /// The side from which the tip presses.
+    pub(crate) side: usize,
 }
 
 /// The whole problem of one hand.
@@ -58,6 +61,8 @@ pub(crate) struct ArrowSystem {
     pub(crate) trunk_joints: usize,
     /// ε, added to the diagonal of J·H⁻¹·Jᵀ.
     pub(crate) softening: f64,
+    /// ε_s, added to what the tips of one side differ by: ε_s·(I − 1/n) over the n tips of each side.
+    pub(crate) softening_within: f64,
 }
 
 /// A finger's rows of the Cholesky factor L, and L⁻¹ applied to the right-hand sides.
@@ -220,12 +225,32 @@ impl ArrowSystem {
                 }
             }
         }
+        self.soften_within_sides(&mut a);
         let l = cholesky(a, tips)?;
         forward_substitute(&l, &mut residual, tips, 1);
         back_substitute(&l, &mut residual, tips);
         Some(core::array::from_fn(|finger| {
             residual.fixed_rows::<3>(3 * finger).into()
         }))
+    }
+
+    /// Lets the tips of one side differ from each other at the price of ε_s; their middle is met as a tip by itself is.
+    fn soften_within_sides(&self, a: &mut SMatrix<f64, TIPS, TIPS>) {
+        for (first, finger) in self.fingers.iter().enumerate() {
+            let on_side = |other: &FingerBlock| other.side == finger.side;
+            let count = self.fingers.iter().filter(|other| on_side(other)).count();
+            if count < 2 {
+                continue;
+            }
+            let share = self.softening_within / count as f64;
+            for axis in 0..3 {
+                a[(3 * first + axis, 3 * first + axis)] += self.softening_within;
+                // Only the lower triangle is read.
+                for other in (0..=first).filter(|other| on_side(&self.fingers[*other])) {
+                    a[(3 * first + axis, 3 * other + axis)] -= share;
+                }
+            }
+        }
     }
 }
 

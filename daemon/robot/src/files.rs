@@ -34,9 +34,10 @@ macro_rules! shipped {
 pub const TWO_HAND_ARM: RobotFiles = shipped!("two-hand-arm");
 
 /// The robots that ship, the default first.
-pub const SHIPPED: [RobotFiles; 3] = [
+pub const SHIPPED: [RobotFiles; 4] = [
     TWO_HAND_ARM,
     shipped!("arm7-gripper"),
+    shipped!("three-finger"),
     shipped!("test-bench"),
 ];
 

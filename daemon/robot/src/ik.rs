@@ -8,7 +8,11 @@
 //!   subject to  J_p·dq = e_p (softened by ε)   and   limits − q ≤ dq ≤ limits − q,  |dq| ≤ v_max·dt
 //! ```
 //!
-//! Tip positions are met first, dome axes next, then the hand's direction, then the reference posture. The box is met by
+//! Tip positions are met first, dome axes next, then the hand's direction, then the reference posture. Of several tips that
+//! press from one side only the middle is met like that: a side acts as one *virtual finger* (Arbib, Iberall and Lyons 1985),
+//! and what its tips differ by is one more weighted term, w_s²·|J_p·dq − e_p|² about the middle. To meet every one of them exactly
+//! would leave such a hand no freedom: two fingers that bend in parallel planes keep their distance whatever they do.
+//! The box is met by
 //! an active set of at most [`ACTIVE_SET_PASSES`] solves and a final clamp. A step that cannot be computed moves nothing
 //! and says so. Deliberately absent: any memory (the caller owns the command), any clock.
 
@@ -47,6 +51,9 @@ pub struct IkWeights {
     /// at the start of a move (45 rad/s² in a prototype). The price is lag: 0.6° of dome axis while an empty hand
     /// turns by 30° in 2 s (measured).
     pub secondary_gain: f64,
+    /// 1/w_s², by how much the tips of one side may miss what they shall differ by, m². Ours: so much that no hand tilts to
+    /// bring two of its fingers apart, and still a hundred times what the reference posture weighs.
+    pub within_side_m2: f64,
     /// ε at small tip errors, m²: keeps the solve regular when the tips cannot move as asked.
     pub softening_m2: f64,
     /// Growth of ε with the tip error beyond [`softening_from_m`](Self::softening_from_m), m² per metre: stops chatter
@@ -67,6 +74,7 @@ impl IkWeights {
         root_posture: 0.05,
         damping: 1e-3,
         secondary_gain: 0.05,
+        within_side_m2: 1e-2,
         softening_m2: 1e-7,
         softening_slope_m: 1e2,
         softening_from_m: 1e-3,
@@ -102,7 +110,8 @@ pub struct IkStep {
     pub dq_rad: HandVector,
     /// How the step ended.
     pub status: IkStatus,
-    /// Distance of the farther tip from its target before the step, metres; infinite if the step failed.
+    /// Distance of the farther side from its target before the step, metres: of the middle of the tips that press from it;
+    /// infinite if the step failed.
     pub tip_error_m: f64,
 }
 
@@ -148,7 +157,7 @@ impl HandModel {
         dt_s: f64,
         weights: &IkWeights,
     ) -> Option<IkStep> {
-        let error = TaskError::new(pose, target, weights)?;
+        let error = TaskError::new(self, pose, target, weights)?;
         let step_box = self.step_box(pose.q_rad(), dt_s)?;
         let mut system = self.system(pose.q_rad(), jacobian, target.root_rad, &error, weights);
         let (dq_rad, status) = solve_in_box(&mut system, &step_box)?;
@@ -200,6 +209,7 @@ impl HandModel {
             trunk_g: Default::default(),
             trunk_joints: trunk,
             softening: weights.softening_m2 + weights.softening_slope_m * excess_m,
+            softening_within: weights.within_side_m2,
         };
         let w_hand = weights.hand_axis * weights.hand_axis;
         let hand = &jacobian.hand_axis;
@@ -240,6 +250,7 @@ impl HandModel {
             first_joint: own.start,
             joint_count: own.len(),
             e: error.tip[finger],
+            side: self.virtual_finger(finger),
             ..FingerBlock::default()
         };
         for (row, joint) in own.clone().enumerate() {
@@ -311,23 +322,26 @@ fn along(rows: &Rows3, joint: usize, vector: &Vector3<f64>) -> f64 {
 
 impl TaskError {
     /// `None` if the target or the pose is not finite, or so far apart that their distance is not.
-    fn new(pose: &HandPose, target: &HandTarget, weights: &IkWeights) -> Option<TaskError> {
+    fn new(
+        hand: &HandModel,
+        pose: &HandPose,
+        target: &HandTarget,
+        weights: &IkWeights,
+    ) -> Option<TaskError> {
         if !target.is_finite() {
             return None;
         }
         let fingers = pose.base_from_tip().len();
         let mut tip = [Vector3::zeros(); FINGERS_MAX];
         let mut dome_axis = tip;
-        let mut tip_error_m = 0.0_f64;
         for finger in 0..fingers {
             tip[finger] = target.tip_m[finger] - pose.tip_m(finger);
             dome_axis[finger] = target.dome_axis[finger] - pose.dome_axis(finger);
-            let error_m = tip[finger].norm();
-            if !error_m.is_finite() {
+            if !tip[finger].norm().is_finite() {
                 return None;
             }
-            tip_error_m = tip_error_m.max(error_m);
         }
+        let tip_error_m = hand.side_error_m(|finger| tip[finger]);
         let shorten = if tip_error_m > weights.tip_step_max_m {
             weights.tip_step_max_m / tip_error_m
         } else {

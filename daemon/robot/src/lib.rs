@@ -106,7 +106,8 @@ pub use sizes::{
 #[cfg(feature = "std")]
 pub use skeleton::{Form, Limb, Placement, Shape, Skeleton};
 pub use solve::{
-    POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,
+    POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_SPREAD_ERROR_MAX_M,
+    POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,
 };
 pub use target::{GraspFrame, HandTarget};
 pub use transform::Transform;

@@ -43,6 +43,8 @@ pub struct HandModel {
     /// Per joint: whether it tilts its finger about the closing axis, as a wrist would.
     pub(crate) tilts: [bool; HAND_JOINTS_MAX],
     pub(crate) turning: Turning,
+    /// Its fingertips cannot pass each other, but its wrist turns it about the vertical.
+    pub(crate) turns_by_wrist: bool,
     /// Where the hand rests, from above, and how far open, m.
     pub(crate) home_m: Vector3<f64>,
     pub(crate) home_opening_m: f64,
@@ -163,6 +165,7 @@ impl HandModel {
             reference_rad: HandVector::zeros(0),
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
+            turns_by_wrist: false,
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
             home_yaw_rad: 0.0,
@@ -271,6 +274,14 @@ impl HandModel {
     /// Mean of a value over the fingertips that press from one side.
     pub fn mean_of_side(&self, virtual_finger: usize, value: impl FnMut(usize) -> f64) -> f64 {
         mean(self.fingers_of(virtual_finger).map(value))
+    }
+
+    /// The longer of both sides' mean of a vector of each fingertip, m; 0 without fingertips.
+    pub(crate) fn side_error_m(&self, error_m: impl Fn(usize) -> Vector3<f64>) -> f64 {
+        (0..VIRTUAL_FINGERS).fold(0.0_f64, |worst_m, side| {
+            let mean = |axis: usize| self.mean_of_side(side, |finger| error_m(finger)[axis]);
+            worst_m.max(Vector3::new(mean(0), mean(1), mean(2)).norm())
+        })
     }
 
     /// The posture that the inverse kinematics prefers where the task leaves freedom, radians, inside the limits.

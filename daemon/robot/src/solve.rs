@@ -18,6 +18,10 @@ pub const POSTURE_ITERATIONS: usize = 60;
 /// Tip error below which a posture counts as reached, metres. Ours: half the 2 µm position quantum.
 pub const POSTURE_TIP_ERROR_MAX_M: f64 = 1e-6;
 
+/// How far one of several tips of a side may be from its target while their middle is there, metres (ours: a fingertip is soft
+/// over a tenth of that, and each closes until it touches by itself).
+pub const POSTURE_SPREAD_ERROR_MAX_M: f64 = 2e-3;
+
 /// Dome-axis error below which a posture counts as reached, radians (1°). Ours.
 pub const POSTURE_DOME_ERROR_MAX_RAD: f64 = 0.0175;
 
@@ -26,8 +30,10 @@ pub const POSTURE_DOME_ERROR_MAX_RAD: f64 = 0.0175;
 pub struct Solution {
     /// Joint angles, radians, inside the limits.
     pub q_rad: HandVector,
-    /// Distance of the farther tip from its target, metres; infinite if the target was not finite.
+    /// Distance of the farther side's middle from its target, metres; infinite if the target was not finite.
     pub tip_error_m: f64,
+    /// Distance of the farthest tip from its target, metres; infinite if the target was not finite.
+    pub spread_error_m: f64,
     /// Angle of the worse dome axis from its target, radians; infinite if the target was not finite.
     pub dome_error_rad: f64,
 }
@@ -79,7 +85,7 @@ impl HandModel {
             }
             pose = self.forward(&step.q_rad);
         }
-        Solution::new(&pose, target)
+        Solution::new(self, &pose, target)
     }
 
     /// The posture for a grasp, reached from the reference posture with the arm turned towards the grasp and the wrist
@@ -91,13 +97,15 @@ impl HandModel {
     /// [`POSTURE_DOME_ERROR_MAX_RAD`].
     pub fn posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
         let mut start = self.reference_rad;
-        self.turn_towards(&mut start, &grasp.centre_m, grasp.closing_yaw_rad);
+        let yaw_rad = grasp.as_done_by(self).closing_yaw_rad;
+        self.turn_towards(&mut start, &grasp.centre_m, yaw_rad);
         let best = self.solve(
             &self.clamp_to_limits(&start),
             &grasp.target(self),
             POSTURE_ITERATIONS,
         );
         let reached = best.tip_error_m <= POSTURE_TIP_ERROR_MAX_M
+            && best.spread_error_m <= POSTURE_SPREAD_ERROR_MAX_M
             && best.dome_error_rad <= POSTURE_DOME_ERROR_MAX_RAD;
         if reached {
             Ok(best)
@@ -121,7 +129,7 @@ impl HandModel {
 }
 
 impl Solution {
-    fn new(pose: &HandPose, target: &HandTarget) -> Solution {
+    fn new(hand: &HandModel, pose: &HandPose, target: &HandTarget) -> Solution {
         let worst = |error: fn(&HandPose, &HandTarget, usize) -> f64| {
             let fingers = 0..pose.base_from_tip().len();
             fingers.fold(0.0_f64, |worst, finger| {
@@ -134,11 +142,17 @@ impl Solution {
                 }
             })
         };
+        let spread_error_m =
+            worst(|pose, target, finger| (target.tip_m[finger] - pose.tip_m(finger)).norm());
+        let tip_error_m = if spread_error_m.is_finite() {
+            hand.side_error_m(|finger| target.tip_m[finger] - pose.tip_m(finger))
+        } else {
+            f64::INFINITY
+        };
         Solution {
             q_rad: *pose.q_rad(),
-            tip_error_m: worst(|pose, target, finger| {
-                (target.tip_m[finger] - pose.tip_m(finger)).norm()
-            }),
+            tip_error_m,
+            spread_error_m,
             dome_error_rad: worst(|pose, target, finger| {
                 let (is, wanted) = (pose.dome_axis(finger), target.dome_axis[finger]);
                 libm::atan2(is.cross(&wanted).norm(), is.dot(&wanted))

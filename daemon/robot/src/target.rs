@@ -7,6 +7,10 @@ use nalgebra::Vector3;
 use crate::model::HandModel;
 use crate::sizes::{FINGERS_MAX, VIRTUAL_FINGERS};
 
+/// Distance from the axis of a turn at which a hand that turns by its wrist goes as far round as fingertips would go past each
+/// other, metres (ours: the radius of a small cap; every turn the longer is one regrasp the fewer).
+const WRIST_TURN_RADIUS_M: f64 = 0.012;
+
 /// Target of the inverse kinematics of one hand, base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandTarget {
@@ -53,7 +57,8 @@ pub struct GraspFrame {
     pub root_rad: f64,
     /// Distance of each side's dome surfaces (their poles) from the centre along the closing axis, metres; negative presses in.
     pub half_opening_m: [f64; VIRTUAL_FINGERS],
-    /// Offset of each side's tips along t, metres. `[d, -d]` turns a held cap anticlockwise seen from above for d > 0.
+    /// Offset of each side's tips along t, metres. `[d, -d]` turns a held cap anticlockwise seen from above for d > 0; a hand
+    /// whose fingertips cannot pass each other does it by its wrist, see [`GraspFrame::as_done_by`].
     pub tangential_m: [f64; VIRTUAL_FINGERS],
     /// Offset of each side's tips along z, metres: feed-forward against sag.
     pub up_m: [f64; VIRTUAL_FINGERS],
@@ -82,9 +87,29 @@ impl GraspFrame {
         Vector3::new(cos, sin, 0.0)
     }
 
+    /// The grasp as `hand` does it: one whose fingertips cannot pass each other, but whose wrist turns it about the vertical, turns
+    /// as a whole by `d / 12 mm` where its fingertips should pass each other by `[d, -d]`.
+    #[must_use]
+    pub fn as_done_by(&self, hand: &HandModel) -> GraspFrame {
+        if !hand.turns_by_wrist {
+            return *self;
+        }
+        let [first_m, second_m] = self.tangential_m;
+        let turn_rad = (first_m - second_m) / 2.0 / WRIST_TURN_RADIUS_M;
+        GraspFrame {
+            closing_yaw_rad: self.closing_yaw_rad + turn_rad,
+            tangential_m: [(first_m + second_m) / 2.0; VIRTUAL_FINGERS],
+            ..*self
+        }
+    }
+
     /// The tips, dome axes and hand axis that this grasp asks of `hand`; the dome radius is added here.
     #[must_use]
     pub fn target(&self, hand: &HandModel) -> HandTarget {
+        self.as_done_by(hand).target_of_tips(hand)
+    }
+
+    fn target_of_tips(&self, hand: &HandModel) -> HandTarget {
         let n = self.closing_axis();
         let t = Vector3::new(-n.y, n.x, 0.0);
         let hand_axis = self.hand_axis();

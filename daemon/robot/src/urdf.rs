@@ -18,6 +18,7 @@ use error::Findings;
 pub(crate) use error::misfit;
 pub use error::{Misfit, ModelError};
 use hand::load_hand;
+use joint::{joint_axis, load_joint};
 use tree::Tree;
 
 use crate::model::{HandModel, RobotModel};
@@ -54,13 +55,16 @@ impl RobotModel {
         };
         check_apart(&left, &right, &mut findings);
         let hands = [left, right];
-        findings.unless_any(Some(RobotModel { hands }))
+        let mut robot = findings.unless_any(Some(RobotModel { hands }))?;
+        // Tried by the inverse kinematics, so only of a robot that is as it has to be.
+        robot.hands.iter_mut().for_each(HandModel::find_cap_turning);
+        Ok(robot)
     }
 }
 
-/// Every joint that the robot file speaks of must be one.
+/// Every joint that the robot file speaks of must be one, of numbers that make sense: also those that no hand is found to have.
 fn check_entries(tree: &Tree, file: &RobotFile, findings: &mut Findings) {
-    for name in file.joints.keys() {
+    for (name, entry) in &file.joints {
         match tree.joint(name) {
             Err(misfit) => findings.add(misfit),
             Ok(joint) if joint.joint_type == urdf_rs::JointType::Fixed => {
@@ -71,7 +75,10 @@ fn check_entries(tree: &Tree, file: &RobotFile, findings: &mut Findings) {
                     "a moving joint, or no entry in the robot file",
                 ));
             }
-            Ok(_) => {}
+            Ok(joint) => {
+                let _ = load_joint(joint, Some(entry), findings);
+                let _ = findings.note(joint_axis(joint));
+            }
         }
     }
 }

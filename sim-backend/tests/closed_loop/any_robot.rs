@@ -29,3 +29,10 @@ fn a_redundant_arm_with_a_gripper_grasps() {
         grasps("arm7-gripper", name);
     }
 }
+
+#[test]
+fn two_fingers_grasp_against_one() {
+    for name in ["wood", "sponge", "paper-box", "bottle"] {
+        grasps("three-finger", name);
+    }
+}

@@ -42,7 +42,7 @@ fn those_that_ship_are_listed_with_what_they_can_do() {
         .collect();
     assert_eq!(names, SHIPPED.map(|files| files.name.to_string()));
     let tasks = |index: usize| robots[index]["tasks"].as_array().map_or(0, Vec::len);
-    assert_eq!([tasks(0), tasks(1), tasks(2)], [4, 2, 1], "{robots:?}");
+    assert_eq!([0, 1, 2, 3].map(tasks), [4, 3, 2, 1], "{robots:?}");
 }
 
 #[test]
@@ -77,10 +77,10 @@ fn what_a_robot_cannot_do_is_refused_by_name() {
         "demo pick-place --robot test-bench",
         "could not try pick-place because the robot cannot do it",
     );
-    check("demo screw --robot arm7-gripper", "could not try screw");
+    check("demo screw --robot three-finger", "could not try screw");
     check(
         "demo grasp --robot no-such",
-        "needs one of two-hand-arm, arm7-gripper, test-bench",
+        "needs one of two-hand-arm, arm7-gripper, three-finger, test-bench",
     );
     check(
         "robot check arm.urdf",
@@ -123,15 +123,32 @@ fn a_robot_file_of_ones_own_is_checked_and_drawn() {
     let text = std::fs::read_to_string(&file).expect("readable");
     let spoilt = text
         .replace("\"left_tip\"", "\"no_tip\"")
-        .replace("stage = {", "no_stage = {");
+        .replace("stage = {", "no_stage = {")
+        .replace("stiffness = 20000", "stiffness = -1");
     std::fs::write(&file, spoilt).expect("written");
     let (code, _, error) = atas(&format!("robot check {file}"));
     assert_eq!(code, 2);
     assert!(
         error.contains("link `no_tip` was missing")
-            && error.contains("joint `no_stage` was missing"),
+            && error.contains("joint `no_stage` was missing")
+            && error.contains("the stiffness of joint `left_jaw` was -1"),
         "{error}"
     );
+}
+
+/// A robot that has only a left hand acts with that.
+#[test]
+fn a_left_hand_alone_grasps() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = own_robot(folder.path());
+    let text = std::fs::read_to_string(&file).expect("readable");
+    std::fs::write(&file, text.replace("[hands.right]", "[hands.left]")).expect("written");
+    let (code, told, error) = atas(&format!(
+        "demo grasp --robot {file} --lockstep --format json"
+    ));
+    let wanted = (0, &Value::Bool(true));
+    assert_eq!((code, &told["as_expected"]), wanted, "{told} {error}");
 }
 
 /// Daemon and simulator with a robot file of a user's own, recorded; the daemon's refusals name what the hand lacks.

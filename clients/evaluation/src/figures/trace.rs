@@ -57,7 +57,7 @@ impl Trace {
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
         let seed = trial_seed(&object.name, seed);
         let scene = task.scene(&robot, object, seed)?;
-        let goal = task.goal(&scene)?;
+        let goal = task.goal(&scene, SIDE)?;
         let settings = Settings::default();
         let mut run = OfflineRun::new(&robot, &scene, seed, settings)?;
         let mut trace = Self {

@@ -6,33 +6,37 @@ use atas_evaluation::judge;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Scene;
 
+use super::Setting;
 use super::scenario::{Figure, Judged, Scenario};
 use super::screw::{turned, turning};
-use super::seen::{SIDE, Seen};
+use super::seen::Seen;
 
 /// A cap on a stand, and a free bottle.
 pub(super) struct Assembly {
     argument: String,
-    scene: Scene,
-    goal: GoalRequest,
+    set: Setting,
 }
 
 impl Assembly {
     /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = Scene::assembly(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
-        let scene = super::scene_of(Task::Assembly, scene, running)?;
+        let scene = |side| {
+            Ok(Scene::assembly(
+                super::cap(argument)?,
+                super::object(Scene::BOTTLE)?,
+                side,
+            ))
+        };
         Ok(Self {
             argument: argument.to_owned(),
-            goal: Task::Assembly.goal(&scene)?,
-            scene,
+            set: Setting::of(Task::Assembly, running, scene)?,
         })
     }
 }
 
 impl Scenario for Assembly {
     fn name(&self) -> &str {
-        &self.scene.objects[0].object.name
+        &self.set.object().name
     }
 
     fn setting(&self) -> Vec<String> {
@@ -42,7 +46,7 @@ impl Scenario for Assembly {
     }
 
     fn goal(&self) -> GoalRequest {
-        self.goal
+        self.set.goal
     }
 
     fn live(&self, truth: &WorldTruth) -> String {

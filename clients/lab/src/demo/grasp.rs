@@ -10,30 +10,28 @@ use serde_json::Value;
 use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};
 use sim_backend::{Object, Scene};
 
+use super::Setting;
 use super::scenario::{Figure, Judged, Scenario, finite};
-use super::seen::{SIDE, Seen};
+use super::seen::Seen;
 
 /// One object before one hand.
 pub(super) struct Grasp {
     argument: String,
-    scene: Scene,
-    goal: GoalRequest,
+    set: Setting,
 }
 
 impl Grasp {
     /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = Scene::grasp(super::object(argument)?, SIDE);
-        let scene = super::scene_of(Task::Grasp, scene, running)?;
+        let scene = |side| Ok(Scene::grasp(super::object(argument)?, side));
         Ok(Self {
             argument: argument.to_owned(),
-            goal: Task::Grasp.goal(&scene)?,
-            scene,
+            set: Setting::of(Task::Grasp, running, scene)?,
         })
     }
 
     fn object(&self) -> &Object {
-        &self.scene.objects[0].object
+        self.set.object()
     }
 }
 
@@ -47,7 +45,7 @@ impl Scenario for Grasp {
     }
 
     fn goal(&self) -> GoalRequest {
-        self.goal
+        self.set.goal
     }
 
     fn live(&self, truth: &WorldTruth) -> String {
@@ -55,10 +53,10 @@ impl Scenario for Grasp {
     }
 
     fn judge(&self, seen: &Seen) -> Judged {
-        let hand = SIDE.index();
+        let hand = self.set.hand();
         let load = Load::of(self.object(), &Settings::default().grasp);
         let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
-        let slip_m = seen.attempt.slip_m[hand][..VIRTUAL_FINGERS]
+        let slip_m = seen.attempt.slip_m[hand][..self.set.fingers]
             .iter()
             .copied()
             .fold(0.0, f64::max);
@@ -68,7 +66,7 @@ impl Scenario for Grasp {
             Figure::hidden("crush_n", finite(load.crush_n)),
             Figure::hidden("feasible", load.is_feasible()),
         ];
-        figures.extend(gripped(seen.progress.figures()));
+        figures.extend(gripped(seen.progress.figures(), self.set.fingers));
         figures.push(Figure::new("slip mm", "slip_mm", slip_m * 1e3, 2));
         figures.push(Figure::new("lifted mm", "lifted_mm", lifted_m * 1e3, 1));
         Judged {
@@ -84,10 +82,11 @@ impl Scenario for Grasp {
     }
 }
 
-/// What the hand knew and pressed.
-pub(super) fn gripped(figures: &GraspFigures) -> Vec<Figure> {
-    let pressed_n = &figures.normal_n[..VIRTUAL_FINGERS];
-    let mean_n = pressed_n.iter().sum::<f32>() / pressed_n.len() as f32;
+/// What the hand knew, and pressed with so many fingertips.
+pub(super) fn gripped(figures: &GraspFigures, fingers: usize) -> Vec<Figure> {
+    let pressed_n = &figures.normal_n[..fingers];
+    // Of both sides, from each of which one fingertip or several press.
+    let mean_n = pressed_n.iter().sum::<f32>() / VIRTUAL_FINGERS as f32;
     let shown = |head, key, value: f32, digits| Figure::new(head, key, value.into(), digits);
     vec![
         Figure {

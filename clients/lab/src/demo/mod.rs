@@ -33,12 +33,11 @@ mod turns;
 use atas_console::arguments::{Demo, Running};
 use atas_console::{Ended, Exit, Interrupt, Output, number};
 use atas_evaluation::Task;
-use robot_model::RobotModel;
-use shm_schemas::WorldTruth;
+use robot_model::{RobotModel, Side};
+use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
 
 use scenario::Scenario;
-use seen::SIDE;
 use table::Row;
 
 /// `atas demo`.
@@ -119,17 +118,47 @@ fn cap(argument: &str) -> anyhow::Result<Object> {
     Err(Ended::with(Exit::Usage, sentence))
 }
 
-/// A task's scene as the simulator will set it before the robot, if that can do the task.
-fn scene_of(task: Task, scene: Scene, running: &Running) -> anyhow::Result<Scene> {
-    let usage = |error: String| Ended::with(Exit::Usage, error);
-    let robot = RobotModel::find(&running.robot).map_err(|error| usage(error.to_string()))?;
-    task.check(&robot)
-        .map_err(|error| usage(error.to_string()))?;
-    let scene = scene.before(robot.hand(SIDE));
-    Ok(match running.vary {
-        true => scene.varied(running.seed),
-        false => scene,
-    })
+/// A task's scene as the simulator will set it before the robot, and what a client asks for there.
+struct Setting {
+    scene: Scene,
+    goal: GoalRequest,
+    /// Fingertips of the hand that acts.
+    fingers: usize,
+}
+
+impl Setting {
+    /// The scene that `scene` sets before the hand that acts, if the robot can do the task.
+    fn of(
+        task: Task,
+        running: &Running,
+        scene: impl FnOnce(Side) -> anyhow::Result<Scene>,
+    ) -> anyhow::Result<Self> {
+        let usage = |error: String| Ended::with(Exit::Usage, error);
+        let robot = RobotModel::find(&running.robot).map_err(|error| usage(error.to_string()))?;
+        task.check(&robot)
+            .map_err(|error| usage(error.to_string()))?;
+        let side = robot.acting_side();
+        let hand = robot.hand(side);
+        let scene = scene(side)?.before(hand);
+        let scene = match running.vary {
+            true => scene.varied(running.seed),
+            false => scene,
+        };
+        Ok(Self {
+            goal: task.goal(&scene, side)?,
+            fingers: hand.finger_count(),
+            scene,
+        })
+    }
+
+    /// The hand that acts: 0 is left.
+    fn hand(&self) -> usize {
+        self.goal.hand.0 as usize
+    }
+
+    fn object(&self) -> &Object {
+        &self.scene.objects[0].object
+    }
 }
 
 /// How high the first object is, for people who watch.

@@ -8,31 +8,29 @@ use atas_evaluation::judge::{Load, Outcome, Placing};
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
 
+use super::Setting;
 use super::grasp::gripped;
 use super::scenario::{Figure, Judged, Scenario};
-use super::seen::{SIDE, Seen};
+use super::seen::Seen;
 
 /// One object on a plate, and another plate.
 pub(super) struct PickPlace {
     argument: String,
-    scene: Scene,
-    goal: GoalRequest,
+    set: Setting,
 }
 
 impl PickPlace {
     /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = Scene::pick_place(super::object(argument)?, SIDE);
-        let scene = super::scene_of(Task::PickPlace, scene, running)?;
+        let scene = |side| Ok(Scene::pick_place(super::object(argument)?, side));
         Ok(Self {
             argument: argument.to_owned(),
-            goal: Task::PickPlace.goal(&scene)?,
-            scene,
+            set: Setting::of(Task::PickPlace, running, scene)?,
         })
     }
 
     fn object(&self) -> &Object {
-        &self.scene.objects[0].object
+        self.set.object()
     }
 }
 
@@ -48,7 +46,7 @@ impl Scenario for PickPlace {
     }
 
     fn goal(&self) -> GoalRequest {
-        self.goal
+        self.set.goal
     }
 
     fn live(&self, truth: &WorldTruth) -> String {
@@ -56,13 +54,13 @@ impl Scenario for PickPlace {
     }
 
     fn judge(&self, seen: &Seen) -> Judged {
-        let [x_m, y_m, _] = self.goal.to_m;
+        let [x_m, y_m, _] = self.set.goal.to_m;
         let end = seen.progress.last();
         let placing = Placing::of(end, &seen.truth, [x_m, y_m], seen.progress.let_go_ns());
         let feasible = Load::of(self.object(), &Settings::default().grasp).is_feasible();
-        let outcome = Outcome::of(end, &seen.truth, SIDE.index(), LIFT_M);
+        let outcome = Outcome::of(end, &seen.truth, self.set.hand(), LIFT_M);
         let refused = !feasible && outcome.is_expected(feasible);
-        let mut figures = gripped(seen.progress.figures());
+        let mut figures = gripped(seen.progress.figures(), self.set.fingers);
         figures.extend([
             Figure::new("off mm", "off_mm", placing.off_m * 1e3, 1),
             Figure::new(

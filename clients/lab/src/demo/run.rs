@@ -7,13 +7,13 @@ use atas_client::{Cancelled, POLL, Pursuit, Session};
 use atas_console::arguments::Running;
 use atas_console::{Interrupt, Progress};
 use shm_bus::Subscriber;
-use shm_schemas::{Status, WorldTruth, service};
+use shm_schemas::{Hand, Status, WorldTruth, service};
 
 use super::page::Page;
 use super::processes::Processes;
 use super::punctuality::Punctuality;
 use super::scenario::Scenario;
-use super::seen::{SIDE, Seen};
+use super::seen::Seen;
 use super::turns::Turns;
 
 /// Longest time of one goal (ours: several times what the longest clean task takes).
@@ -56,7 +56,7 @@ fn watch(
     interrupt: &Interrupt,
     live: &mut Progress,
 ) -> anyhow::Result<Seen> {
-    let mut observer = Observer::join(session)?;
+    let mut observer = Observer::join(session, scenario.goal().hand)?;
     let pursuit = Pursuit {
         session,
         stop: interrupt.flag(),
@@ -93,11 +93,13 @@ struct Observer {
     now: WorldTruth,
     attempt: WorldTruth,
     status: Status,
+    /// The hand that acts.
+    hand: Hand,
     turns: Turns,
 }
 
 impl Observer {
-    fn join(session: &Session) -> anyhow::Result<Self> {
+    fn join(session: &Session, hand: Hand) -> anyhow::Result<Self> {
         let bus = session.bus();
         Ok(Self {
             truths: bus.subscriber(service::WORLD_TRUTH)?,
@@ -106,6 +108,7 @@ impl Observer {
             now: WorldTruth::default(),
             attempt: WorldTruth::default(),
             status: Status::default(),
+            hand,
             turns: Turns::default(),
         })
     }
@@ -119,7 +122,7 @@ impl Observer {
         if !progress.lets_go() {
             self.attempt = self.now;
         }
-        self.turns.look(&self.now, SIDE.index());
+        self.turns.look(&self.now, self.hand.0 as usize);
         Ok(())
     }
 

@@ -6,32 +6,36 @@ use atas_evaluation::judge::Screwing;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Scene;
 
+use super::Setting;
 use super::scenario::{Figure, Judged, Scenario};
-use super::seen::{SIDE, Seen};
+use super::seen::Seen;
 
 /// A cap on the neck of a clamped bottle.
 pub(super) struct Screw {
     argument: String,
-    scene: Scene,
-    goal: GoalRequest,
+    set: Setting,
 }
 
 impl Screw {
     /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = Scene::screw(super::cap(argument)?, super::object(Scene::BOTTLE)?, SIDE);
-        let scene = super::scene_of(Task::Screw, scene, running)?;
+        let scene = |side| {
+            Ok(Scene::screw(
+                super::cap(argument)?,
+                super::object(Scene::BOTTLE)?,
+                side,
+            ))
+        };
         Ok(Self {
             argument: argument.to_owned(),
-            goal: Task::Screw.goal(&scene)?,
-            scene,
+            set: Setting::of(Task::Screw, running, scene)?,
         })
     }
 }
 
 impl Scenario for Screw {
     fn name(&self) -> &str {
-        &self.scene.objects[0].object.name
+        &self.set.object().name
     }
 
     fn setting(&self) -> Vec<String> {
@@ -41,7 +45,7 @@ impl Scenario for Screw {
     }
 
     fn goal(&self) -> GoalRequest {
-        self.goal
+        self.set.goal
     }
 
     fn live(&self, truth: &WorldTruth) -> String {

@@ -1,13 +1,10 @@
 //! What is seen of one run, for whoever judges it.
 
 use atas_client::GoalProgress;
-use robot_model::Side;
 use shm_schemas::WorldTruth;
 
 use super::punctuality::Punctuality;
 
-/// The hand that acts.
-pub(super) const SIDE: Side = Side::Right;
 /// What was seen of a run.
 pub(super) struct Seen {
     pub(super) progress: GoalProgress,

@@ -178,10 +178,15 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         (None, None) => output.line("reaches nothing about where it rests: see `rest_deg`, `down` and `home_m`")?,
     }
     let able = hand.abilities();
+    let turn = if able.turns_by_wrist {
+        "turn a cap by its wrist"
+    } else {
+        "turn a cap between its fingertips"
+    };
     let words = [
         (able.lifts, "lift"),
         (able.carries, "carry aside"),
-        (able.turns_caps, "turn a cap between its fingertips"),
+        (able.turns_caps, turn),
     ];
     for (can, what) in words {
         output.line(format_args!(
@@ -245,7 +250,7 @@ fn hand_json(hand: &HandModel) -> Value {
             "x_m": space.x_m, "y_m": space.y_m, "z_m": space.z_m, "opening_m": space.opening_m,
         })),
         "turned_away": turned_away(hand),
-        "abilities": { "lifts": able.lifts, "carries": able.carries, "turns_caps": able.turns_caps },
+        "abilities": { "lifts": able.lifts, "carries": able.carries, "turns_caps": able.turns_caps, "turns_by_wrist": able.turns_by_wrist },
     })
 }
 

@@ -6,7 +6,7 @@ use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
 use crate::tasks::BehaviourTable;
 use crate::thresholds::Thresholds;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{ModuleId, Reason};
 
@@ -39,6 +39,8 @@ pub struct Context<'a> {
     pub closing_m_s: [f64; VIRTUAL_FINGERS],
     /// The commanded pose.
     pub frame: &'a GraspFrame,
+    /// The closing axis as the hand stands, base frame, unit length: that of the pose, turned by what the wrist does for the fingertips.
+    pub closing_axis: Vector3<f64>,
     /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
     pub turning: f64,
     /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.

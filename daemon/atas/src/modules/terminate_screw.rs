@@ -64,7 +64,7 @@ impl Module for TerminateScrew {
 /// Tangential force against the turn, in the patch frame so that the dome's geometry does not leak in, mean of the
 /// fingers, N.
 fn shear_n(percept: &Percept, context: &Context<'_>) -> f64 {
-    let n = context.frame.closing_axis();
+    let n = context.closing_axis;
     let ahead = Vector3::new(-n.y, n.x, 0.0) * context.turning;
     let fingers = percept.fingers.iter().zip(context.base_from_tip);
     // The first side turns ahead, the second back.

@@ -41,6 +41,8 @@ pub struct HandMotion<'a> {
     pub closing_m_s: [f64; VIRTUAL_FINGERS],
     /// The commanded pose.
     pub frame: &'a GraspFrame,
+    /// The closing axis as the hand stands, base frame, unit length.
+    pub closing_axis: Vector3<f64>,
     /// Measured orientation of each fingertip.
     pub base_from_tip: &'a [Matrix3<f64>],
 }
@@ -266,6 +268,7 @@ impl Runner {
             carry_scale: motion.carry_scale,
             closing_m_s: motion.closing_m_s,
             frame: motion.frame,
+            closing_axis: motion.closing_axis,
             base_from_tip: motion.base_from_tip,
             turning: self.waypoints.turning(),
             lowering_m: match self.step().motion {

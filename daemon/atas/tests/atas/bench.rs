@@ -83,6 +83,7 @@ impl Bench {
             carry_scale: self.carry_scale,
             closing_m_s: self.closing_m_s,
             frame: &self.frame,
+            closing_axis: self.frame.closing_axis(),
             turning: -1.0,
             lowering_m: self.lowering_m,
             lead: None,

@@ -45,6 +45,7 @@ pub(super) fn load_hand(
     findings: &mut Findings,
 ) -> Option<HandModel> {
     check_sides(entry, findings);
+    check_down(entry, findings);
     let chains = chains(tree, entry, findings)?;
     let mut hand = HandModel::absent(side);
     hand.finger_count = chains.tips.len();
@@ -82,6 +83,18 @@ fn check_sides(entry: &HandEntry, findings: &mut Findings) {
             findings.add(misfit(item(), was, "at least one on each side"));
         }
     }
+}
+
+/// The direction that points down, unit length.
+fn check_down(entry: &HandEntry, findings: &mut Findings) -> Option<Vector3<f64>> {
+    let down = Vector3::from(entry.down);
+    let is_direction = down.iter().all(|x| x.is_finite()) && down.norm() > 1e-9;
+    if !is_direction {
+        let item = format!("the `down` of palm `{}`", entry.palm);
+        findings.add(misfit(item, format!("{:?}", entry.down), "a direction"));
+        return None;
+    }
+    Some(down.normalize())
 }
 
 fn chains<'a>(tree: &Tree<'a>, entry: &HandEntry, findings: &mut Findings) -> Option<Chains<'a>> {
@@ -300,14 +313,7 @@ fn load_links(
     frames: &[Framed],
     findings: &mut Findings,
 ) -> Option<()> {
-    let down = Vector3::from(entry.down);
-    let item = || format!("the `down` of palm `{}`", entry.palm);
-    let is_direction = down.iter().all(|x| x.is_finite()) && down.norm() > 1e-9;
-    if !is_direction {
-        findings.add(misfit(item(), format!("{:?}", entry.down), "a direction"));
-        return None;
-    }
-    hand.pointing = down.normalize();
+    hand.pointing = check_down(entry, findings)?;
     hand.palm = mounted(&chains.palm, frames).0;
     for (index, (chain, entry)) in chains.tips.iter().zip(&entry.fingers).enumerate() {
         let link = findings.note(name(&entry.tip));

@@ -11,19 +11,10 @@ use crate::support::assert_near;
 
 const DT_S: f64 = 1e-3;
 
-/// A hand whose kinematics are solved; the controller does not hold with it yet.
-fn three_fingers() -> RobotFiles {
-    RobotFiles {
-        name: "arm6-three-finger".into(),
-        urdf: include_str!("../robots/arm6-three-finger/robot.urdf").into(),
-        robot_file: include_str!("../robots/arm6-three-finger/robot.toml").into(),
-    }
-}
-
 /// Robots of other structures than the two-hand arm.
 fn robots() -> Vec<RobotFiles> {
     let [_, others @ ..] = SHIPPED;
-    others.into_iter().chain([three_fingers()]).collect()
+    others.into()
 }
 
 fn load(robot: &RobotFiles) -> RobotModel {
@@ -48,8 +39,8 @@ fn what_was_understood() {
     // Joints, of which the arm's, and those that move more than one fingertip; fingertips and the side of each.
     let wanted: [(usize, usize, usize, &[usize]); 3] = [
         (8, 7, 8, &[0, 1]),
-        (2, 1, 2, &[0, 1]),
         (12, 6, 6, &[0, 0, 1]),
+        (2, 1, 2, &[0, 1]),
     ];
     for (robot, (joints, arm, trunk, sides)) in robots().iter().zip(wanted) {
         let model = load(robot);
@@ -178,6 +169,109 @@ fn a_grasp_below_home_is_reached_and_followed() {
         }
         assert!(worst_m < 1e-6, "{}: {worst_m} m off", robot.name);
     }
+}
+
+/// The robot files' workspaces: every grasp of a grid has a posture, whatever its closing axis if the wrist turns that far.
+#[test]
+fn every_grasp_of_a_workspace_has_a_posture() {
+    for robot in &robots() {
+        let model = load(robot);
+        let hand = model.hand(Side::Right);
+        let space = *hand.workspace().expect("its robot file has one");
+        let yaws_deg: &[f64] = match &*robot.name {
+            "test-bench" => &[0.0],
+            "three-finger" => &[-30.0, 0.0, 30.0],
+            _ => &[-90.0, -60.0, -30.0, 0.0, 30.0, 60.0],
+        };
+        let along = |[from, to]: [f64; 2]| {
+            [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|share| from + (to - from) * share)
+        };
+        let mut missed = Vec::new();
+        for x in along(space.x_m) {
+            for y in along(space.y_m) {
+                for z in along(space.z_m) {
+                    for opening_m in along(space.opening_m) {
+                        for yaw_deg in yaws_deg {
+                            let centre_m = Vector3::new(x, y, z);
+                            let yaw = hand.home_yaw_rad() + yaw_deg.to_radians();
+                            let yaw = hand.closing_yaw_rad(&centre_m, yaw);
+                            let grasp = GraspFrame::from_above(centre_m, yaw, opening_m);
+                            if let Err(error) = hand.posture_for(&grasp) {
+                                missed.push((centre_m, opening_m, yaw_deg, error.to_string()));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(
+            missed.is_empty(),
+            "{}: {} such as {:?}",
+            robot.name,
+            missed.len(),
+            missed[0]
+        );
+    }
+}
+
+/// A gripper turns a cap by its wrist as far as fingertips that pass each other would go round it; what stands on a stage cannot.
+#[test]
+fn a_gripper_turns_a_cap_by_its_wrist() {
+    let check = |robot: &str, turns_caps: bool, turns_by_wrist: bool| {
+        let model = RobotModel::find(robot).expect("it ships");
+        let able = model.hand(Side::Right).abilities();
+        let wanted = (turns_caps, turns_by_wrist);
+        assert_eq!((able.turns_caps, able.turns_by_wrist), wanted, "{robot}");
+    };
+    check("two-hand-arm", true, false);
+    check("arm7-gripper", true, true);
+    // Its two fingers stand farther apart than a cap is wide.
+    check("three-finger", false, true);
+    check("test-bench", false, false);
+    let model = RobotModel::find("arm7-gripper").expect("it ships");
+    let hand = model.hand(Side::Right);
+    let mut grasp = GraspFrame::from_above(hand.home_m(), hand.home_yaw_rad(), 0.03);
+    grasp.tangential_m = [0.006, -0.006];
+    let posture = hand.posture_for(&grasp).expect("it turns that far");
+    let pose = hand.forward(&posture.q_rad);
+    let across = pose.side_m(0) - pose.side_m(1);
+    let turned_rad = across.y.atan2(across.x) - hand.home_yaw_rad();
+    assert!((turned_rad - 0.006 / 0.012).abs() < 1e-6, "{turned_rad}");
+}
+
+/// What the two fingers of one side are asked for beyond their middle they take if they can, and never at its expense: each closes
+/// ahead of the other; neither goes away from the other, because both bend in parallel planes.
+#[test]
+fn fingers_of_one_side_meet_by_their_middle() {
+    let model = RobotModel::find("three-finger").expect("it ships");
+    let hand = model.hand(Side::Right);
+    let home_m = hand.home_m();
+    let grasp = GraspFrame::from_above(home_m, hand.home_yaw_rad(), 0.04);
+    let start = hand.posture_for(&grasp).expect("it gets there").q_rad;
+    // How far the first finger shall be from where it is, the second the other way; whether it gets there.
+    let check = |apart_m: Vector3<f64>, gets_there: bool| {
+        let mut target = grasp.target(hand);
+        target.tip_m[0] += apart_m;
+        target.tip_m[1] -= apart_m;
+        let (middle_m, thumb_m) = ((target.tip_m[0] + target.tip_m[1]) / 2.0, target.tip_m[2]);
+        let mut pose = hand.forward(&start);
+        for _ in 0..3000 {
+            let jacobian = hand.jacobian(&pose);
+            let step = hand.ik_step(&pose, &jacobian, &target, DT_S, &IkWeights::TICK);
+            assert_ne!(step.status, IkStatus::Failed, "{apart_m:?}");
+            pose = hand.forward(&step.q_rad);
+        }
+        let missed_m = (pose.side_m(0) - middle_m).norm() + (pose.side_m(1) - thumb_m).norm();
+        assert!(missed_m < 1e-6, "{apart_m:?}: {missed_m} m off");
+        let left_m = (pose.tip_m(0) - target.tip_m[0]).norm() / apart_m.norm();
+        assert!((left_m < 0.3) == gets_there, "{apart_m:?}: {left_m} left");
+    };
+    let closing = grasp.closing_axis();
+    let beside = closing.cross(&Vector3::z());
+    check(closing * 0.003, true);
+    check(closing * -0.003, true);
+    check(beside * 0.0005, false);
+    check(beside * -0.0005, false);
 }
 
 /// Asked to close from one side only, a gripper whose jaws move together meets in the middle if its arm cannot give way.

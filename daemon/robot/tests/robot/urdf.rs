@@ -203,7 +203,7 @@ fn what_cannot_be_found_is_named() {
     );
     check(
         "two-hand-arn",
-        "needs one of two-hand-arm, arm7-gripper, test-bench",
+        "needs one of two-hand-arm, arm7-gripper, three-finger, test-bench",
     );
 }
 
