@@ -48,7 +48,7 @@ const OF_FINGER: [Scalar<FingerReport>; 6] = [
 ];
 
 /// Who takes the messages.
-pub(super) trait Outlet {
+pub trait Outlet {
     /// Opens a topic for messages of one type; `unit` is empty where there is none.
     ///
     /// # Errors
@@ -95,7 +95,7 @@ struct Topics {
 }
 
 /// A run as messages.
-pub(super) struct Messages<O> {
+pub struct Messages<O> {
     outlet: O,
     subject: Subject,
     topics: Topics,
@@ -158,7 +158,8 @@ impl OfHand {
 
 impl<O: Outlet> Messages<O> {
     /// Into `outlet`, with transforms and point clouds `pictures_hz` times a second.
-    pub(super) fn new(outlet: O, subject: Subject, pictures_hz: f64) -> Self {
+    #[must_use]
+    pub fn new(outlet: O, subject: Subject, pictures_hz: f64) -> Self {
         let topics = Topics {
             description: Topic::new("/robot_description", &ros::TEXT, ""),
             joints: Topic::new("/joint_states", &ros::JOINT_STATE, "rad, rad/s, N·m"),
@@ -192,17 +193,14 @@ impl<O: Outlet> Messages<O> {
     ///
     /// # Errors
     /// The outlet does not take it.
-    pub(super) fn row(&mut self, row: &Row) -> anyhow::Result<()> {
+    pub fn row(&mut self, row: &Row) -> anyhow::Result<()> {
         let unix_ns = self.subject.clock.unix_ns(row.captured_ns);
         let is_picture = unix_ns >= self.next_picture_ns;
         if is_picture {
             self.next_picture_ns = unix_ns.saturating_add(self.picture_ns);
         }
-        if !std::mem::replace(&mut self.has_description, true) {
-            self.cdr.begin().text(&self.subject.urdf);
-            self.topics
-                .description
-                .send(&mut self.outlet, unix_ns, &self.cdr)?;
+        if !self.has_description {
+            self.describe(row.captured_ns)?;
         }
         if let Some(inputs) = &row.inputs {
             if let Some(joints) = &inputs.joints {
@@ -225,6 +223,19 @@ impl<O: Outlet> Messages<O> {
         }
         let mut events = row.events.iter();
         events.try_for_each(|event| self.event(unix_ns, event))
+    }
+
+    /// Sends the robot's URDF, as the first row does: again for those who came later.
+    ///
+    /// # Errors
+    /// The outlet does not take it.
+    pub fn describe(&mut self, captured_ns: u64) -> anyhow::Result<()> {
+        self.has_description = true;
+        self.cdr.begin().text(&self.subject.urdf);
+        let unix_ns = self.subject.clock.unix_ns(captured_ns);
+        self.topics
+            .description
+            .send(&mut self.outlet, unix_ns, &self.cdr)
     }
 
     fn joints(&mut self, joints: &JointState) -> anyhow::Result<()> {
