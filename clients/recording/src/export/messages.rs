@@ -6,13 +6,13 @@
 //! | `/HAND/fingerN/wrench` | geometry_msgs/WrenchStamped, frame of the fingertip | every frame |
 //! | `/HAND/fingerN/elements` | sensor_msgs/PointCloud2: x y z, fx fy fz, force; frame of the fingertip | with each picture |
 //! | `/tf` | tf2_msgs/TFMessage: every link | with each picture |
-//! | `/HAND/f1`, `/HAND/fingerN/normal`, ... | std_msgs/Float64 | every tick |
-//! | `/HAND/module/NAME` | std_msgs/Float64, 1 while active | when it changes, and with each picture |
-//! | `/mode`, `/tick/wake_late` | std_msgs/Float64 | every tick |
+//! | `/HAND/f1`, `/HAND/fingerN/normal`, ... | std_msgs/Float64 | when it changes, and with each picture |
+//! | `/HAND/module/NAME` | std_msgs/Float64, 1 while active | the same |
+//! | `/mode`, `/tick/wake_late` | std_msgs/Float64 | the same |
 //! | `/events` | rcl_interfaces/Log | when it happens |
 //! | `/robot_description` | std_msgs/String: the URDF | once |
 //!
-//! Some forty messages per tick: topics are named once, not for each of them.
+//! Up to forty messages per tick: topics are named once, not for each of them.
 
 use atas_client::words;
 use shm_schemas::{
@@ -68,6 +68,8 @@ struct Topic {
     of: &'static MessageType,
     unit: &'static str,
     channel: Option<u16>,
+    /// The number that was sent last, if it carries one.
+    last: Option<f64>,
 }
 
 struct OfFinger {
@@ -105,7 +107,6 @@ pub struct Messages<O> {
     next_cloud_ns: [u64; 2],
     /// Joint positions that the transforms follow from, rad.
     q_rad: Vec<f64>,
-    modules_active: [u32; 2],
     has_description: bool,
 }
 
@@ -116,6 +117,7 @@ impl Topic {
             of,
             unit,
             channel: None,
+            last: None,
         }
     }
 
@@ -179,7 +181,6 @@ impl<O: Outlet> Messages<O> {
             next_picture_ns: 0,
             next_cloud_ns: [0; 2],
             q_rad: Vec::new(),
-            modules_active: [0; 2],
             has_description: false,
         }
     }
@@ -318,10 +319,14 @@ impl<O: Outlet> Messages<O> {
             outlet,
             topics,
             cdr,
-            modules_active,
             ..
         } = self;
+        // Between two messages of a topic its number is what it was.
         let mut scalar = |topic: &mut Topic, value: f64| {
+            let is_known = topic.last.replace(value) == Some(value);
+            if is_known && !is_picture {
+                return Ok(());
+            }
             cdr.scalar(value);
             topic.send(outlet, unix_ns, cdr)
         };
@@ -338,16 +343,8 @@ impl<O: Outlet> Messages<O> {
                     scalar(topic, value(finger).into())?;
                 }
             }
-            let active = hand.modules_active;
-            let before = std::mem::replace(&mut modules_active[index], active);
-            if before == active && !is_picture {
-                continue;
-            }
             for (id, topic) in &mut topics.modules {
-                let [was, is] = [before, active].map(|bits| bits >> id.0 & 1);
-                if was != is || is_picture {
-                    scalar(topic, f64::from(is))?;
-                }
+                scalar(topic, f64::from(hand.modules_active >> id.0 & 1))?;
             }
         }
         Ok(())
