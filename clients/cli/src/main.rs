@@ -7,7 +7,7 @@
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
 //!                                   ├─ doctor ──────────▶ can this machine hold the tick
 //!                                   ├─ recordings ───────────▶ atas-recording
-//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, robot, calibrate, bench, record, replay, explain; `atas-live`: dashboard
+//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, robot, calibrate, bench, record, replay, explain; `atas-live`: dashboard, foxglove
 //! ```
 //!
 //! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
@@ -85,7 +85,8 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Robot { .. }
         | Command::Replay { .. }
         | Command::Explain(_)
-        | Command::Dashboard(_) => neighbours::hand_over(command.program()),
+        | Command::Dashboard(_)
+        | Command::Foxglove(_) => neighbours::hand_over(command.program()),
     }
 }
 

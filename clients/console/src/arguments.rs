@@ -30,7 +30,7 @@ mod values;
 
 pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoBy};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
-pub use dashboards::Dashboard;
+pub use dashboards::{Dashboard, Foxglove};
 pub use demos::{
     Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoPickPlace, DemoScrew, DemoSwarm, Running,
 };
@@ -182,6 +182,8 @@ pub enum Command {
     Export(Export),
     /// Look on in a browser: fingertips, forces, modules, the robot; a running daemon or a recording
     Dashboard(Dashboard),
+    /// Serve the live topics and the robot to Foxglove, over its WebSocket protocol
+    Foxglove(Foxglove),
     /// Check this machine, the bus and the daemon, and say what to do; exit code 1 if anything fails
     Doctor(BusArgument),
     /// Print the completions of a shell
@@ -211,7 +213,7 @@ impl Command {
             | Self::Record { action: None, .. }
             | Self::Replay { .. }
             | Self::Explain(_) => Program::Lab,
-            Self::Dashboard(_) => Program::Live,
+            Self::Dashboard(_) | Self::Foxglove(_) => Program::Live,
             _ => Program::Operator,
         }
     }

@@ -88,6 +88,7 @@ fn accepted() {
     check("atas export run.mcap --to csv --elements --out x.csv");
     check("atas dashboard --bus b --port 0 --robot mine.urdf");
     check("atas dashboard --recording run.mcap run-001.mcap");
+    check("atas foxglove --port 0 --robot mine.toml --bus b");
     check("atas top --bus b");
     check("atas topic list");
     check("atas topic echo status --count 3");

@@ -1,12 +1,13 @@
-//! `atas-live`: looking on, in a browser.
+//! `atas-live`: looking on, in a browser or in Foxglove.
 //!
 //! ```text
 //!  bus ─▶ observe (a thread) ─▶ Feed ─▶ server ─▶ page        live: pictures, events, faults, as they come
 //!  recording ─▶ shelf ─────────────────▶ server ─▶ page        recorded: the same pictures, by their number
+//!  bus ─▶ foxglove ─▶ ROS 2 messages over a WebSocket              live, for layouts of one's own
 //!  page ─▶ server ─ guard ─▶ control ─▶ bus                    stop and recover, with a token
 //! ```
 //!
-//! * **In:** the streams of the daemon's non-real-time side, or a recording; a robot's URDF. **Out:** a page on 127.0.0.1.
+//! * **In:** the streams of the daemon's non-real-time side, or a recording; a robot's URDF. **Out:** a page, or messages, on 127.0.0.1.
 //! * **Invariants:** an observer: nothing here is a peer of the 1 kHz loop. Only this machine is served, only pages of this
 //!   server are answered, nothing is fetched from elsewhere. Whoever has no token changes nothing. A page that does not read
 //!   costs a bounded amount of memory.
@@ -15,6 +16,7 @@
 mod control;
 mod faults;
 mod feed;
+mod foxglove;
 mod guard;
 mod observe;
 mod page;
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
 fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
     match command {
         Command::Dashboard(arguments) => server::dashboard(arguments, interrupt, output),
+        Command::Foxglove(arguments) => foxglove::foxglove(arguments, interrupt, output),
         _ => Err(Ended::with(
             Exit::Usage,
             "this is the part of the command that looks on; ask `atas` for it",

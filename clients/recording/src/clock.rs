@@ -28,6 +28,16 @@ impl Clock {
         ]
     }
 
+    /// The clock of what happens now on this machine, in real time.
+    #[must_use]
+    pub fn of_this_machine() -> Self {
+        let mut clock = Self::default();
+        let noted = Self::now().map(|(key, value)| (key.to_owned(), value));
+        clock.learn(&noted.into());
+        clock.settle(0, false);
+        clock
+    }
+
     /// Takes in what the first file notes; later files of the run keep its clock.
     pub(crate) fn learn(&mut self, noted: &BTreeMap<String, String>) {
         let number = |key: &str| noted.get(key)?.parse::<i64>().ok();

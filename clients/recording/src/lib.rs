@@ -34,7 +34,7 @@ mod writer;
 pub use check::{Contents, check, repair};
 pub use clock::Clock;
 pub use diff::{Difference, command_difference, diff};
-pub use export::{Choices, Exported, Kind, export};
+pub use export::{Choices, Exported, Kind, MessageType, Messages, Outlet, Subject, export};
 pub use follower::{Follower, state};
 pub use payloads::Recorded;
 pub use reader::{Entry, Reader, payload};

@@ -6,6 +6,7 @@ mod determinism;
 mod explain;
 mod faults;
 mod follow;
+mod foxglove;
 mod guide;
 mod imports;
 mod optoforce;

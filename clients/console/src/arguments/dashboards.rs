@@ -1,4 +1,4 @@
-//! What `atas dashboard` may be told.
+//! What `atas dashboard` and `atas foxglove` may be told.
 
 use std::path::PathBuf;
 
@@ -18,6 +18,23 @@ pub struct Dashboard {
     /// The robot that is drawn, as the daemon was told; a recording knows its own
     #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
     pub robot: String,
+    /// Which daemon
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
+/// `atas foxglove`.
+#[derive(Args, Clone, Debug)]
+pub struct Foxglove {
+    /// Port on this machine; 0 for any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 8765)]
+    pub port: u16,
+    /// The robot that is described, as the daemon was told
+    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
+    pub robot: String,
+    /// Print a layout to import, and end
+    #[arg(long)]
+    pub print_layout: bool,
     /// Which daemon
     #[command(flatten)]
     pub bus: BusArgument,

@@ -328,6 +328,15 @@ const HELPS: &[Help] = &[
         "one object: url, port, token; then one whenever pages open or close: pages",
     ),
     Help(
+        "foxglove",
+        &[
+            "atas foxglove",
+            "atas foxglove --port 0 --bus left-arm",
+            "atas foxglove --print-layout",
+        ],
+        "one object: url, port",
+    ),
+    Help(
         "top",
         &["atas top", "atas top --bus left-arm"],
         "not used: a screen",

@@ -6,13 +6,13 @@
 //! | `/HAND/fingerN/wrench` | geometry_msgs/WrenchStamped, frame of the fingertip | every frame |
 //! | `/HAND/fingerN/elements` | sensor_msgs/PointCloud2: x y z, fx fy fz, force; frame of the fingertip | with each picture |
 //! | `/tf` | tf2_msgs/TFMessage: every link | with each picture |
-//! | `/HAND/f1`, `/HAND/fingerN/normal`, ... | std_msgs/Float64 | every tick |
-//! | `/HAND/module/NAME` | std_msgs/Float64, 1 while active | when it changes, and with each picture |
-//! | `/mode`, `/tick/wake_late` | std_msgs/Float64 | every tick |
+//! | `/HAND/f1`, `/HAND/fingerN/normal`, ... | std_msgs/Float64 | when it changes, and with each picture |
+//! | `/HAND/module/NAME` | std_msgs/Float64, 1 while active | the same |
+//! | `/mode`, `/tick/wake_late` | std_msgs/Float64 | the same |
 //! | `/events` | rcl_interfaces/Log | when it happens |
 //! | `/robot_description` | std_msgs/String: the URDF | once |
 //!
-//! Some forty messages per tick: topics are named once, not for each of them.
+//! Up to forty messages per tick: topics are named once, not for each of them.
 
 use atas_client::words;
 use shm_schemas::{
@@ -48,7 +48,7 @@ const OF_FINGER: [Scalar<FingerReport>; 6] = [
 ];
 
 /// Who takes the messages.
-pub(super) trait Outlet {
+pub trait Outlet {
     /// Opens a topic for messages of one type; `unit` is empty where there is none.
     ///
     /// # Errors
@@ -68,6 +68,8 @@ struct Topic {
     of: &'static MessageType,
     unit: &'static str,
     channel: Option<u16>,
+    /// The number that was sent last, if it carries one.
+    last: Option<f64>,
 }
 
 struct OfFinger {
@@ -95,7 +97,7 @@ struct Topics {
 }
 
 /// A run as messages.
-pub(super) struct Messages<O> {
+pub struct Messages<O> {
     outlet: O,
     subject: Subject,
     topics: Topics,
@@ -105,7 +107,6 @@ pub(super) struct Messages<O> {
     next_cloud_ns: [u64; 2],
     /// Joint positions that the transforms follow from, rad.
     q_rad: Vec<f64>,
-    modules_active: [u32; 2],
     has_description: bool,
 }
 
@@ -116,6 +117,7 @@ impl Topic {
             of,
             unit,
             channel: None,
+            last: None,
         }
     }
 
@@ -158,7 +160,8 @@ impl OfHand {
 
 impl<O: Outlet> Messages<O> {
     /// Into `outlet`, with transforms and point clouds `pictures_hz` times a second.
-    pub(super) fn new(outlet: O, subject: Subject, pictures_hz: f64) -> Self {
+    #[must_use]
+    pub fn new(outlet: O, subject: Subject, pictures_hz: f64) -> Self {
         let topics = Topics {
             description: Topic::new("/robot_description", &ros::TEXT, ""),
             joints: Topic::new("/joint_states", &ros::JOINT_STATE, "rad, rad/s, N·m"),
@@ -178,7 +181,6 @@ impl<O: Outlet> Messages<O> {
             next_picture_ns: 0,
             next_cloud_ns: [0; 2],
             q_rad: Vec::new(),
-            modules_active: [0; 2],
             has_description: false,
         }
     }
@@ -192,17 +194,14 @@ impl<O: Outlet> Messages<O> {
     ///
     /// # Errors
     /// The outlet does not take it.
-    pub(super) fn row(&mut self, row: &Row) -> anyhow::Result<()> {
+    pub fn row(&mut self, row: &Row) -> anyhow::Result<()> {
         let unix_ns = self.subject.clock.unix_ns(row.captured_ns);
         let is_picture = unix_ns >= self.next_picture_ns;
         if is_picture {
             self.next_picture_ns = unix_ns.saturating_add(self.picture_ns);
         }
-        if !std::mem::replace(&mut self.has_description, true) {
-            self.cdr.begin().text(&self.subject.urdf);
-            self.topics
-                .description
-                .send(&mut self.outlet, unix_ns, &self.cdr)?;
+        if !self.has_description {
+            self.describe(row.captured_ns)?;
         }
         if let Some(inputs) = &row.inputs {
             if let Some(joints) = &inputs.joints {
@@ -225,6 +224,19 @@ impl<O: Outlet> Messages<O> {
         }
         let mut events = row.events.iter();
         events.try_for_each(|event| self.event(unix_ns, event))
+    }
+
+    /// Sends the robot's URDF, as the first row does: again for those who came later.
+    ///
+    /// # Errors
+    /// The outlet does not take it.
+    pub fn describe(&mut self, captured_ns: u64) -> anyhow::Result<()> {
+        self.has_description = true;
+        self.cdr.begin().text(&self.subject.urdf);
+        let unix_ns = self.subject.clock.unix_ns(captured_ns);
+        self.topics
+            .description
+            .send(&mut self.outlet, unix_ns, &self.cdr)
     }
 
     fn joints(&mut self, joints: &JointState) -> anyhow::Result<()> {
@@ -307,10 +319,14 @@ impl<O: Outlet> Messages<O> {
             outlet,
             topics,
             cdr,
-            modules_active,
             ..
         } = self;
+        // Between two messages of a topic its number is what it was.
         let mut scalar = |topic: &mut Topic, value: f64| {
+            let is_known = topic.last.replace(value) == Some(value);
+            if is_known && !is_picture {
+                return Ok(());
+            }
             cdr.scalar(value);
             topic.send(outlet, unix_ns, cdr)
         };
@@ -327,16 +343,8 @@ impl<O: Outlet> Messages<O> {
                     scalar(topic, value(finger).into())?;
                 }
             }
-            let active = hand.modules_active;
-            let before = std::mem::replace(&mut modules_active[index], active);
-            if before == active && !is_picture {
-                continue;
-            }
             for (id, topic) in &mut topics.modules {
-                let [was, is] = [before, active].map(|bits| bits >> id.0 & 1);
-                if was != is || is_picture {
-                    scalar(topic, f64::from(is))?;
-                }
+                scalar(topic, f64::from(hand.modules_active >> id.0 & 1))?;
             }
         }
         Ok(())

@@ -5,7 +5,7 @@
 //!                  └─ table ─▶ csv, parquet: one row per tick, for notebooks
 //! ```
 //!
-//! One thread reads, another writes.
+//! One thread reads, another writes. [`Messages`] serves what happens now as well, to whoever takes them ([`Outlet`]).
 //!
 //! * **Invariants:** sensor time becomes wall-clock time by one offset for the whole run ([`crate::Clock`]). A file never
 //!   overwrites another. What was not recorded is left out, not made up.
@@ -29,7 +29,9 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use anyhow::Context;
 
 use crate::rows::{Row, Rows};
-use subject::Subject;
+pub use messages::{Messages, Outlet};
+pub use ros::MessageType;
+pub use subject::Subject;
 
 /// Rows that may wait between the reading and the writing thread (ours: half a second, some 8 MiB).
 const WAITING: usize = 512;

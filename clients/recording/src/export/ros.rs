@@ -7,9 +7,9 @@ use super::cdr::Cdr;
 
 /// A ROS 2 message type: its name, its definition, and the types in it.
 #[derive(Debug)]
-pub(super) struct MessageType {
+pub struct MessageType {
     /// Its name, for example `std_msgs/msg/Float64`.
-    pub(super) name: &'static str,
+    pub name: &'static str,
     definition: &'static str,
     parts: &'static [(&'static str, &'static str)],
 }
@@ -93,12 +93,13 @@ pub(super) const LOG: MessageType = MessageType {
 
 impl MessageType {
     /// The language of its definition, as MCAP names it.
-    pub(super) const LANGUAGE: &'static str = "ros2msg";
+    pub const LANGUAGE: &'static str = "ros2msg";
     /// How its messages are written.
-    pub(super) const ENCODING: &'static str = "cdr";
+    pub const ENCODING: &'static str = "cdr";
 
     /// The definition with those of its parts.
-    pub(super) fn schema(&self) -> String {
+    #[must_use]
+    pub fn schema(&self) -> String {
         let parts = self
             .parts
             .iter()

@@ -1,7 +1,7 @@
 //! What messages and tables are about: the robot, its sensors, the clock.
 
 use anyhow::Context;
-use robot_model::{Side, Skeleton};
+use robot_model::{RobotFiles, Side, Skeleton};
 use shm_schemas::Layout;
 
 use crate::clock::Clock;
@@ -10,7 +10,7 @@ use crate::rows::Rows;
 
 /// A robot, its sensors, and the clock that its stamps are of.
 #[derive(Debug)]
-pub(super) struct Subject {
+pub struct Subject {
     pub(super) urdf: String,
     pub(super) skeleton: Skeleton,
     /// Names of the links that carry the fingertips, per hand.
@@ -32,20 +32,44 @@ impl Subject {
         let text = |text: Option<String>| text.unwrap_or_else(|| "not recorded".to_owned());
         let version = text(header.map(|h| h.version.to_string()));
         let hash = text(header.map(|h| format!("{:016x}", h.config_hash)));
-        let files = origin::robot(header)?;
-        let skeleton = files
-            .skeleton()
-            .context("could not load the recorded robot")?;
-        let robot = files.load().context("could not load the recorded robot")?;
+        let about = Self::about(
+            origin::robot(header)?,
+            origin::layouts(header),
+            origin::fingers(header),
+        );
+        Ok(Self {
+            clock: rows.clock(),
+            made_by: [("atas.daemon_version", version), ("atas.config_hash", hash)],
+            ..about.context("could not load the recorded robot")?
+        })
+    }
+
+    /// Of a robot that moves now, stamped by this machine's clock.
+    ///
+    /// # Errors
+    /// The robot cannot be loaded.
+    pub fn live(
+        files: RobotFiles,
+        layouts: [Layout; 2],
+        fingers: [usize; 2],
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            clock: Clock::of_this_machine(),
+            ..Self::about(files, layouts, fingers)?
+        })
+    }
+
+    fn about(files: RobotFiles, layouts: [Layout; 2], fingers: [usize; 2]) -> anyhow::Result<Self> {
+        let (skeleton, robot) = (files.skeleton()?, files.load()?);
         let tips = |side| robot.hand(side).tip_links().map(str::to_owned).collect();
         Ok(Self {
             urdf: files.urdf.into_owned(),
             skeleton,
             tips: Side::BOTH.map(tips),
-            layouts: origin::layouts(header),
-            fingers: origin::fingers(header),
-            clock: rows.clock(),
-            made_by: [("atas.daemon_version", version), ("atas.config_hash", hash)],
+            layouts,
+            fingers,
+            clock: Clock::default(),
+            made_by: Default::default(),
         })
     }
 }

@@ -1,0 +1,205 @@
+//! `atas foxglove`: a running daemon over Foxglove's WebSocket protocol, for those who have layouts of their own.
+//!
+//! The topics and types are those of an exported recording ([`atas_recording::Messages`]), so that one layout serves both.
+//! Whoever connects reads; nothing can be asked or changed. Only this machine is served.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use atas_client::{ClientError, Session, Watch, layouts};
+use atas_console::arguments::Foxglove;
+use atas_console::{Interrupt, Output};
+use atas_recording::{MessageType, Messages, Outlet, Row, RowInputs, Subject};
+use foxglove::{Context, PartialMetadata, RawChannel, Schema};
+use robot_model::RobotFiles;
+use serde_json::json;
+use shm_schemas::capacity::{FINGERS, HANDS};
+use shm_schemas::{JointCommand, Layout, ModuleEvent, TickReport, View};
+
+/// Time between two looks at the bus: sixty a second.
+const LOOK: Duration = Duration::from_nanos(16_666_667);
+/// Pause before a bus that is not there is looked for again.
+const AGAIN: Duration = Duration::from_millis(300);
+/// Pause between two times that the robot is described: whoever connects later sees it, too.
+const DESCRIBE: Duration = Duration::from_secs(1);
+/// Transforms and point clouds per second: one with every look.
+const PICTURES_HZ: f64 = 60.0;
+/// Panels for the topics that there are: 3-D, forces, slip, modules, events.
+const LAYOUT: &str = include_str!("../foxglove-layout.json");
+
+/// `atas foxglove`.
+pub(crate) fn foxglove(
+    arguments: &Foxglove,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    if arguments.print_layout {
+        return output.bytes(LAYOUT.as_bytes());
+    }
+    let robot = RobotFiles::find(&arguments.robot)?;
+    let context = Context::new();
+    let server = context.websocket_server().name("atas");
+    let server = server.bind("127.0.0.1", arguments.port).start_blocking();
+    let server = server.with_context(|| {
+        let port = arguments.port;
+        format!("could not listen on port {port} of this machine; name another one with --port, or 0 for any")
+    })?;
+    announce(server.port(), output)?;
+    while !interrupt.is_set() {
+        if let Err(error) = observe(arguments, &robot, &context, interrupt) {
+            tracing::debug!("{error:#}");
+            std::thread::sleep(AGAIN);
+        }
+    }
+    server.stop().wait_blocking();
+    Ok(())
+}
+
+fn announce(port: u16, output: &mut Output) -> anyhow::Result<()> {
+    let url = format!("ws://127.0.0.1:{port}");
+    if output.is_json() {
+        return output.json(&json!({ "url": url, "port": port }));
+    }
+    output.line(format_args!(
+        "open {url} in Foxglove (Open connection, Foxglove WebSocket); `atas foxglove --print-layout > atas.json` is a layout \
+         to import; Ctrl-C ends the server"
+    ))
+}
+
+/// A daemon that is not there yet, dies or comes back is no end.
+fn observe(
+    arguments: &Foxglove,
+    robot: &RobotFiles,
+    context: &Arc<Context>,
+    interrupt: &Interrupt,
+) -> anyhow::Result<()> {
+    let session = Session::existing(&arguments.bus.bus)?;
+    let mut watch = Watch::join(&session)?;
+    let mut teller = Teller::new(robot, context);
+    let mut due = Instant::now();
+    while !interrupt.is_set() {
+        let (mut reports, mut events) = (Vec::new(), Vec::new());
+        watch.look(|report| reports.push(*report), |event| events.push(*event))?;
+        teller.tell(&watch.view, reports, &events)?;
+        // Late once is late once: what was missed is not caught up with.
+        due = (due + LOOK).max(Instant::now());
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        if !watch.is_alive() && watch.status.pid != 0 {
+            // A successor may stand on a bus made anew.
+            return Err(ClientError::NoDaemon {
+                bus: arguments.bus.bus.to_string(),
+                folder: session.bus().folder().to_owned(),
+            }
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// What the fingertips are: layout hash and fingers of each hand.
+type Skin = [(u64, usize); HANDS];
+
+/// From what the bus says to messages.
+struct Teller<'a> {
+    robot: &'a RobotFiles,
+    context: &'a Arc<Context>,
+    skin: Skin,
+    messages: Option<Messages<Channels>>,
+    described: Instant,
+}
+
+impl<'a> Teller<'a> {
+    fn new(robot: &'a RobotFiles, context: &'a Arc<Context>) -> Self {
+        Self {
+            robot,
+            context,
+            skin: Skin::default(),
+            messages: None,
+            described: Instant::now(),
+        }
+    }
+
+    fn tell(
+        &mut self,
+        view: &View,
+        reports: Vec<TickReport>,
+        events: &[ModuleEvent],
+    ) -> anyhow::Result<()> {
+        let skin: Skin = view
+            .frames
+            .each_ref()
+            .map(|f| (f.layout_hash, (f.finger_count as usize).min(FINGERS)));
+        if self.messages.is_none() || skin != self.skin {
+            self.skin = skin;
+            let layouts =
+                skin.map(|(hash, _)| layouts::named(hash).unwrap_or_else(Layout::dome_41));
+            let subject = Subject::live(self.robot.clone(), layouts, skin.map(|(_, n)| n))?;
+            let channels = Channels {
+                context: Arc::clone(self.context),
+                open: Vec::new(),
+            };
+            self.messages = Some(Messages::new(channels, subject, PICTURES_HZ));
+        }
+        let Some(messages) = &mut self.messages else {
+            return Ok(());
+        };
+        if self.described.elapsed() >= DESCRIBE {
+            self.described = Instant::now();
+            messages.describe(view.stamp.captured_ns)?;
+        }
+        rows(view, reports, events)
+            .iter()
+            .try_for_each(|row| messages.row(row))
+    }
+}
+
+/// One row per report; the newest has the frames, the joints and the events.
+fn rows(view: &View, reports: Vec<TickReport>, events: &[ModuleEvent]) -> Vec<Row> {
+    let row = |report: TickReport| Row {
+        tick: report.tick,
+        captured_ns: report.stamp.captured_ns,
+        report: Some(Box::new(report)),
+        ..Row::default()
+    };
+    let mut rows: Vec<Row> = reports.into_iter().map(row).collect();
+    if let Some(newest) = rows.last_mut() {
+        let frame = |hand: usize| (view.has_frame[hand] != 0).then_some(view.frames[hand]);
+        newest.inputs = Some(Box::new(RowInputs {
+            frames: std::array::from_fn(frame),
+            joints: (view.has_joints != 0).then_some(view.joints),
+            command: JointCommand::default(),
+        }));
+        newest.events = events.to_vec();
+    }
+    rows
+}
+
+/// Topics of the server. One that is opened again is the same one.
+struct Channels {
+    context: Arc<Context>,
+    open: Vec<Arc<RawChannel>>,
+}
+
+impl Outlet for Channels {
+    fn open(&mut self, topic: &str, of: &MessageType, unit: &str) -> anyhow::Result<u16> {
+        let schema = Schema::new(of.name, MessageType::LANGUAGE, of.schema().into_bytes());
+        let channel = self.context.channel_builder(topic).schema(schema);
+        let channel = channel.message_encoding(MessageType::ENCODING);
+        let channel = match unit {
+            "" => channel,
+            unit => channel.add_metadata("unit", unit),
+        };
+        self.open.push(channel.build_raw()?);
+        u16::try_from(self.open.len() - 1).context("could not open so many topics; report this")
+    }
+
+    fn send(&mut self, channel: u16, unix_ns: u64, cdr: &[u8]) -> anyhow::Result<()> {
+        let meta = PartialMetadata {
+            log_time: Some(unix_ns),
+        };
+        // Nothing is copied where nobody subscribed.
+        self.open[usize::from(channel)].log_with_meta(cdr, meta);
+        Ok(())
+    }
+}
