@@ -70,6 +70,7 @@ impl Arbiter {
             finding: Finding {
                 slides: proposals.iter().any(|p| p.finding.slides),
                 hangs: proposals.iter().any(|p| p.finding.hangs),
+                tries: proposals.iter().any(|p| p.finding.tries),
             },
         }
     }

@@ -15,13 +15,13 @@ const BELIEVED_S: f64 = 0.7;
 const SETTLING_S: f64 = 0.3;
 
 /// The load of a hand that carries.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fall {
     load: Option<Load>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Load {
     felt_n: f64,

@@ -4,9 +4,17 @@
 //! once the hand has travelled far enough for anything that it holds to have left its support, it tugs back a little. An
 //! object that hangs keeps its load; one that still stands gives it back to its support. Then the fingers press harder
 //! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
+//!
+//! What hangs at once is tried a second time, because nothing is known of its friction but what the sensor says: there, just
+//! above its support, where a slip costs a millimetre, the hand waits until the grip is as gentle as it gets, and tugs again.
+//! What falls meanwhile, or stands then, is gripped harder. This is how a grip is found that does not depend on the reading of
+//! a friction coefficient.
 
+use super::fall::Fall;
 use super::force_limit::too_heavy;
-use super::{Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, load_n};
+use super::{
+    Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, force_up_n, load_n,
+};
 use crate::perception::Percept;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
@@ -21,10 +29,25 @@ const LOAD_FLOOR_N: f64 = 0.03;
 /// Frames that must have come since the hand is back that far: the first may have been sensed before (ours).
 const FRAMES: u32 = 2;
 
+/// Opening speed of a finger below which the grip is as gentle as it gets, m/s, and how long it must be, s (ours: longer than
+/// a grip must be steady before it is relaxed).
+const STILL_M_S: f64 = 0.0002;
+const STILL_S: f64 = 0.3;
+/// Longest time that the gentlest grip is waited for, s (ours).
+const TRY_MAX_S: f64 = 3.0;
+
 /// What the module remembers of one lift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum LoadTest {
+pub(super) struct LoadTest {
+    phase: Phase,
+    /// The gentlest grip has been tried, or will not be: the next proof is the last.
+    tried: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum Phase {
     /// The lift has not begun.
     #[default]
     Ready,
@@ -32,16 +55,31 @@ pub(super) enum LoadTest {
     Travelling(f64),
     /// The hand tugs back.
     Tugging(Tug),
+    /// It hangs: the hand waits until the grip has been relaxed.
+    Trying(Trying),
     /// It stands: the fingers press until the weakest has this force, N.
     Pressing(f64),
     /// It hangs.
     Hangs,
 }
 
+/// The gentlest grip being found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Trying {
+    /// How far the hand carries it before, m: it has sunk during the tug.
+    from_m: f64,
+    /// How long the fingers have been still, and how long it has lasted, s.
+    still_s: f64,
+    total_s: f64,
+    /// Its load since it hangs.
+    fall: Fall,
+}
+
 /// One tug.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Tug {
+struct Tug {
     /// Where it began, m of carrying.
     from_m: f64,
     /// Load before it, N.
@@ -61,10 +99,11 @@ impl Module for LoadTest {
         let at_ceiling = strongest_n > RELEASE_SHARE * context.thresholds.f2_n;
         let stands = self.follow(percept, context, weakest_n, at_ceiling);
         let reason = too_heavy(strongest_n, context);
-        let (closing_m_s, carry_ceiling) = match self {
-            Self::Tugging(tug) if tug.frames == 0 => (0.0, -1.0),
-            Self::Tugging(_) => (0.0, 0.0),
-            Self::Pressing(_) => (settings.enhance_m_s, 0.0),
+        let (closing_m_s, carry_ceiling) = match self.phase {
+            Phase::Tugging(tug) if tug.frames == 0 => (0.0, -1.0),
+            Phase::Tugging(_) => (0.0, 0.0),
+            Phase::Trying(trying) if trying.has_begun(context.carried_m) => (0.0, 0.0),
+            Phase::Pressing(_) => (settings.enhance_m_s, 0.0),
             _ => (0.0, 1.0),
         };
         Proposal {
@@ -78,7 +117,8 @@ impl Module for LoadTest {
             },
             finding: Finding {
                 slides: stands,
-                hangs: *self == Self::Hangs,
+                hangs: self.phase == Phase::Hangs,
+                tries: matches!(self.phase, Phase::Trying(t) if t.has_begun(context.carried_m)),
             },
             ..Proposal::default()
         }
@@ -96,25 +136,65 @@ impl LoadTest {
     ) -> bool {
         let settings = &context.settings.grasp;
         let carried_m = context.carried_m;
-        match self {
-            Self::Ready => *self = Self::Travelling(settings.load_test_travel_m),
-            Self::Travelling(until_m) if carried_m > *until_m => {
-                *self = Self::Tugging(Tug::begin(carried_m, load_n(percept)));
+        match &mut self.phase {
+            Phase::Ready => self.phase = Phase::Travelling(settings.load_test_travel_m),
+            Phase::Travelling(until_m) if carried_m > *until_m => {
+                self.phase = Phase::Tugging(Tug::begin(carried_m, load_n(percept)));
             }
-            Self::Tugging(tug) => match tug.hangs(percept, carried_m) {
-                Some(true) => *self = Self::Hangs,
+            Phase::Tugging(tug) => match tug.hangs(percept, carried_m) {
+                Some(true) if self.tried => self.phase = Phase::Hangs,
+                Some(true) => {
+                    let trying = Trying {
+                        from_m: tug.from_m,
+                        ..Trying::default()
+                    };
+                    (self.phase, self.tried) = (Phase::Trying(trying), true);
+                }
                 Some(false) => {
-                    *self = Self::Pressing(weakest_n * settings.load_test_press);
+                    let until_n = weakest_n * settings.load_test_press;
+                    (self.phase, self.tried) = (Phase::Pressing(until_n), true);
                     return true;
                 }
                 None => {}
             },
-            Self::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
-                *self = Self::Travelling(carried_m + settings.load_test_travel_m / 2.0);
+            Phase::Trying(trying) => {
+                let down_n = -force_up_n(percept, context.base_from_tip);
+                let shaken = !trying.has_begun(carried_m);
+                if trying.fall.follow(Some(down_n), shaken, percept.step_s) {
+                    self.phase = Phase::Pressing(weakest_n * settings.load_test_press);
+                    return true;
+                }
+                if trying.is_over(context) {
+                    self.phase = Phase::Tugging(Tug::begin(carried_m, load_n(percept)));
+                }
+            }
+            Phase::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
+                self.phase = Phase::Travelling(carried_m + settings.load_test_travel_m / 2.0);
             }
             _ => {}
         }
         false
+    }
+}
+
+impl Trying {
+    fn has_begun(&self, carried_m: f64) -> bool {
+        self.total_s > 0.0 || carried_m > self.from_m
+    }
+
+    /// Whether the fingers have found the gentlest grip.
+    fn is_over(&mut self, context: &Context<'_>) -> bool {
+        if !self.has_begun(context.carried_m) {
+            return false;
+        }
+        let moves = |closing_m_s: &f64| closing_m_s.abs() > STILL_M_S;
+        self.total_s += context.step_s;
+        self.still_s = if context.closing_m_s.iter().any(moves) {
+            0.0
+        } else {
+            self.still_s + context.step_s
+        };
+        self.still_s > STILL_S || self.total_s > TRY_MAX_S
     }
 }
 

@@ -29,6 +29,9 @@ pub struct Context<'a> {
     pub carried_m: f64,
     /// Whether nothing but the hand carries the object, as far as anybody has tested.
     pub hangs: bool,
+    /// Whether it is tried how gently the object can be held: it hangs just above its support, where a slip costs nothing and
+    /// a test follows.
+    pub tries: bool,
     /// The behaviour table of the task, if it has one.
     pub table: Option<&'a BehaviourTable>,
     /// The path of the present step.
@@ -78,6 +81,8 @@ pub struct Finding {
     pub slides: bool,
     /// Nothing but the hand carries it.
     pub hangs: bool,
+    /// It is to be held as gently as it can be now; whether that was too gentle is tested afterwards.
+    pub tries: bool,
 }
 
 /// A wanted pose of the hand.

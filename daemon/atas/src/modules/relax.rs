@@ -4,6 +4,10 @@
 //! alone can only ever add force. While the object hangs, its load is steady (dF_t < dr) and every finger uses less than
 //! `relax_below` of its friction, the fingers open slowly, the more slowly the nearer they are to it, and never below the
 //! least force of a grip, nor below the force, for the present load, at which opening made it necessary to press again.
+//!
+//! What a poor sensor says of friction may be wrong by more than a grip has to spare. So while the load test tries how gently
+//! what hangs just above its support can be held, the fingers open further, down to `TRY_BELOW`; the force that the test has
+//! proved is then the least.
 
 use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal, force_range_n, load_n};
@@ -26,6 +30,11 @@ const SCATTER_SHARE: f64 = 0.8;
 const FILTER_S: f64 = 0.1;
 /// How long everything must have been steady before it opens, s (ours: two windows of dF_t are not).
 const SETTLE_S: f64 = 0.1;
+/// Utilisation down to which a grip is relaxed where a slip costs nothing and a test follows (ours).
+const TRY_BELOW: f64 = 0.96;
+/// Share of the moment that friction could carry beyond which it is not (ours: below where Module 2 answers; at 0.42 objects
+/// have turned by 12°).
+const TRY_TORSION: f64 = 0.35;
 /// Utilisation below `relax_below` from which on it begins to open (ours): what it has reached once it does not leave again.
 const BEGIN_BELOW: f64 = 0.02;
 /// How long after it opened pressing is blamed on it, s (ours).
@@ -34,6 +43,8 @@ const BLAME_S: f64 = 0.5;
 const ALIKE_BELOW: f64 = 0.9;
 /// Multiple of the force, for the load of then, at which pressing was last necessary: never below (ours).
 const REMEMBERED_MARGIN: f64 = 1.04;
+/// Time constant over which the disagreement of elements is felt, s (ours: most of a lift's pressing).
+const SCATTER_S: f64 = 0.3;
 /// Load below which nothing hangs, N (ours: the noise of two fingertips).
 const LOAD_FLOOR_N: f64 = 0.03;
 
@@ -54,6 +65,14 @@ pub(super) struct Relax {
     /// Largest force over load at which they began to, while the object hung: there it slipped, whatever a poor sensor says of
     /// its friction.
     slipped_at: f64,
+    /// Force over load of the gentlest grip that a test has proved, and whether one is being tried.
+    proved_at: f64,
+    tries: bool,
+    /// How far elements disagree, low-passed, as it was before it opened: what lets go of a patch at its rim makes them
+    /// disagree as well.
+    scatter: f64,
+    /// Whether it has ever opened.
+    opened: bool,
 }
 
 impl Module for Relax {
@@ -65,12 +84,27 @@ impl Module for Relax {
         let load_n = load_n(percept);
         self.remember(weakest_n, load_n, context);
         self.settle(percept, context);
-        let remembered_n = REMEMBERED_MARGIN * self.slipped_at * load_n;
+        self.prove(weakest_n, load_n, context);
+        let remembered_n = (REMEMBERED_MARGIN * self.slipped_at).max(self.proved_at) * load_n;
         let least_n = (LEAST_MARGIN * context.least_n).max(remembered_n);
-        let below = settings.relax_below - if self.active { 0.0 } else { BEGIN_BELOW };
-        let utilisation = self.watch(percept, context.step_s);
+        let below = if context.tries {
+            TRY_BELOW
+        } else {
+            settings.relax_below
+        };
+        let below = below - if self.active { 0.0 } else { BEGIN_BELOW };
+        let utilisation = self.watch(percept, context);
         let spare = utilisation.map_or(0.0, |utilisation| 1.0 - utilisation / below);
-        self.active = self.steady_s >= SETTLE_S && weakest_n > least_n && spare > 0.0;
+        let turns = context.tries
+            && percept
+                .virtual_fingers
+                .iter()
+                .any(|finger| finger.torsion > TRY_TORSION);
+        if !self.opened {
+            self.listen(percept);
+        }
+        self.active = self.steady_s >= SETTLE_S && weakest_n > least_n && spare > 0.0 && !turns;
+        self.opened |= self.active;
         let opening_m_s = if self.active {
             settings.relax_m_s * (spare / SPARE_FULL).min(1.0)
         } else {
@@ -85,6 +119,14 @@ impl Module for Relax {
 }
 
 impl Relax {
+    /// Notes the force, for its load, that a test has just proved.
+    fn prove(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
+        self.tries |= context.tries;
+        if context.hangs && self.tries && load_n > LOAD_FLOOR_N {
+            (self.proved_at, self.tries) = (weakest_n / load_n, false);
+        }
+    }
+
     /// Notes the force, for its load, at which the fingers begin to press although the object hangs.
     fn remember(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
         let pressing = context.closing_m_s.iter().any(|closing| *closing > 0.0);
@@ -108,9 +150,11 @@ impl Relax {
             let steady_n = dr_n.max(STEADY_SHARE * finger.tangential_n);
             finger.increment_n < steady_n
                 && finger.gross_slip_s == 0.0
-                && finger.utilisation_now < ALIKE_BELOW
+                && (context.tries || finger.utilisation_now < ALIKE_BELOW)
         };
-        let steady = context.hangs && !self.pressing && percept.virtual_fingers.iter().all(calm);
+        let steady = (context.hangs || context.tries)
+            && !self.pressing
+            && percept.virtual_fingers.iter().all(calm);
         self.steady_s = if steady {
             self.steady_s + context.step_s
         } else {
@@ -118,13 +162,23 @@ impl Relax {
         };
     }
 
-    /// The low-passed utilisation, while every finger knows its own.
-    fn watch(&mut self, percept: &Percept, step_s: f64) -> Option<f64> {
+    /// Low-passes what the elements disagree about.
+    fn listen(&mut self, percept: &Percept) {
         let fingers = &percept.virtual_fingers;
+        let squares: f64 = fingers.iter().map(|f| f.scatter * f.scatter).sum();
+        let now = libm::sqrt(squares / fingers.len() as f64);
+        self.scatter += (now - self.scatter) * percept.step_s / (SCATTER_S + percept.step_s);
+    }
+
+    /// The low-passed utilisation, while every finger knows its own.
+    fn watch(&mut self, percept: &Percept, context: &Context<'_>) -> Option<f64> {
+        let step_s = context.step_s;
+        let fingers = &percept.virtual_fingers;
+        let scatter = if context.tries { 0.0 } else { self.scatter };
         let known = fingers.iter().all(|f| f.utilisation > 0.0);
         let most = fingers
             .iter()
-            .map(doubtful_utilisation)
+            .map(|finger| doubtful_utilisation(finger, scatter))
             .fold(0.0, |most, utilisation| {
                 if utilisation > most {
                     utilisation
@@ -142,9 +196,9 @@ impl Relax {
 
 /// Utilisation if the friction is as much less than remembered as noise may have added to it. A patch that is sheared and
 /// turned at once has the friction of an ellipse of both (limit surface of R. D. Howe and M. R. Cutkosky, 1996).
-fn doubtful_utilisation(finger: &FingerPercept) -> f64 {
+fn doubtful_utilisation(finger: &FingerPercept, scatter: f64) -> f64 {
     let friction = finger.friction.max(FRICTION_FLOOR);
-    let least = (friction - DOUBT * finger.friction_error - SCATTER_SHARE * finger.scatter)
-        .max(FRICTION_FLOOR);
+    let least =
+        (friction - DOUBT * finger.friction_error - SCATTER_SHARE * scatter).max(FRICTION_FLOOR);
     libm::hypot(finger.utilisation, finger.torsion) * friction / least
 }

@@ -11,6 +11,9 @@
 //!   (d) carries half of the moment about the closing axis that friction could: what hangs beside its centre of mass turns in
 //!       the hand before it slips out of it, or
 //!   (e) while what hangs in the hand weighs less than just before: then it falls. This needs no friction coefficient.
+//! While the load test tries how gently what hangs just above its support can be held, (a) and (c) say nothing: a slip costs
+//! nothing there, and the grip that the test has proved is no cause to press afterwards, whatever a sensor says of its friction.
+//!
 //! It stays active for `slip_latch_s` after the last cause. While pressing can still help it slows the hand down.
 
 use super::fall::Fall;
@@ -40,6 +43,12 @@ const HANGS_M: f64 = 0.001;
 pub(super) const STEADY_SHARE: f64 = 0.06;
 const TREMBLE_SHARE: f64 = 0.1;
 
+/// Time constant over which a grip that is tried is felt, s (ours: several of the friction's).
+const TRIED_S: f64 = 0.1;
+/// Utilisation above that of a proved grip at which it counts as slipping, and the most (ours).
+const PROVED_MARGIN: f64 = 0.04;
+const PROVED_MOST: f64 = 0.99;
+
 /// What the module remembers.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -55,6 +64,11 @@ pub(super) struct Slip {
     /// Factor on the hand's speed a tick before, and time until what its change shook is over, s.
     carry_scale: f64,
     braking_s: f64,
+    /// The gentlest grip is being tried; low-passed utilisation of the finger that uses most of its friction meanwhile.
+    tries: bool,
+    tried: f64,
+    /// How much more than the settings say a finger may use, because a test has shown that it may.
+    spare: f64,
 }
 
 impl Module for Slip {
@@ -75,11 +89,12 @@ impl Module for Slip {
             *turning = turns(finger, *turning, context);
             cause |= *turning;
         }
+        self.prove(percept, context);
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
-            *slipping = uses_up(finger, *slipping, settings);
-            cause |= *slipping
+            *slipping = uses_up(finger, *slipping, self.spare, settings);
+            cause |= (*slipping && !context.tries)
                 || slips_grossly(finger, context)
-                || (!brakes && is_loading(finger, context));
+                || (!brakes && !context.tries && is_loading(finger, self.spare, context));
         }
         self.latch_s = if cause {
             settings.slip_latch_s
@@ -115,6 +130,23 @@ impl Module for Slip {
 }
 
 impl Slip {
+    /// A grip that a test has proved is no cause to press, however much of its friction it seems to use.
+    fn prove(&mut self, percept: &Percept, context: &Context<'_>) {
+        if context.tries {
+            let used = percept.virtual_fingers.iter().map(|f| f.utilisation);
+            let used = used.fold(0.0, |a: f64, b| if b > a { b } else { a });
+            let before = if self.tries { self.tried } else { used };
+            self.tried = before + (used - before) * context.step_s / (TRIED_S + context.step_s);
+        }
+        let presses = context.closing_m_s.iter().any(|closing| *closing > 0.0);
+        self.tries = context.tries || (self.tries && !presses);
+        if context.hangs && self.tries {
+            let most = (self.tried + PROVED_MARGIN).min(PROVED_MOST);
+            self.spare = (most - context.settings.grasp.slip_on).max(0.0);
+            self.tries = false;
+        }
+    }
+
     /// Whether the hand that carries has just changed its speed: that shakes its load.
     fn brakes(&mut self, context: &Context<'_>) -> bool {
         let before = core::mem::replace(&mut self.carry_scale, context.carry_scale);
@@ -138,9 +170,9 @@ fn conveys(context: &Context<'_>) -> bool {
     ahead_m.xy().norm() > CONVEYS_M
 }
 
-/// Whether a finger uses up its friction, with hysteresis.
-pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, settings: &Grasp) -> bool {
-    finger.utilisation
+/// Whether a finger uses up its friction, with hysteresis; `spare` is how much more than usual it may use.
+pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, spare: f64, settings: &Grasp) -> bool {
+    finger.utilisation - spare
         > if used_up {
             settings.slip_off
         } else {
@@ -159,12 +191,13 @@ pub(super) fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bo
     finger.gross_slip_s > context.settings.grasp.slip_gross_s || (hangs(context) && alike)
 }
 
-pub(super) fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
+pub(super) fn is_loading(finger: &FingerPercept, spare: f64, context: &Context<'_>) -> bool {
     let settings = &context.settings.grasp;
     let tremble_n = if context.hangs {
         TREMBLE_SHARE * finger.tangential_n
     } else {
         0.0
     };
-    finger.increment_n > settings.dr_n.max(tremble_n) && finger.utilisation > settings.slip_loading
+    finger.increment_n > settings.dr_n.max(tremble_n)
+        && finger.utilisation - spare > settings.slip_loading
 }

@@ -83,6 +83,9 @@ pub struct Finger {
     axes: ElementAxes,
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     filtered_n: [[f64; 3]; ELEMENTS],
+    /// The same after the friction filter besides.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    steady_n: [[f64; 3]; ELEMENTS],
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     bias_n: [[f64; 3]; ELEMENTS],
     noise: Noise,
@@ -99,6 +102,7 @@ impl Finger {
         Self {
             axes: ElementAxes::new(layout),
             filtered_n: [[0.0; 3]; ELEMENTS],
+            steady_n: [[0.0; 3]; ELEMENTS],
             bias_n: [[0.0; 3]; ELEMENTS],
             noise: Noise::default(),
             increment: Increment::default(),
@@ -130,9 +134,10 @@ impl Finger {
             let (elements_n, count) = (&self.filtered_n, self.axes.count);
             self.noise.listen(elements_n, count, share, frame.step_s());
         }
+        let steady = self.steady(share, frame.step_s(), settings);
         let slipping = self
             .friction
-            .update(&patch, slides, frame.step_s(), settings);
+            .update(&patch, &steady, slides, frame.step_s(), settings);
         self.percept = FingerPercept {
             force_tip_n: patch.force_n,
             patch_normal: patch.normal,
@@ -166,6 +171,7 @@ impl Finger {
                 filtered[axis] = 0.0;
             }
         }
+        self.steady_n = [[0.0; 3]; ELEMENTS];
         self.noise.pause();
     }
 
@@ -192,6 +198,25 @@ impl Finger {
             }
         }
         share
+    }
+
+    /// The patch as it was over the friction filter. `share` is how much of a reading the first filter takes over.
+    fn steady(&mut self, share: f64, step_s: f64, settings: &Settings) -> Patch {
+        let slow = step_s / (settings.friction_filter_s + step_s);
+        for (steady, filtered) in self.steady_n.iter_mut().zip(&self.filtered_n) {
+            for (steady, filtered) in steady.iter_mut().zip(filtered) {
+                *steady += (filtered - *steady) * slow;
+            }
+        }
+        // Variance of white noise after both filters, over that after the first.
+        let kept = (1.0 - share) * (1.0 - slow);
+        let quieter = slow / (2.0 - slow) * (1.0 + kept) / (1.0 - kept);
+        Patch::of(
+            &self.axes,
+            &self.steady_n,
+            quieter * self.noise.variance_n2(),
+            settings.element_floor_n,
+        )
     }
 
     /// Touch with hysteresis: bare crossings of one threshold flicker on real data. A sensor whose own noise would cross

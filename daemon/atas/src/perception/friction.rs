@@ -54,10 +54,12 @@ pub(super) struct Friction {
 }
 
 impl Friction {
-    /// `slides` tells of an object that was seen to slide by other evidence.
+    /// `steady` is the patch as it was over the friction filter: the elements that use most friction are chosen from it, so that
+    /// noise does not choose them. `slides` tells of an object that was seen to slide by other evidence.
     pub(super) fn update(
         &mut self,
         patch: &Patch,
+        steady: &Patch,
         slides: bool,
         step_s: f64,
         settings: &Settings,
@@ -67,7 +69,7 @@ impl Friction {
             (t + e.along_n, n + e.normal_n)
         });
         let ratio = tangential_n / normal_n;
-        let Some(loaded) = most_loaded(patch).filter(|_| tangential_n > TANGENTIAL_FLOOR_N) else {
+        let Some(loaded) = most_loaded(steady).filter(|_| tangential_n > TANGENTIAL_FLOOR_N) else {
             self.gross_s = 0.0;
             return Slipping {
                 friction: self.remembered,
@@ -75,7 +77,7 @@ impl Friction {
             };
         };
         let share = step_s / (settings.friction_filter_s + step_s);
-        self.reading += (loaded.ratio.min(FRICTION_CLIP) - self.reading) * share;
+        self.reading = loaded.ratio.min(FRICTION_CLIP);
         self.remembered = if self.reading > self.remembered {
             self.reading
         } else {

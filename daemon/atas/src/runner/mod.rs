@@ -82,6 +82,7 @@ pub struct Runner {
     lifted_from_m: Option<Vector3<f64>>,
     carried_m: f64,
     hangs: bool,
+    tries: bool,
     in_hand: InHand,
     /// How long the modules have seen it fall, s.
     sinks_s: f64,
@@ -140,6 +141,7 @@ impl Runner {
             lifted_from_m: None,
             carried_m: 0.0,
             hangs: false,
+            tries: false,
             in_hand: InHand::default(),
             sinks_s: 0.0,
             ended: false,
@@ -263,6 +265,7 @@ impl Runner {
             closing_m: self.closing_m,
             carried_m: self.carried_m,
             hangs: self.hangs || !self.step().modules.contains(ModuleId::LOAD_TEST),
+            tries: self.tries,
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: motion.carry_scale,
@@ -298,6 +301,7 @@ impl Runner {
     /// `down_n` is the vertical load on the fingers.
     pub fn learn(&mut self, percept: &Percept, down_n: f64, finding: Finding) {
         self.hangs |= finding.hangs;
+        self.tries = finding.tries;
         let sinks = finding.slides && self.hangs;
         self.sinks_s = if sinks {
             self.sinks_s + percept.step_s
@@ -307,7 +311,8 @@ impl Runner {
         let carries = self.holds && self.lifted_from_m.is_some() && !self.found;
         // Whoever leads a hand may set down what it holds at any time.
         if carries && self.step().motion != Motion::Lower && !self.is_led() {
-            let facts = (finding, self.hangs);
+            let is_tested = self.step().modules.contains(ModuleId::LOAD_TEST);
+            let facts = (finding, self.hangs, is_tested);
             self.in_hand.follow(percept, down_n, self.carried_m, facts);
         }
     }
@@ -487,7 +492,7 @@ impl Runner {
             Transition::Met(point) => self.reached = point,
             Transition::AllTouched => {
                 self.all_touched = false;
-                self.hangs = false;
+                (self.hangs, self.tries) = (false, false);
                 self.in_hand = InHand::default();
                 self.lifted_from_m = None;
             }

@@ -78,6 +78,7 @@ impl Bench {
             closing_m: self.closing_m,
             carried_m: self.carried_m,
             hangs: true,
+            tries: false,
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: self.carry_scale,
