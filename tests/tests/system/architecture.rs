@@ -150,7 +150,6 @@ const ARROWS: &[(&str, &[&str])] = &[
 
 /// What may lie at the top level besides the folders of the packages.
 const TOP_LEVEL: &[&str] = &[
-    ".clippy.toml",
     "Cargo.toml",
     "Cargo.lock",
     "CONTRIBUTING.md",

@@ -115,7 +115,7 @@ fn float64(cdr: &[u8]) -> f64 {
 /// Names of the joints of a `sensor_msgs/JointState` as CDR: stamp, frame, then a sequence of strings, each with its length.
 fn joint_names(cdr: &[u8]) -> Vec<String> {
     let mut at = 4 + 8;
-    let mut number = |at: &mut usize| {
+    let number = |at: &mut usize| {
         *at = (*at - 4).next_multiple_of(4) + 4;
         let number = u32::from_le_bytes(cdr[*at..*at + 4].try_into().expect("four bytes")) as usize;
         *at += 4;
