@@ -51,8 +51,8 @@ pub struct IkWeights {
     /// at the start of a move (45 rad/s² in a prototype). The price is lag: 0.6° of dome axis while an empty hand
     /// turns by 30° in 2 s (measured).
     pub secondary_gain: f64,
-    /// 1/w_s², by how much the tips of one side may miss what they shall differ by, m². Ours: so much that no hand tilts to
-    /// bring two of its fingers apart, and still a hundred times what the reference posture weighs.
+    /// 1/w_s², by how much the tips of one side may miss what they shall differ by, m². Ours: over 45 mm between two tips, a turn
+    /// of the hand costs as much by their places as by their dome axes; 1e-2 leaves them so loose that the hand sways (measured).
     pub within_side_m2: f64,
     /// ε at small tip errors, m²: keeps the solve regular when the tips cannot move as asked.
     pub softening_m2: f64,
@@ -74,7 +74,7 @@ impl IkWeights {
         root_posture: 0.05,
         damping: 1e-3,
         secondary_gain: 0.05,
-        within_side_m2: 1e-2,
+        within_side_m2: 3e-4,
         softening_m2: 1e-7,
         softening_slope_m: 1e2,
         softening_from_m: 1e-3,
