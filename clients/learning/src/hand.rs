@@ -175,6 +175,7 @@ impl PolicyHand {
             base_from_tip,
             // Nobody has tugged at it to prove that.
             hangs: false,
+            tries: false,
             table: None,
             lead: None,
         };
