@@ -75,7 +75,7 @@ fn what_a_robot_cannot_do_is_refused_by_name() {
     };
     check(
         "demo pick-place --robot test-bench",
-        "could not try pick-place because the robot cannot do it",
+        "could not try pick-place because the robot's hand cannot do it",
     );
     check("demo screw --robot three-finger", "could not try screw");
     check(

@@ -128,11 +128,7 @@ const HELPS: &[Help] = &[
     ),
     Help(
         "eval merge",
-        &[
-            "atas eval grasp --trials 10000 --shard 1/2 --out one.part",
-            "atas eval grasp --trials 10000 --shard 2/2 --out two.part",
-            "atas eval merge one.part two.part --format json",
-        ],
+        &["atas eval merge one.part two.part --rows all.csv"],
         "one object: success, ci95, failures, medians, families, rows, baselines, …",
     ),
     Help(

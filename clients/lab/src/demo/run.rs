@@ -7,7 +7,7 @@ use atas_client::{Cancelled, POLL, Pursuit, Session};
 use atas_console::arguments::Running;
 use atas_console::{Interrupt, Progress};
 use shm_bus::Subscriber;
-use shm_schemas::{Hand, Status, WorldTruth, service};
+use shm_schemas::{GoalState, Hand, Status, WorldTruth, service};
 
 use super::page::Page;
 use super::processes::Processes;
@@ -81,7 +81,10 @@ fn watch(
         }
         None => {}
     }
-    observer.settle(&progress)?;
+    // A goal that was refused had no tick.
+    if progress.last().state != GoalState::REJECTED {
+        observer.settle(&progress)?;
+    }
     Ok(observer.recount(progress))
 }
 

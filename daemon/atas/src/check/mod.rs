@@ -119,6 +119,10 @@ fn check_reach(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
     Ok(())
 }
 
+/// How far beside a bound a place still lies on it, m (ours: half of what a command distinguishes; decimals that are added up end
+/// there).
+const EDGE_M: f64 = 1e-6;
+
 /// The hand must reach a place, and travel over it as high as the task lifts.
 fn check_place(
     goal: &Goal,
@@ -131,7 +135,7 @@ fn check_place(
     let hand = now.robot.hand(side);
     let travel_m = goal.travel_height_m();
     let reach = |value: f64, [lower, upper]: [f64; 2], index: usize| {
-        check_range(value, (lower, upper), index).map_err(|r| Reason {
+        check_range(value, (lower - EDGE_M, upper + EDGE_M), index).map_err(|r| Reason {
             cause: Cause::UNREACHABLE,
             ..r
         })

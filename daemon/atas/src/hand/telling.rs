@@ -1,0 +1,203 @@
+//! What a hand says of itself: figures, reports, counts, events.
+
+use super::*;
+
+impl HandControl {
+    /// What the hand has learnt, for the goal's client.
+    #[must_use]
+    pub(crate) fn figures(&self) -> GraspFigures {
+        let percept = self.perception.percept();
+        let mut figures = GraspFigures::default();
+        for (i, finger) in percept.fingers.iter().enumerate() {
+            figures.normal_n[i] = finger.normal_n as f32;
+            figures.tangential_n[i] = finger.tangential_n as f32;
+        }
+        let friction = percept
+            .virtual_fingers
+            .iter()
+            .map(|f| f.friction)
+            .fold(f64::INFINITY, f64::min);
+        figures.friction = friction as f32;
+        if let Some(runner) = &self.runner {
+            figures.f1_n = runner.thresholds().f1_n as f32;
+            figures.f2_n = runner.thresholds().f2_n as f32;
+            figures.lifted_m = runner.carried_m() as f32;
+            if let Some(fit) = runner.stiffness() {
+                figures.stiffness_n_m = fit.object_n_m as f32;
+                figures.stiffness_confidence = fit.confidence as f32;
+            }
+        }
+        figures
+    }
+
+    /// What the tick saw and did.
+    #[must_use]
+    pub(crate) fn report(&self, tick: Tick) -> HandReport {
+        let percept = self.perception.percept();
+        let closing = self.intent_closing();
+        let mut report = HandReport {
+            frame_sequence: self.intake.sequence(),
+            frame_age_ns: self.intake.age_ns(tick),
+            frames: self.frames,
+            modules_active: self.active,
+            centre_m: self
+                .servo
+                .as_ref()
+                .map_or([0.0; 3], |c| c.frame().centre_m.into()),
+            ..HandReport::default()
+        };
+        if let Some(runner) = &self.runner {
+            report.step = runner.index() as u32;
+            report.f1_n = runner.thresholds().f1_n as f32;
+            report.f2_n = runner.thresholds().f2_n as f32;
+            report.stiffness_n_m = runner.stiffness().map_or(0.0, |h| h.object_n_m as f32);
+        }
+        for (i, finger) in percept.fingers.iter().enumerate() {
+            report.fingers[i] = FingerReport {
+                normal_n: finger.normal_n as f32,
+                tangential_n: finger.tangential_n as f32,
+                tangential_increment_n: finger.increment_n as f32,
+                utilisation: finger.utilisation as f32,
+                utilisation_now: finger.utilisation_now as f32,
+                friction: finger.friction as f32,
+                closing_m_s: if i < self.model.finger_count() {
+                    closing[self.model.virtual_finger(i)] as f32
+                } else {
+                    0.0
+                },
+                in_contact: u32::from(finger.in_contact),
+            };
+        }
+        report
+    }
+
+    /// Counts and present readings, as [`shm_schemas::Status`] shows them.
+    #[must_use]
+    pub(crate) fn status(&self, tick: Tick) -> HandStatus {
+        let counts = self.intake.counts();
+        let fingers = &self.perception.percept().fingers;
+        HandStatus {
+            frames: counts.frames,
+            lost: counts.lost,
+            duplicates: counts.duplicates,
+            reordered: counts.reordered,
+            corrupt: counts.corrupt,
+            mistimed: counts.mistimed,
+            foreign: counts.foreign,
+            masked_elements: counts.masked_elements,
+            restarts: counts.restarts,
+            touches: fingers.map(|f| f.touches),
+            writer_epoch: self.intake.writer_epoch(),
+            age_ns: self.intake.age_ns(tick),
+            layout_hash: self.layout_hash,
+            normal_n: fingers.map(|f| f.normal_n as f32),
+            tangential_n: fingers.map(|f| f.tangential_n as f32),
+            required: u32::from(self.required),
+            modules_active: self.active,
+        }
+    }
+
+    fn intent_closing(&self) -> [f64; VIRTUAL_FINGERS] {
+        self.intent
+            .map_or([0.0; VIRTUAL_FINGERS], |i| i.closing_m_s)
+    }
+
+    pub(super) fn event(&self, kind: EventKind) -> ModuleEvent {
+        ModuleEvent {
+            kind,
+            hand: self.hand,
+            ..ModuleEvent::default()
+        }
+    }
+
+    pub(super) fn publish_touches(
+        &self,
+        before: &Percept,
+        settings: &Settings,
+        events: &mut Events,
+    ) {
+        for (i, (was, is)) in before
+            .fingers
+            .iter()
+            .zip(&self.perception.percept().fingers)
+            .enumerate()
+        {
+            if was.in_contact == is.in_contact {
+                continue;
+            }
+            let (kind, threshold) = if is.in_contact {
+                (EventKind::TOUCH_ON, settings.perception.touch_on_n)
+            } else {
+                (EventKind::TOUCH_OFF, settings.perception.touch_off_n)
+            };
+            events.push(ModuleEvent {
+                finger: i as u32,
+                value: is.normal_n,
+                threshold,
+                ..self.event(kind)
+            });
+        }
+    }
+
+    pub(super) fn publish_modules(
+        &mut self,
+        selection: Selection,
+        proposals: &[Proposal],
+        events: &mut Events,
+    ) {
+        let before = self.active;
+        self.active = 0;
+        for (id, proposal) in modules::IDS.iter().zip(proposals) {
+            let bit = 1 << id.0;
+            let is = proposal.active && selection.contains(*id);
+            self.active |= if is { bit } else { 0 };
+            if is != (before & bit != 0) {
+                let kind = if is {
+                    EventKind::MODULE_ON
+                } else {
+                    EventKind::MODULE_OFF
+                };
+                events.push(ModuleEvent {
+                    module: *id,
+                    ..self.event(kind)
+                });
+            }
+        }
+    }
+
+    /// Warns of what cannot wait for the end of a goal: nobody may be waiting for one.
+    pub(super) fn warn(&self, reason: Option<Reason>, events: &mut Events) {
+        if let Some(reason) = reason {
+            events.push(ModuleEvent {
+                reason,
+                ..self.event(EventKind::WARNING)
+            });
+        }
+    }
+
+    pub(super) fn publish_outcome(&self, outcome: Outcome, events: &mut Events) {
+        let Some(runner) = self
+            .runner
+            .as_ref()
+            .filter(|_| outcome == Outcome::NextStep)
+        else {
+            return;
+        };
+        events.push(self.step_event(runner.step()));
+        if let (Some(fit), "grip") = (runner.stiffness(), runner.step().name.as_str()) {
+            let mut event = self.event(EventKind::STIFFNESS);
+            event.value = fit.object_n_m;
+            event.threshold = runner.thresholds().f2_n;
+            events.push(event);
+        }
+    }
+
+    /// The event that announces a step.
+    #[must_use]
+    pub(crate) fn step_event(&self, step: &Step) -> ModuleEvent {
+        ModuleEvent {
+            text: shm_schemas::Text::new(&step.name),
+            ..self.event(EventKind::STEP)
+        }
+    }
+}
