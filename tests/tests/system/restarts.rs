@@ -39,13 +39,19 @@ impl Rig {
         let bus = FreshBus::new("restarts");
         let name = bus.as_str();
         let simulate = ["run", "--object", object, "--bus", name];
+        let simulator = Process::start("atas-sim", &simulate);
+        let controller = daemon(&bus);
+        wait_for("the daemon", || {
+            let mut asked = Process::start("atas", &["status", "--bus", name]);
+            (asked.wait().code() == Some(0)).then_some(())
+        });
         let goal = [
             "grasp", "--at", at, "--width", width, "--hold", "3600", "--bus", name,
         ];
         let observer = Bus::open(&bus, "judge", Realtime::No).expect("a bus");
         Self {
-            _robot: Process::start("atas-sim", &simulate),
-            daemon: daemon(&bus),
+            _robot: simulator,
+            daemon: controller,
             _goal: Process::start("atas", &goal),
             truths: observer
                 .subscriber(service::WORLD_TRUTH)
@@ -91,8 +97,11 @@ impl Rig {
     }
 }
 
+/// What happens to a daemon, in words and by hand.
+type Interruption = (&'static str, fn(&mut Rig));
+
 /// What happens to a daemon.
-const INTERRUPTIONS: [(&str, fn(&mut Rig)); 4] = [
+const INTERRUPTIONS: [Interruption; 4] = [
     ("killed", |rig| rig.replace(Signal::KILL)),
     ("ended", |rig| rig.replace(Signal::TERM)),
     ("stopped and recovered", |rig| {

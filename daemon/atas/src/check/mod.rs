@@ -135,7 +135,10 @@ fn check_place(
     let hand = now.robot.hand(side);
     let travel_m = goal.travel_height_m();
     let reach = |value: f64, [lower, upper]: [f64; 2], index: usize| {
-        check_range(value, (lower - EDGE_M, upper + EDGE_M), index).map_err(|r| Reason {
+        if value >= lower - EDGE_M && value <= upper + EDGE_M {
+            return Ok(());
+        }
+        check_range(value, (lower, upper), index).map_err(|r| Reason {
             cause: Cause::UNREACHABLE,
             ..r
         })
