@@ -15,7 +15,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
-use std::io::{BufReader, Seek as _, Write as _};
+use std::io::{BufReader, Read, Seek as _, Write as _};
 use std::path::Path;
 
 use anyhow::{Context as _, bail, ensure};
@@ -99,7 +99,7 @@ impl Part {
 /// # Errors
 /// It cannot be read, or is no part file.
 pub fn header(path: &Path) -> anyhow::Result<Header> {
-    Ok(read(&open(path)?, path)?.0)
+    read_header(&mut open(path)?, path)
 }
 
 /// The trials of all parts of a plan, in its order.
@@ -107,6 +107,7 @@ pub fn header(path: &Path) -> anyhow::Result<Header> {
 /// # Errors
 /// A part cannot be read, is of another plan, is missing, is there twice, or has not ended.
 pub(crate) fn gather(plan: &Plan, paths: &[impl AsRef<Path>]) -> anyhow::Result<Vec<Record>> {
+    let plan_hash = plan.hash();
     let mut all = BTreeMap::new();
     let mut numbers = BTreeSet::new();
     let mut of = 0;
@@ -114,7 +115,7 @@ pub(crate) fn gather(plan: &Plan, paths: &[impl AsRef<Path>]) -> anyhow::Result<
         let shown = path.display();
         let (header, entries, _) = read(&open(path)?, path)?;
         ensure!(
-            header.plan_hash == plan.hash(),
+            header.plan_hash == plan_hash,
             "could not merge {shown} because it is of another evaluation, or robot, objects or program have changed since; \
              run its shard again"
         );
@@ -148,15 +149,17 @@ fn open(path: &Path) -> anyhow::Result<File> {
     File::open(path).with_context(|| format!("could not open {}", path.display()))
 }
 
+fn read_header(reader: &mut impl Read, path: &Path) -> anyhow::Result<Header> {
+    rmp_serde::from_read(reader).with_context(|| {
+        let shown = path.display();
+        format!("could not read {shown} because it is no part of an evaluation")
+    })
+}
+
 /// Header, trials by index, and how many bytes are whole: what a killed process left of a trial is no part of it.
 fn read(file: &File, path: &Path) -> anyhow::Result<(Header, BTreeMap<usize, Record>, u64)> {
     let mut reader = BufReader::new(file);
-    let header = rmp_serde::from_read(&mut reader).with_context(|| {
-        format!(
-            "could not read {} because it is no part of an evaluation",
-            path.display()
-        )
-    })?;
+    let header = read_header(&mut reader, path)?;
     let mut entries = BTreeMap::new();
     let mut whole_bytes = reader.stream_position()?;
     while let Ok((index, record)) = rmp_serde::from_read::<_, Entry>(&mut reader) {

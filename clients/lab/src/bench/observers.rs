@@ -11,7 +11,7 @@ use atas_client::percentiles;
 use atas_console::arguments::BenchObservers;
 use atas_console::{Interrupt, Output, table};
 use atas_evaluation::median;
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 use serde_json::json;
 use shm_bus::BusName;
 use shm_schemas::Percentiles;
@@ -105,7 +105,7 @@ impl Crowd {
         let hanging = start(&bus, &logs)?;
         std::thread::sleep(LOOKS);
         for child in &hanging {
-            signal(child, Signal::STOP)?;
+            child.signal(Signal::STOP)?;
         }
         Ok(Self {
             coming_and_going: start(&bus, &logs)?,
@@ -118,7 +118,7 @@ impl Crowd {
     /// Kills those that come and go, and starts their successors.
     fn change(&mut self) -> anyhow::Result<()> {
         for child in &self.coming_and_going {
-            signal(child, Signal::KILL)?;
+            child.signal(Signal::KILL)?;
         }
         self.coming_and_going = start(&self.bus, &self.logs)?;
         Ok(())
@@ -129,7 +129,7 @@ impl Drop for Crowd {
     fn drop(&mut self) {
         for child in &self.hanging {
             // One that is gone need not go on.
-            let _ = signal(child, Signal::CONT);
+            let _ = child.signal(Signal::CONT);
         }
     }
 }
@@ -142,11 +142,6 @@ fn start(bus: &BusName, logs: &Path) -> anyhow::Result<Vec<Child>> {
         Child::start(program, &words, logs)
     };
     KINDS.iter().map(one).collect()
-}
-
-fn signal(child: &Child, signal: Signal) -> anyhow::Result<()> {
-    let pid = Pid::from_raw(child.pid().cast_signed());
-    Ok(pid.map_or(Ok(()), |pid| kill_process(pid, signal))?)
 }
 
 fn print(alone: &[Half], observed: &[Half], output: &mut Output) -> anyhow::Result<()> {

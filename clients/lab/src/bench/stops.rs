@@ -14,7 +14,7 @@ use std::time::Duration;
 use atas_client::{POLL, percentiles};
 use atas_console::arguments::BenchStop;
 use atas_console::{Interrupt, Output, table};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 use serde_json::json;
 use shm_bus::{Bus, BusName, PendingGoal, Realtime, now_ns, stop};
 use shm_schemas::{
@@ -59,7 +59,7 @@ pub(super) fn stops(
         recover(&mut pair, &control, interrupt)?;
     }
     let goals = flood.end();
-    signal(&frozen, Signal::CONT)?;
+    frozen.signal(Signal::CONT)?;
     print(&seen, goals, output)
 }
 
@@ -154,13 +154,8 @@ fn freeze_a_client(pair: &Pair) -> anyhow::Result<Child> {
         pair.site().folder(),
     )?;
     std::thread::sleep(Duration::from_millis(5));
-    signal(&child, Signal::STOP)?;
+    child.signal(Signal::STOP)?;
     Ok(child)
-}
-
-fn signal(child: &Child, signal: Signal) -> anyhow::Result<()> {
-    let pid = Pid::from_raw(child.pid().cast_signed());
-    Ok(pid.map_or(Ok(()), |pid| kill_process(pid, signal))?)
 }
 
 /// Threads that send goals and keep them pending.

@@ -40,8 +40,6 @@ pub(super) struct Slipping {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Friction {
-    /// m_raw: low-passed ratio of the most loaded elements.
-    reading: f64,
     /// μ̂: largest reading since the first touch.
     remembered: f64,
     /// S_inst: low-passed utilisation against the present reading.
@@ -77,14 +75,14 @@ impl Friction {
             };
         };
         let share = step_s / (settings.friction_filter_s + step_s);
-        self.reading = loaded.ratio.min(FRICTION_CLIP);
-        self.remembered = if self.reading > self.remembered {
-            self.reading
+        // m_raw: the ratio of the most loaded elements, low-passed because they are.
+        let reading = loaded.ratio.min(FRICTION_CLIP);
+        self.remembered = if reading > self.remembered {
+            reading
         } else {
             self.remembered
         };
-        self.utilisation_now +=
-            (ratio / self.reading.max(READING_FLOOR) - self.utilisation_now) * share;
+        self.utilisation_now += (ratio / reading.max(READING_FLOOR) - self.utilisation_now) * share;
         self.watch_gross(ratio, step_s);
         self.remember_slide(ratio, slides, step_s, settings);
         Slipping {
