@@ -80,6 +80,7 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
 #define ATAS_SERVICE_WHEEL_COMMANDS "atas/v1/wheel-commands"
+#define ATAS_SERVICE_ARENA_TRUTH "atas/v1/arena-truth"
 
 // Hashes of the built-in layouts.
 #define ATAS_LAYOUT_HASH_DOME_41 0x952863cb70a35143u
@@ -360,6 +361,10 @@ enum atas_cause {
     ATAS_CAUSE_SHUTDOWN = 43,
     // The daemon's supervisor, which takes orders and tells users, has been silent.
     ATAS_CAUSE_SUPERVISOR_SILENT = 44,
+    // Some elements of a fingertip keep their reading although frames keep coming: they are not believed.
+    ATAS_CAUSE_ELEMENT_STUCK = 45,
+    // What a skin says that a hand presses, and what its joints bear, do not agree.
+    ATAS_CAUSE_FORCE_AGAINST_JOINTS = 46,
     // The object needs more force than its stiffness bears (grasp.compression_m).
     ATAS_CAUSE_TOO_SOFT = 50,
     // The hand was found gripping something; it keeps it and watches it.
@@ -1719,5 +1724,184 @@ _Static_assert(offsetof(atas_world_truth, expired_commands) == 36, "atas_world_t
 _Static_assert(offsetof(atas_world_truth, objects) == 40, "atas_world_truth.objects");
 _Static_assert(offsetof(atas_world_truth, slip_m) == 1096, "atas_world_truth.slip_m");
 _Static_assert(offsetof(atas_world_truth, normal_n) == 1160, "atas_world_truth.normal_n");
+
+// One agent in one frame: where it is, what it senses there, and what it does about it.
+typedef struct atas_agent_truth {
+    // Its centre, to the right of the field's and above it, px.
+    float position_px[2];
+    // Where it looks, counter-clockwise from +x, 1/64 turns.
+    uint32_t heading_steps;
+    // The table row that its sensors select here: bit 0 is S1, bit 4 is S5.
+    uint32_t row;
+    // What it does in this frame, its table's output bits: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3. It stands still (0) where
+    // nothing was answered and when a trial is over.
+    uint32_t output;
+    // 1 if it pressed against the object in the frame before.
+    uint32_t touches;
+} atas_agent_truth;
+#define ATAS_AGENT_TRUTH_TYPE "atas.AgentTruth.v1"
+_Static_assert(sizeof(atas_agent_truth) == 24, "atas_agent_truth");
+_Static_assert(_Alignof(atas_agent_truth) == 4, "atas_agent_truth");
+_Static_assert(offsetof(atas_agent_truth, position_px) == 0, "atas_agent_truth.position_px");
+_Static_assert(offsetof(atas_agent_truth, heading_steps) == 8, "atas_agent_truth.heading_steps");
+_Static_assert(offsetof(atas_agent_truth, row) == 12, "atas_agent_truth.row");
+_Static_assert(offsetof(atas_agent_truth, output) == 16, "atas_agent_truth.output");
+_Static_assert(offsetof(atas_agent_truth, touches) == 20, "atas_agent_truth.touches");
+
+// One field: an object, a goal, and how well the object is on its way.
+typedef struct atas_field_truth {
+    // Centre of the object, px.
+    float object_px[2];
+    // Centre of the goal, px.
+    float goal_px[2];
+    // From the object to the goal, px.
+    float distance_px;
+    // E1 (Eq. 2) of that distance, points.
+    float e1_points;
+    // E2 (Eq. 3), points; 0 before the object was within the goal's radius.
+    float e2_points;
+    // What the trial is worth by the field's rule, points of 100; 0 before it is over.
+    float points;
+    // The first frame, from 1, after which the object was within the goal's radius; 0 before.
+    uint32_t reached_frame;
+    // 1 once the trial is over and the object was carried to its goal.
+    uint32_t solved;
+} atas_field_truth;
+#define ATAS_FIELD_TRUTH_TYPE "atas.FieldTruth.v1"
+_Static_assert(sizeof(atas_field_truth) == 40, "atas_field_truth");
+_Static_assert(_Alignof(atas_field_truth) == 4, "atas_field_truth");
+_Static_assert(offsetof(atas_field_truth, object_px) == 0, "atas_field_truth.object_px");
+_Static_assert(offsetof(atas_field_truth, goal_px) == 8, "atas_field_truth.goal_px");
+_Static_assert(offsetof(atas_field_truth, distance_px) == 16, "atas_field_truth.distance_px");
+_Static_assert(offsetof(atas_field_truth, e1_points) == 20, "atas_field_truth.e1_points");
+_Static_assert(offsetof(atas_field_truth, e2_points) == 24, "atas_field_truth.e2_points");
+_Static_assert(offsetof(atas_field_truth, points) == 28, "atas_field_truth.points");
+_Static_assert(offsetof(atas_field_truth, reached_frame) == 32, "atas_field_truth.reached_frame");
+_Static_assert(offsetof(atas_field_truth, solved) == 36, "atas_field_truth.solved");
+
+// What a trial that is over came to, on field 0.
+typedef struct atas_trial_truth {
+    // Index of the trial.
+    uint32_t trial;
+    // Its goal, 1 to 8; 0 in a place that holds no trial yet.
+    uint32_t goal;
+    // From the object to the goal in the end, px.
+    float distance_px;
+    // The first frame, from 1, after which the object was within the goal's radius; 0 if it never was.
+    uint32_t reached_frame;
+    // What it is worth by the field's rule, points of 100.
+    float points;
+    // Fields, of all side by side, whose object was carried to its goal.
+    uint32_t solved_fields;
+    // Frames in which the agents stood still because no answer came in time.
+    uint32_t missed_frames;
+    // Frames in which they stood still because the answer was malformed.
+    uint32_t refused_frames;
+} atas_trial_truth;
+#define ATAS_TRIAL_TRUTH_TYPE "atas.TrialTruth.v1"
+_Static_assert(sizeof(atas_trial_truth) == 32, "atas_trial_truth");
+_Static_assert(_Alignof(atas_trial_truth) == 4, "atas_trial_truth");
+_Static_assert(offsetof(atas_trial_truth, trial) == 0, "atas_trial_truth.trial");
+_Static_assert(offsetof(atas_trial_truth, goal) == 4, "atas_trial_truth.goal");
+_Static_assert(offsetof(atas_trial_truth, distance_px) == 8, "atas_trial_truth.distance_px");
+_Static_assert(offsetof(atas_trial_truth, reached_frame) == 12, "atas_trial_truth.reached_frame");
+_Static_assert(offsetof(atas_trial_truth, points) == 16, "atas_trial_truth.points");
+_Static_assert(offsetof(atas_trial_truth, solved_fields) == 20, "atas_trial_truth.solved_fields");
+_Static_assert(offsetof(atas_trial_truth, missed_frames) == 24, "atas_trial_truth.missed_frames");
+_Static_assert(offsetof(atas_trial_truth, refused_frames) == 28, "atas_trial_truth.refused_frames");
+
+// The true state of the swarm's fields in one frame.
+typedef struct atas_arena_truth {
+    // captured_ns is the frame's time, as in the agents' sensors.
+    atas_stamp stamp;
+    // Index of the frame within the trial; as many as a trial has when it is over.
+    uint64_t frame;
+    // Names the field's numbers, as in the agents' sensors.
+    uint64_t field_hash;
+    // First 8 bytes of the hash of the table that is looked up in this frame; 0 if nothing was answered.
+    uint64_t table_hash;
+    // Index of the trial (goal position).
+    uint32_t trial;
+    // Trials of the session.
+    uint32_t trial_count;
+    // Goal of the trial on field 0, 1 to 8, counter-clockwise from +x.
+    uint32_t goal;
+    // Frames of the task execution time (paper III.b.3).
+    uint32_t execution_frames;
+    // Frames of a trial: the execution time and the evaluation time after it.
+    uint32_t trial_frames;
+    // 1 if the agents were told what to do in this frame.
+    uint32_t is_driven;
+    // Agents that carry data, at most AGENTS: those of field 0 first.
+    uint32_t agent_count;
+    // Fields that carry data, at most AGENTS.
+    uint32_t field_count;
+    // Agents on each field.
+    uint32_t team;
+    // Angle of the side IR sensors to straight ahead, 1/64 turns.
+    uint32_t ir_angle_steps;
+    // Angle of the photo sensors' axes to straight ahead, 1/64 turns.
+    uint32_t photo_angle_steps;
+    // Cosine of half a photo sensor's opening angle: 0 sees a half-plane, towards 1 sees a ray.
+    float photo_half_angle_cosine;
+    // Half the side of a field: its walls, px.
+    float half_side_px;
+    // Radius of an agent, px.
+    float agent_radius_px;
+    // Radius of an object, px.
+    float object_radius_px;
+    // An object has arrived when its centre is this close to the goal's, px.
+    float goal_radius_px;
+    // Reach of an IR sensor from the agent's centre, px.
+    float ir_range_px;
+    // Distance within which the object's light is seen, px.
+    float object_light_px;
+    // Distance within which the goal's light is seen, px.
+    float goal_light_px;
+    // Friction of the object over the force at which one agent stalls; 0 in a field whose yielding was fitted.
+    float friction_stall_forces;
+    // The part of an overlap by which one, two, three and four agents move the object.
+    float yielding[4];
+    // How the field's preset is called.
+    char preset[32];
+    // The newest trials that are over, that of index t in place t modulo 8.
+    atas_trial_truth trials[8];
+    // The fields.
+    atas_field_truth fields[1024];
+    // The agents.
+    atas_agent_truth agents[1024];
+} atas_arena_truth;
+#define ATAS_ARENA_TRUTH_TYPE "atas.ArenaTruth.v1"
+_Static_assert(sizeof(atas_arena_truth) == 65968, "atas_arena_truth");
+_Static_assert(_Alignof(atas_arena_truth) == 8, "atas_arena_truth");
+_Static_assert(offsetof(atas_arena_truth, stamp) == 0, "atas_arena_truth.stamp");
+_Static_assert(offsetof(atas_arena_truth, frame) == 24, "atas_arena_truth.frame");
+_Static_assert(offsetof(atas_arena_truth, field_hash) == 32, "atas_arena_truth.field_hash");
+_Static_assert(offsetof(atas_arena_truth, table_hash) == 40, "atas_arena_truth.table_hash");
+_Static_assert(offsetof(atas_arena_truth, trial) == 48, "atas_arena_truth.trial");
+_Static_assert(offsetof(atas_arena_truth, trial_count) == 52, "atas_arena_truth.trial_count");
+_Static_assert(offsetof(atas_arena_truth, goal) == 56, "atas_arena_truth.goal");
+_Static_assert(offsetof(atas_arena_truth, execution_frames) == 60, "atas_arena_truth.execution_frames");
+_Static_assert(offsetof(atas_arena_truth, trial_frames) == 64, "atas_arena_truth.trial_frames");
+_Static_assert(offsetof(atas_arena_truth, is_driven) == 68, "atas_arena_truth.is_driven");
+_Static_assert(offsetof(atas_arena_truth, agent_count) == 72, "atas_arena_truth.agent_count");
+_Static_assert(offsetof(atas_arena_truth, field_count) == 76, "atas_arena_truth.field_count");
+_Static_assert(offsetof(atas_arena_truth, team) == 80, "atas_arena_truth.team");
+_Static_assert(offsetof(atas_arena_truth, ir_angle_steps) == 84, "atas_arena_truth.ir_angle_steps");
+_Static_assert(offsetof(atas_arena_truth, photo_angle_steps) == 88, "atas_arena_truth.photo_angle_steps");
+_Static_assert(offsetof(atas_arena_truth, photo_half_angle_cosine) == 92, "atas_arena_truth.photo_half_angle_cosine");
+_Static_assert(offsetof(atas_arena_truth, half_side_px) == 96, "atas_arena_truth.half_side_px");
+_Static_assert(offsetof(atas_arena_truth, agent_radius_px) == 100, "atas_arena_truth.agent_radius_px");
+_Static_assert(offsetof(atas_arena_truth, object_radius_px) == 104, "atas_arena_truth.object_radius_px");
+_Static_assert(offsetof(atas_arena_truth, goal_radius_px) == 108, "atas_arena_truth.goal_radius_px");
+_Static_assert(offsetof(atas_arena_truth, ir_range_px) == 112, "atas_arena_truth.ir_range_px");
+_Static_assert(offsetof(atas_arena_truth, object_light_px) == 116, "atas_arena_truth.object_light_px");
+_Static_assert(offsetof(atas_arena_truth, goal_light_px) == 120, "atas_arena_truth.goal_light_px");
+_Static_assert(offsetof(atas_arena_truth, friction_stall_forces) == 124, "atas_arena_truth.friction_stall_forces");
+_Static_assert(offsetof(atas_arena_truth, yielding) == 128, "atas_arena_truth.yielding");
+_Static_assert(offsetof(atas_arena_truth, preset) == 144, "atas_arena_truth.preset");
+_Static_assert(offsetof(atas_arena_truth, trials) == 176, "atas_arena_truth.trials");
+_Static_assert(offsetof(atas_arena_truth, fields) == 432, "atas_arena_truth.fields");
+_Static_assert(offsetof(atas_arena_truth, agents) == 41392, "atas_arena_truth.agents");
 
 #endif

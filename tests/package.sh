@@ -21,9 +21,9 @@ touch "$root"/var/lib/dpkg/{status,available}
 in_root -i "$first"
 check test "$(state)" = "ii  0.1.0-1"
 check grep -q '^atas:' "$root/etc/passwd"
-for file in usr/bin/{atasd,atas,atas-lab,atas-live,atas-robot,atas-sensor,atas-sim,ebts} etc/atas/{atas.toml,sensors,robots,conf.d} \
-    usr/lib/systemd/system/{atasd,atas-sim,atas-record,atas-sensor@,atas-robot@}.service usr/lib/sysusers.d/atas.conf \
-    usr/lib/udev/rules.d/60-atas.rules usr/share/man/man1/atas{,-grasp,-sim-run}.1.gz usr/share/man/man8/atasd.8.gz \
+for file in usr/bin/{atasd,atas,atas-gate,atas-lab,atas-live,atas-robot,atas-sensor,atas-sim,ebts} etc/atas/{atas.toml,sensors,robots,conf.d} \
+    usr/lib/systemd/system/{atasd,atas-gate,atas-sim,atas-record,atas-sensor@,atas-robot@}.service usr/lib/systemd/system/atas-gate.socket usr/lib/sysusers.d/atas.conf \
+    usr/lib/udev/rules.d/60-atas.rules usr/share/man/man1/atas{,-grasp,-sim-run}.1.gz usr/share/man/man8/{atasd,atas-gate}.8.gz \
     usr/share/bash-completion/completions/atas.bash usr/include/atas.h; do
     check test -e "$root/$file"
 done
@@ -50,6 +50,26 @@ def until(word):
     while word not in notify.recv(4096).decode():
         pass
 
+def visit():
+    """A user in the gate's group looks on and may not command, as the installed configuration has it."""
+    group, path = 60601, f"{work}/gate.sock"
+    door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    door.bind(path)
+    os.chmod(work, 0o711)
+    os.chown(path, 0, group)
+    os.chmod(path, 0o660)
+    door.listen()
+    words = [f"{root}/usr/bin/atas-gate", "--config", f"{root}/etc/atas/atas.toml"]
+    gate = subprocess.Popen(words, env=environment, stdin=door)
+    member = ["setpriv", "--reuid=60602", "--regid=60602", f"--groups={group}", "--", f"{root}/usr/bin/atas"]
+    try:
+        for command, code in (("status", 0), ("recover", 4), ("estop", 0)):
+            told = subprocess.run([*member, command], env=environment | {"ATAS_GATE": path}, capture_output=True, text=True)
+            assert told.returncode == code, (command, told)
+    finally:
+        gate.kill()
+        gate.wait()
+
 robot = start("atas-sim", "run", "--lockstep", "--object", "wood")
 daemon = start("atasd", "--lockstep", "--config", f"{root}/etc/atas/atas.toml", NOTIFY_SOCKET=f"{work}/notify")
 try:
@@ -59,6 +79,8 @@ try:
     assert ask("status")["mode"], "a mode"
     # The laboratory's program is found beside this one.
     assert ask("explain", "last")["state"] == "succeeded"
+    if os.geteuid() == 0:
+        visit()
     daemon.send_signal(signal.SIGTERM)
     until("STOPPING=1")
     assert daemon.wait(60) == 0

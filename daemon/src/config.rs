@@ -26,6 +26,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use atas_core::{HandWiring, Settings, Wiring, settings};
+use atas_process::configuration::GroupRight;
 use robot_model::{HandModel, ModelError, RobotModel, Side, TWO_HAND_ARM};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
@@ -42,6 +43,8 @@ pub struct Config {
     pub hands: Hands,
     /// What is kept of a run.
     pub recording: Recording,
+    /// Who besides the bus's user may do what.
+    pub access: Access,
     /// Which frames and joint states are believed.
     pub intake: settings::Intake,
     /// From element forces to what a fingertip feels.
@@ -71,6 +74,14 @@ pub struct Recording {
     pub stream: bool,
     /// Folder of the flight recorder; empty for the service's own.
     pub flight_folder: String,
+}
+
+/// Who besides the bus's user may do what. Read by `atas-gate` from the same files, at each use; checked here.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Access {
+    /// Members of group `atas`.
+    pub group: GroupRight,
 }
 
 /// Whether the daemon insists on real-time scheduling.

@@ -21,8 +21,8 @@ use crate::tick::TickLoop;
 
 /// Name under which others see the daemon on the bus.
 const ROLE: &str = "atasd";
-/// Stack of the tick thread, bytes: all of it is locked.
-const TICK_STACK_BYTES: usize = 1 << 20;
+/// Stack of the tick thread, bytes: all of it is locked. Copies of a controller are put together on it, 210 kB each.
+const TICK_STACK_BYTES: usize = 3 << 19;
 
 /// Why the daemon ended other than as asked.
 #[derive(Debug, thiserror::Error)]

@@ -10,6 +10,10 @@ pub const ELEMENTS: usize = 64;
 pub const JOINTS: usize = 32;
 /// Agents of one swarm on the bus.
 pub const AGENTS: usize = 1024;
+/// Agents on one of its fields (paper Fig. 13).
+pub const TEAM: usize = 4;
+/// Goals of one evaluation of a behaviour table (paper III.b.3).
+pub const GOALS: usize = 8;
 /// Stages of the tick that are timed separately, see [`crate::TickReport::stage_ns`].
 pub const STAGES: usize = 8;
 /// Tunable numbers of the controller; it has about half as many.

@@ -4,7 +4,7 @@
 //! from it, and cannot say anything else than the compiler does.
 
 use crate::schema::{CodeType, PayloadType};
-use crate::{control, event, frame, goal, joints, module, reason, record, sensor_bit};
+use crate::{arena, control, event, frame, goal, joints, module, reason, record, sensor_bit};
 use crate::{stamp, status, stop, swarm, target, tick, truth, view};
 
 /// Every code.
@@ -64,4 +64,8 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &swarm::WheelCommands::PAYLOAD,
     &truth::ObjectTruth::PAYLOAD,
     &truth::WorldTruth::PAYLOAD,
+    &arena::AgentTruth::PAYLOAD,
+    &arena::FieldTruth::PAYLOAD,
+    &arena::TrialTruth::PAYLOAD,
+    &arena::ArenaTruth::PAYLOAD,
 ];

@@ -18,6 +18,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod arena;
 mod body;
 #[cfg(feature = "serde")]
 mod bytes;
@@ -51,6 +52,7 @@ mod tick;
 mod truth;
 mod view;
 
+pub use arena::{AgentTruth, ArenaTruth, FieldTruth, TrialTruth};
 pub use body::{Body, BodyPair};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
 pub use event::{EventKind, ModuleEvent};

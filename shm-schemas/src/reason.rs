@@ -98,6 +98,10 @@ code! {
         SHUTDOWN = 43, "shutdown";
         /// The daemon's supervisor, which takes orders and tells users, has been silent.
         SUPERVISOR_SILENT = 44, "supervisor-silent";
+        /// Some elements of a fingertip keep their reading although frames keep coming: they are not believed.
+        ELEMENT_STUCK = 45, "element-stuck";
+        /// What a skin says that a hand presses, and what its joints bear, do not agree.
+        FORCE_AGAINST_JOINTS = 46, "force-against-joints";
         /// The object needs more force than its stiffness bears (`grasp.compression_m`).
         TOO_SOFT = 50, "too-soft";
         /// The hand was found gripping something; it keeps it and watches it.

@@ -13,8 +13,8 @@ impl fmt::Display for Reason {
         match self.cause.0 {
             0..=9 | 19 | 60..=69 => self.write_goal(f),
             10..=19 | 29 | 50..=59 => self.write_task(f),
-            20..=29 => self.write_frames(f),
-            30..=39 => self.write_joints(f),
+            20..=29 | 45 => self.write_frames(f),
+            30..=39 | 46 => self.write_joints(f),
             70..=79 => self.write_target(f),
             _ => self.write_daemon(f),
         }?;
@@ -287,6 +287,12 @@ impl Reason {
                 "the readings of hand {} have not changed for {value} frames, allowed {limit}",
                 Hand(index)
             ),
+            Cause::ELEMENT_STUCK => write!(
+                f,
+                "element {value} of finger {limit} of the {} hand is stuck: its reading does not move any more; it is not believed until \
+                 it does",
+                Hand(index)
+            ),
             Cause::SENSOR_RESTARTED => {
                 write!(f, "the sensor process of hand {} restarted", Hand(index))
             }
@@ -346,7 +352,13 @@ impl Reason {
             Cause::FORCE_IMPLAUSIBLE => write!(
                 f,
                 "a fingertip of the {} hand reports {value:.2} N, the most that is believed is {limit:.2} N; check the sensor, or \
-                 take its zero anew with the hand empty",
+                 take its zero anew with the hand empty (`atas zero`)",
+                Hand(index)
+            ),
+            Cause::FORCE_AGAINST_JOINTS => write!(
+                f,
+                "the skin of the {} hand says that it presses with {value:.2} N, its joints bear {limit:.2} N; does the zero drift? it keeps \
+                 its grip; take the object, then `atas estop`, `atas recover`, `atas zero`",
                 Hand(index)
             ),
             Cause::NOT_NOW => f.write_str(

@@ -34,9 +34,12 @@ pub const WORLD_TRUTH: &str = "atas/v3/world-truth";
 pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 /// Publish-subscribe: [`crate::WheelCommands`], one per field frame, from the agents process.
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
+/// Publish-subscribe: [`crate::ArenaTruth`], up to 60 Hz and at every trial's end, from the field's host, for onlookers only; no agent
+/// opens it.
+pub const ARENA_TRUTH: &str = "atas/v1/arena-truth";
 
 /// Every service by its name here.
-pub const NAMES: [(&str, &str); 17] = [
+pub const NAMES: [(&str, &str); 18] = [
     ("HAND_FRAME_LEFT", HAND_FRAME[0]),
     ("HAND_FRAME_RIGHT", HAND_FRAME[1]),
     ("JOINT_STATE", JOINT_STATE),
@@ -54,4 +57,5 @@ pub const NAMES: [(&str, &str); 17] = [
     ("WORLD_TRUTH", WORLD_TRUTH),
     ("AGENT_SENSORS", AGENT_SENSORS),
     ("WHEEL_COMMANDS", WHEEL_COMMANDS),
+    ("ARENA_TRUTH", ARENA_TRUTH),
 ];

@@ -202,7 +202,7 @@ impl Scene {
         if meant_m == hand.object_m() && turn_rad == 0.0 {
             return self;
         }
-        let (sin, cos) = turn_rad.sin_cos();
+        let (sin, cos) = libm::sincos(turn_rad);
         let moved = |[x, y]: [f64; 2]| {
             let [dx, dy] = [x - meant_m[0], y - meant_m[1]];
             let [to_x, to_y] = hand.object_m();

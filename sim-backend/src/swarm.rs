@@ -1,18 +1,21 @@
 //! The swarm's fields as their host runs them: sensors out, wheel commands in, frame by frame and trial by trial.
 //!
 //! A host publishes what [`Swarm::sense`] writes, waits as it likes, and calls [`Swarm::advance`] with the answer, or with
-//! nothing: robots that are not told what to do in a frame stand still in it. Several fields may lie side by side; they
-//! share frames and trials and nothing else, and their robots come one field after the other.
+//! nothing: robots that are not told what to do in a frame stand still in it. [`Swarm::show`] tells onlookers, and changes
+//! nothing. Several fields may lie side by side; they share frames and trials and nothing else, and their robots come one
+//! field after the other.
 //!
 //! Deliberately absent: the bus, the clock, and whatever decides what the robots do.
 
+mod show;
+
 use field::{FitnessRule, Layout, MAX_AGENTS, Model, Outcome, TeamSize, TrialRun, Wheels, solved};
 use serde::{Deserialize, Serialize};
-use shm_schemas::capacity::AGENTS;
-use shm_schemas::{AgentSensors, WheelCommands};
+use shm_schemas::capacity::{self, AGENTS};
+use shm_schemas::{AgentSensors, TrialTruth, WheelCommands};
 
 /// Goals of one evaluation (paper III.b.3).
-pub const GOALS: u8 = 8;
+pub const GOALS: u8 = capacity::GOALS as u8;
 /// Steps of a heading between two goals: the field has 64 directions.
 const GOAL_STEPS: u8 = 8;
 
@@ -93,8 +96,15 @@ pub struct Swarm {
     settings: SwarmSettings,
     rule: FitnessRule,
     field_hash: u64,
+    /// The trial that the fields show: under way, or over until the next one's first frame is sensed.
     trial: usize,
+    /// Trials that are over.
+    ended: usize,
     runs: Vec<TrialRun>,
+    /// Per field what its robots sense in this frame.
+    rows: Vec<[u8; MAX_AGENTS]>,
+    /// The newest trials that are over, that of index t in place t modulo 8.
+    past: [TrialTruth; capacity::GOALS],
     missed_frames: u32,
     refused_frames: u32,
     /// Hashes seen in this trial; bounded, so that no writer can make it grow.
@@ -126,31 +136,39 @@ impl Swarm {
             field_hash: settings.model.preset().fingerprint(),
             settings,
             trial: 0,
+            ended: 0,
             runs: Vec::with_capacity(fields),
+            rows: vec![[0; MAX_AGENTS]; fields],
+            past: Default::default(),
             missed_frames: 0,
             refused_frames: 0,
             hashes: Vec::with_capacity(HASHES),
         };
-        swarm.begin_trial();
+        swarm.begin_trial(0);
         Ok(swarm)
     }
 
     /// Whether all trials are over.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.trial >= self.settings.goals.len()
+        self.ended >= self.settings.goals.len()
     }
 
-    /// Writes what every robot senses now, without the stamp.
+    /// Writes what every robot senses now, without the stamp; after the last frame of a trial, in the first of the next one.
     pub fn sense(&mut self, sensors: &mut AgentSensors) {
+        if self.trial < self.ended && !self.is_over() {
+            self.begin_trial(self.ended);
+        }
         let team = self.settings.team.get();
         sensors.frame = self.frame().into();
         sensors.trial = self.trial as u32;
         sensors.agent_count = (team * self.runs.len()) as u32;
         sensors.field_hash = self.field_hash;
-        for (rows, run) in sensors.row.chunks_exact_mut(team).zip(&mut self.runs) {
-            for (row, sensed) in rows.iter_mut().zip(run.sense()) {
-                *row = sensed.into();
+        let runs = self.runs.iter_mut().zip(&mut self.rows);
+        for (told, (run, rows)) in sensors.row.chunks_exact_mut(team).zip(runs) {
+            *rows = run.sense();
+            for (told, row) in told.iter_mut().zip(rows) {
+                *told = (*row).into();
             }
         }
     }
@@ -172,8 +190,13 @@ impl Swarm {
             }
         };
         self.drive(commands);
-        let over = self.runs.first().is_some_and(TrialRun::is_over);
+        let over = self.trial == self.ended && self.runs.first().is_some_and(TrialRun::is_over);
         over.then(|| self.end_trial())
+    }
+
+    fn points(&self, outcome: &Outcome) -> f32 {
+        let SwarmSettings { model, team, .. } = &self.settings;
+        self.rule.points(model.preset(), *team, outcome)
     }
 
     /// Drives every robot by its motor bits, or none.
@@ -208,7 +231,8 @@ impl Swarm {
         self.runs.first().map_or(0, TrialRun::frame)
     }
 
-    fn begin_trial(&mut self) {
+    fn begin_trial(&mut self, trial: usize) {
+        self.trial = trial;
         self.runs.clear();
         let SwarmSettings {
             model,
@@ -216,7 +240,7 @@ impl Swarm {
             fields,
             goals,
         } = &self.settings;
-        if let Some(goal) = goals.get(self.trial) {
+        if let Some(goal) = goals.get(trial) {
             let first = (goal - 1) * GOAL_STEPS;
             let layout = |field: usize| layout_towards(model, (usize::from(first) + field) % 64);
             self.runs
@@ -225,16 +249,14 @@ impl Swarm {
     }
 
     fn end_trial(&mut self) -> TrialReport {
-        let SwarmSettings {
-            model, team, goals, ..
-        } = &self.settings;
         let outcomes: Vec<Outcome> = self.runs.iter().map(TrialRun::outcome).collect();
-        let points = outcomes
+        let points: Vec<f32> = outcomes
             .iter()
-            .map(|outcome| self.rule.points(model.preset(), *team, outcome));
+            .map(|outcome| self.points(outcome))
+            .collect();
         let report = TrialReport {
             trial: self.trial,
-            goal: goals[self.trial],
+            goal: self.settings.goals[self.trial],
             missed_frames: std::mem::take(&mut self.missed_frames),
             refused_frames: std::mem::take(&mut self.refused_frames),
             tables: self
@@ -242,12 +264,29 @@ impl Swarm {
                 .drain(..)
                 .map(|hash| format!("{hash:016x}"))
                 .collect(),
-            points: points.collect(),
+            points,
             outcomes,
         };
-        self.trial += 1;
-        self.begin_trial();
+        self.ended += 1;
+        for (rows, run) in self.rows.iter_mut().zip(&self.runs) {
+            *rows = run.world().sense();
+        }
+        self.past[self.trial % self.past.len()] = trial_truth(&report);
         report
+    }
+}
+
+/// What an onlooker is told of a trial that is over.
+fn trial_truth(report: &TrialReport) -> TrialTruth {
+    TrialTruth {
+        trial: report.trial as u32,
+        goal: report.goal.into(),
+        distance_px: report.outcomes[0].evaluated.goal_px,
+        reached_frame: report.outcomes[0].reached_frame,
+        points: report.points[0],
+        solved_fields: report.solved() as u32,
+        missed_frames: report.missed_frames,
+        refused_frames: report.refused_frames,
     }
 }
 

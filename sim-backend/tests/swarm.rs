@@ -1,7 +1,7 @@
 //! The swarm's host without a bus: what it refuses, and what robots do that are told nothing or nonsense.
 
 use field::{Model, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wheels, run_trial};
-use shm_schemas::{AgentSensors, WheelCommands};
+use shm_schemas::{AgentSensors, ArenaTruth, WheelCommands};
 use sim_backend::swarm::{Answer, Swarm, SwarmError, SwarmSettings, TrialReport};
 
 fn settings(agents: usize, fields: usize, goals: &[u8]) -> SwarmSettings {
@@ -73,6 +73,64 @@ fn fields_side_by_side_are_the_trials_of_the_field() {
     assert!(swarm.is_over());
     let nothing = swarm.advance(Answer::Missing);
     assert_eq!(nothing, None, "after the last trial nothing happens");
+}
+
+#[test]
+fn onlookers_see_every_frame_and_change_nothing() {
+    let unseen = trial(&mut swarm(3, 2, &[4]), |_| ());
+    let mut swarm = swarm(3, 2, &[4, 5]);
+    let (mut sensors, mut arena) = (AgentSensors::default(), Box::<ArenaTruth>::default());
+    let mut before = None;
+    let report = loop {
+        swarm.sense(&mut sensors);
+        let commands = answer(&sensors);
+        let answer = Answer::Commands(&commands);
+        swarm.show(answer, &mut arena);
+        assert_eq!(
+            (arena.frame, arena.trial, arena.goal),
+            (sensors.frame, 0, 4)
+        );
+        assert_eq!(
+            (arena.agent_count, arena.field_count, arena.is_driven),
+            (6, 2, 1)
+        );
+        for (agent, truth) in arena.agents[..6].iter().enumerate() {
+            assert_eq!(
+                (truth.row, truth.output),
+                (sensors.row[agent], commands.output[agent])
+            );
+        }
+        // A wheel level is at most two steps of a turn: what is shown is one motion, not a jump.
+        let headings = [0, 1, 2, 3, 4, 5].map(|agent: usize| arena.agents[agent].heading_steps);
+        for (now, then) in headings.iter().zip(before.unwrap_or(headings)) {
+            assert!((now + 64 - then + 2) % 64 <= 4, "frame {}", arena.frame);
+        }
+        before = Some(headings);
+        if let Some(report) = swarm.advance(answer) {
+            break report;
+        }
+    };
+    assert_eq!(report, unseen);
+    // How it ended, until the next trial's first frame is sensed.
+    swarm.show(Answer::Missing, &mut arena);
+    assert_eq!((arena.frame, arena.trial), (TRIAL_FRAMES.into(), 0));
+    for (field, shown) in arena.fields[..2].iter().enumerate() {
+        let outcome = &report.outcomes[field];
+        assert_eq!(shown.distance_px, outcome.evaluated.goal_px);
+        assert_eq!(shown.reached_frame, outcome.reached_frame);
+        assert_eq!(shown.points, report.points[field]);
+        assert_eq!(shown.e1_points, 1000.0 / shown.distance_px.max(10.0));
+    }
+    assert!(arena.agents[..6].iter().all(|agent| agent.output == 0));
+    let past = arena.trials[0];
+    assert_eq!((past.goal, past.points), (4, report.points[0]));
+    assert_eq!(arena.trials[1].goal, 0, "no other trial is over");
+    swarm.sense(&mut sensors);
+    swarm.show(Answer::Missing, &mut arena);
+    assert_eq!(
+        (arena.frame, arena.trial, arena.goal, arena.is_driven),
+        (0, 1, 5, 0)
+    );
 }
 
 #[test]

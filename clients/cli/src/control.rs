@@ -1,19 +1,28 @@
-//! Control requests: recover, cancel, parameters.
+//! Control requests: recover, cancel, zero, parameters.
 
 use std::time::{Duration, Instant};
 
 use atas_client::{ClientError, POLL, Session};
+use atas_console::arguments::Zero;
 use atas_console::{Ended, Exit, Output, table};
 use serde_json::json;
 use shm_bus::BusName;
-use shm_schemas::{ControlOp, ControlOutcome, ControlReply};
+use shm_schemas::{ControlOp, ControlOutcome, ControlReply, Hand};
 
 /// How long the end of a cancelled goal may take (ours: fifty statuses).
 const CONFIRMATION: Duration = Duration::from_secs(1);
 
 /// `atas recover`.
 pub(crate) fn recover(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
-    act(bus, ControlOp::RECOVER, "recovered", output)
+    act(bus, (ControlOp::RECOVER, 0.0), "recovered", output)
+}
+
+/// `atas zero`.
+pub(crate) fn zero(arguments: &Zero, output: &mut Output) -> anyhow::Result<()> {
+    let hand = Hand::from(arguments.hand);
+    let op = (ControlOp::BIAS, f64::from(hand.0));
+    let done = format!("what the {hand} hand feels now is its zero");
+    act(&arguments.bus.bus, op, &done, output)
 }
 
 /// `atas cancel`: the active goal, whoever sent it.
@@ -39,8 +48,13 @@ pub(crate) fn cancel(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     output.line("cancelled; the hands stay where they are and keep what they hold")
 }
 
-fn act(bus: &BusName, op: ControlOp, done: &str, output: &mut Output) -> anyhow::Result<()> {
-    let reply = Session::existing(bus)?.demand(op, 0.0, "")?;
+fn act(
+    bus: &BusName,
+    (op, value): (ControlOp, f64),
+    done: &str,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let reply = Session::existing(bus)?.demand(op, value, "")?;
     if output.is_json() {
         output.json(&json!({ "op": op.name(), "outcome": reply.outcome.name() }))
     } else {

@@ -1,7 +1,8 @@
 //! `atas`: what an operator says to a running daemon and asks of it.
 //!
 //! ```text
-//!  atas_console::arguments ─▶ main ─┬─ goals ─▶ send ────▶ a goal, followed to its end
+//!  atas_console::arguments ─▶ main ─┬─ atas_gate ─────────▶ the same command as another user, whose bus it is
+//!                                   ├─ goals ─▶ send ────▶ a goal, followed to its end
 //!                                   ├─ follow ──────────▶ a stream of targets, by keys or from a file
 //!                                   ├─ estop ───────────▶ a stop, on a way of its own
 //!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
@@ -38,7 +39,11 @@ use atas_console::arguments::{self, Command, Param, RecordAction};
 use atas_console::{Interrupt, Output};
 
 fn main() -> ExitCode {
-    atas_console::run(execute)
+    atas_console::run(|command, interrupt, output| {
+        // Returns unless the bus is another user's.
+        atas_gate::pass(command)?;
+        execute(command, interrupt, output)
+    })
 }
 
 /// The only place that knows which function a command is.
@@ -54,6 +59,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Estop(bus) => estop::estop(&bus.bus, output),
         Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),
+        Command::Zero(arguments) => control::zero(arguments, output),
         Command::Status(arguments) => status::status(arguments, interrupt, output),
         Command::Top(bus) => top::top(bus, interrupt),
         Command::Topic { action } => topic::topic(action, interrupt, output),

@@ -13,6 +13,7 @@ use crate::output::Format;
 use shm_schemas::EventKind;
 use values::{event_kind, finite};
 
+mod access;
 mod benches;
 mod calibrates;
 mod dashboards;
@@ -28,6 +29,7 @@ mod robots;
 mod topics;
 mod values;
 
+pub use access::{Access, Right};
 pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoBy};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
 pub use dashboards::{Dashboard, Foxglove};
@@ -42,7 +44,7 @@ pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
 pub use follows::Follow;
 pub use goals::{
-    Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask,
+    Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask, Zero,
 };
 pub use plots::{Drawn, Plot, PlotRecorded};
 pub use records::{Record, RecordAction};
@@ -115,6 +117,8 @@ pub enum Command {
     Cancel(BusArgument),
     /// Leave a stop or a hold, if its cause is gone
     Recover(BusArgument),
+    /// Take what the fingertips of an empty hand feel as nothing: their new zero
+    Zero(Zero),
     /// Show how the daemon and its sensors are
     Status(Status),
     /// Show the running system on one screen: forces, fingertips, modules, ticks, services, faults; q ends it

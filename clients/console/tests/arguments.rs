@@ -78,6 +78,7 @@ fn accepted() {
     check("atas stop");
     check("atas estop --bus b");
     check("atas recover");
+    check("atas zero --hand left --bus b");
     check("atas status --watch --format json");
     check("atas events --follow");
     check("atas events --count 3");

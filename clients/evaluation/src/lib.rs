@@ -24,6 +24,7 @@
 //!   [`judge`] computes it.
 
 mod condition;
+mod drawn;
 mod execute;
 pub mod figures;
 mod finding;
@@ -41,7 +42,8 @@ pub mod replay;
 mod report;
 mod rows;
 pub mod seeds;
-pub mod state;
+pub mod shadow;
+mod state;
 mod statistics;
 mod tally;
 mod task;

@@ -16,11 +16,11 @@ use sim_backend::{GraspHint, OutOfRange, Ride, Scene, SceneError, Sensed, TICK_N
 /// Longest time that the controller may take to become ready, ticks.
 const READY_WITHIN_TICKS: u64 = 1000;
 
-/// One world with one controller.
+/// One world with one controller; both are too large to be moved about on a thread's stack.
 pub struct OfflineRun {
     robot: RobotModel,
-    world: World,
-    controller: Controller,
+    world: Box<World>,
+    controller: Box<Controller>,
     sensed: Sensed,
     command: JointCommand,
     index: u64,
@@ -79,8 +79,8 @@ impl OfflineRun {
         }
         Ok(Self {
             robot: robot.clone(),
-            world: World::new(robot, scene, seed)?,
-            controller: Controller::new(robot, wiring, settings),
+            world: Box::new(World::new(robot, scene, seed)?),
+            controller: Box::new(Controller::new(robot, wiring, settings)),
             sensed: Sensed::default(),
             command: JointCommand::default(),
             index: 0,

@@ -1,55 +1,12 @@
 //! One row per trial: what was drawn, what became of it, how hard and how long.
 
-use serde::{Deserialize, Serialize};
-use sim_backend::Scene;
+use serde::Serialize;
 
 use crate::condition::Condition;
 use crate::judge::Load;
 use crate::plan::Plan;
 use crate::policy::GripPolicy;
 use crate::trial::Record;
-
-/// What a trial drew from its families and errors, of its first object.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Drawn {
-    noise: f64,
-    mass_kg: f64,
-    friction: f64,
-    stiffness_n_m: f64,
-    width_mm: f64,
-    told_width_mm: f64,
-    height_mm: f64,
-    off_centre_mm: f64,
-    off_x_mm: f64,
-    off_y_mm: f64,
-    off_yaw_deg: f64,
-    thread_mn_m: Option<f64>,
-    closes_at_deg: Option<f64>,
-}
-
-impl Drawn {
-    /// Of a scene with an object.
-    pub(crate) fn of(scene: &Scene) -> Option<Self> {
-        let (placed, told) = (scene.objects.first()?, scene.grasp_hint(0)?);
-        let object = &placed.object;
-        let off_mm = |axis: usize| (placed.position_m[axis] - told.from_m[axis]) * 1e3;
-        Some(Self {
-            noise: scene.noise_factor,
-            mass_kg: object.mass_kg,
-            friction: object.friction,
-            stiffness_n_m: object.stiffness_n_m,
-            width_mm: object.shape.width_m() * 1e3,
-            told_width_mm: told.width_m * 1e3,
-            height_mm: 2e3 * object.shape.half_height_m(),
-            off_centre_mm: object.centre_of_mass_m.y * 1e3,
-            off_x_mm: off_mm(0),
-            off_y_mm: off_mm(1),
-            off_yaw_deg: (placed.yaw_rad - told.yaw_rad).to_degrees(),
-            thread_mn_m: object.thread.map(|thread| thread.friction_n_m * 1e3),
-            closes_at_deg: object.thread.map(|thread| thread.closing_rad.to_degrees()),
-        })
-    }
-}
 
 /// One trial. Numbers have six significant digits; what does not apply, or is infinite, is absent.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -5,12 +5,7 @@
 
 use anyhow::Context;
 use atas_core::Controller;
-use atas_core::record::Replay;
-use atas_recording::Follower;
 use serde::{Deserialize, Serialize};
-use shm_schemas::{HandFrame, RunHeader, TickInputs};
-
-use crate::replay::{frames, origin};
 
 /// What is written.
 #[derive(Serialize)]
@@ -33,7 +28,7 @@ struct Read {
     controller: Controller,
 }
 
-fn encode(controller: &Controller, next_sequence: u64) -> anyhow::Result<Vec<u8>> {
+pub(crate) fn encode(controller: &Controller, next_sequence: u64) -> anyhow::Result<Vec<u8>> {
     let saved = Saved {
         version: env!("CARGO_PKG_VERSION"),
         next_sequence,
@@ -73,48 +68,6 @@ pub(crate) fn decode(state: &[u8]) -> anyhow::Result<(Controller, u64)> {
          recorded it, or from the first file of the run",
     )?;
     Ok((read.controller, read.next_sequence))
-}
-
-/// The production controller, beside a recorder: it replays the run as it is recorded.
-#[derive(Debug, Default)]
-pub struct Shadow {
-    replay: Option<Replay<Vec<HandFrame>>>,
-}
-
-impl Follower for Shadow {
-    fn begin(&mut self, run: &RunHeader) -> anyhow::Result<()> {
-        self.replay = None;
-        self.replay = Some(Replay::new(origin(run)?, frames()));
-        Ok(())
-    }
-
-    fn take(&mut self, part: &TickInputs) -> anyhow::Result<()> {
-        let Some(replay) = &mut self.replay else {
-            return Ok(());
-        };
-        if let Some(replayed) = replay.feed(part)? {
-            anyhow::ensure!(
-                replayed.is_equal,
-                "in tick {} the daemon commanded something else than this version does",
-                part.tick
-            );
-        }
-        Ok(())
-    }
-
-    fn is_within_tick(&self) -> bool {
-        self.replay
-            .as_ref()
-            .is_some_and(|replay| replay.state().is_none())
-    }
-
-    fn state(&self) -> anyhow::Result<Option<Vec<u8>>> {
-        let state = self.replay.as_ref().and_then(Replay::state);
-        let begun = state.filter(|(_, next_sequence)| *next_sequence > 0);
-        begun
-            .map(|(controller, next_sequence)| encode(controller, next_sequence))
-            .transpose()
-    }
 }
 
 #[cfg(test)]

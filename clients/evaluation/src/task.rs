@@ -9,7 +9,6 @@ use sim_backend::{Errors, GraspHint, Object, ObjectError, Scene};
 use crate::condition::{Condition, Named, Noise};
 use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
-use crate::policy::GripPolicy;
 
 /// The hand of the two-hand arm that acts.
 pub const SIDE: Side = Side::Right;
@@ -85,19 +84,6 @@ impl Task {
         conditions
     }
 
-    /// The baselines that serve the task best: those with the most successes by physics over tuning seeds, of equal ones the
-    /// gentlest (`atas eval tune TASK`).
-    pub(super) fn best_baselines(self) -> [GripPolicy; 2] {
-        let (fixed_n, start_n, ceiling_n) = match self {
-            Self::Grasp => (7.0, 1.0, 8.0),
-            Self::PickPlace => (7.0, 1.0, 8.0),
-            Self::Screw => (3.0, 0.35, 8.0),
-            Self::Assembly => (1.0, 0.6, 2.0),
-        };
-        let slip_reactive = GripPolicy::SlipReactive { start_n, ceiling_n };
-        [GripPolicy::FixedForce(fixed_n), slip_reactive]
-    }
-
     /// Longest simulated time of a trial, s (ours: several times what a clean one takes).
     pub(crate) fn limit_s(self) -> f64 {
         match self {
@@ -151,14 +137,11 @@ impl Task {
         Ok(())
     }
 
-    /// A member of its family around an object, before a robot.
-    pub(crate) fn scene(
-        self,
-        robot: &RobotModel,
-        object: &Object,
-        seed: u64,
-    ) -> Result<Scene, ObjectError> {
-        let object = object.clone();
+    /// Its usual scene around an object, before a robot.
+    ///
+    /// # Errors
+    /// A built-in object's file is wrong.
+    pub fn scene(self, robot: &RobotModel, object: Object) -> Result<Scene, ObjectError> {
         let (side, bottle) = (robot.acting_side(), || Object::built_in("open-bottle"));
         let scene = match self {
             Self::Grasp => Scene::grasp(object, side),
@@ -166,7 +149,7 @@ impl Task {
             Self::Screw => Scene::screw(object, bottle()?, side),
             Self::Assembly => Scene::assembly(object, bottle()?, side),
         };
-        Ok(scene.before(robot.hand(side)).varied(seed))
+        Ok(scene.before(robot.hand(side)))
     }
 
     /// What a client asks of a hand, who knows what he is told of the scene.

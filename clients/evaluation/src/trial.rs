@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use sim_backend::random::split_mix;
 
+use crate::drawn::Drawn;
 use crate::finding::{Finding, judge};
 use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
-use crate::rows::Drawn;
 use crate::task::Task;
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
@@ -79,7 +79,8 @@ pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<
     let errors = &job.condition.errors.errors;
     let mut scene = plan
         .task
-        .scene(robot, nominal, seed)?
+        .scene(robot, nominal.clone())?
+        .varied(seed)
         .with_errors(errors, seed);
     scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
     scene.sensor_rate_hz = [job.condition.rate_hz; 2];

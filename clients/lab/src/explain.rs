@@ -1,6 +1,6 @@
 //! `atas explain`: why a goal ended as it did, from a recording or from what a running daemon remembers.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Session, json};
@@ -15,13 +15,11 @@ use crate::{picture, plot};
 
 /// How long to wait for past events: the daemon hands them to a new reader when it next speaks (ours).
 const PAST: Duration = Duration::from_millis(300);
-/// What is said instead of a file.
-const LAST: &str = "last";
 
 /// `atas explain`.
 pub(crate) fn explain(arguments: &Explain, output: &mut Output) -> anyhow::Result<()> {
     let files = &arguments.files;
-    let course = if *files == [PathBuf::from(LAST)] {
+    let course = if *files == [Path::new(Explain::LAST)] {
         remembered(&arguments.bus.bus)?
     } else {
         Course::recorded(&plot::name(&files[0]), files)?

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 
 use atas_client::Session;
 use atas_console::{Ended, Exit, Interrupt, Output, arguments};
-use atas_evaluation::state::Shadow;
+use atas_evaluation::shadow::Shadow;
 use atas_recording::{Bounds, Follower, Tally};
 use serde_json::json;
 

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::environment::{Environment, LearningError, Outcome};
+use crate::environment::{Environment, Outcome};
+use crate::error::LearningError;
 use crate::hand::ACTIONS;
 use crate::observation;
 use crate::reward::End;

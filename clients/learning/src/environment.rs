@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use robot_model::{RobotModel, Unreachable};
+use robot_model::RobotModel;
 use sim_backend::random::split_mix;
-use sim_backend::{Object, ObjectError, SceneError, WorldFault};
+use sim_backend::{Object, ObjectError};
 
 use crate::episode::Episode;
+use crate::error::LearningError;
 use crate::hand::{ACTIONS, TICK_S};
 use crate::observation;
 use crate::reward::{End, Judge};
@@ -16,42 +17,6 @@ use crate::task::Task;
 pub const STEP_TICKS: usize = 20;
 /// What turns an episode's seed into the choice of its object (ours: any number does).
 const OBJECT_STREAM: u64 = 0x6f62_6a65_6374;
-
-/// Why an environment could not go on.
-#[derive(Debug, thiserror::Error)]
-pub enum LearningError {
-    /// There is nothing to grasp.
-    #[error("could not make an environment because it has no object; name at least one")]
-    NoObject,
-    /// An object cannot be had.
-    #[error(transparent)]
-    Object(#[from] ObjectError),
-    /// The robot's description cannot be loaded.
-    #[error("could not load the built-in robot model: {0}")]
-    Robot(#[from] robot_model::ModelError),
-    /// The scene cannot be set.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The hand does not get to the object.
-    #[error("could not bring the hand to the object: {0}")]
-    Reach(Unreachable),
-    /// The world came apart.
-    #[error(transparent)]
-    World(#[from] WorldFault),
-    /// An action is not one.
-    #[error(
-        "could not act because action {index} was {value}, needs a finite number; nothing moved"
-    )]
-    Action {
-        /// Which number.
-        index: usize,
-        /// What it was.
-        value: f32,
-    },
-    /// No episode has begun, or it has ended.
-    #[error("could not step because no episode is under way; call reset first")]
-    NotBegun,
-}
 
 /// What one step led to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,7 +10,7 @@ use robot_model::{GraspFrame, HandVector, RobotModel, RobotVector, Side, VIRTUAL
 use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
 use sim_backend::{Object, Sensed, World, home_rad};
 
-use crate::environment::LearningError;
+use crate::error::LearningError;
 use crate::hand::{ACTIONS, PolicyHand, Room, TICK_S};
 use crate::observation::{self, PERCEPT, TAXELS};
 use crate::task::{SIDE, Task};

@@ -174,6 +174,8 @@ impl PolicyHand {
             turning: 1.0,
             lowering_m: None,
             base_from_tip,
+            overread: 1.0,
+            underread: 1.0,
             // Nobody has tugged at it to prove that.
             hangs: false,
             tries: false,

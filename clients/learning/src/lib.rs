@@ -19,13 +19,15 @@
 mod batch;
 mod environment;
 mod episode;
+mod error;
 mod hand;
 pub mod observation;
 mod reward;
 mod task;
 
 pub use batch::Batch;
-pub use environment::{Environment, LearningError, Outcome, STEP_TICKS};
+pub use environment::{Environment, Outcome, STEP_TICKS};
+pub use error::LearningError;
 pub use hand::{ACTIONS, CLOSING_M_S, MOVE_M_S};
 pub use reward::End;
 pub use task::Task;

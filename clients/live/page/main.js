@@ -1,5 +1,6 @@
 // The page: takes in what a source tells, and draws the newest picture once per frame of the screen.
 
+import { Arena } from "/arena.js";
 import { Controls } from "/controls.js";
 import { Events, Faults } from "/events.js";
 import { Fingers, forces } from "/fingers.js";
@@ -24,8 +25,9 @@ class Page {
     this.eventLines = new Events(by("events"));
     this.faultList = new Faults(by("faults"), by("flight"));
     this.timing = new Timing(by("histogram"), by("services"));
+    this.arenaView = new Arena();
     this.frames = 0;
-    this.toldAt = 0;
+    this.toldAt = this.arenaToldAt = 0;
     this.origin = 0;
     for (const event of ["resize", "themechange"]) addEventListener(event, () => this.redraw());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => setTimeout(() => this.redraw()));
@@ -44,6 +46,7 @@ class Page {
   }
 
   picture(picture) {
+    this.arrange("hands");
     this.newest = picture;
     if (!this.scene.recording) this.traces.add(picture);
   }
@@ -57,12 +60,36 @@ class Page {
     this.faultList.show(faults, this.origin);
   }
 
+  arena(arena) {
+    this.arrange("swarm");
+    this.newestArena = arena;
+    this.arenaView.take(arena);
+  }
+
+  /** Hands, a swarm, or both: what is not there takes no place. */
+  arrange(what) {
+    const shown = by("main").classList;
+    if (shown.contains(what)) return;
+    shown.add(what);
+    by("arena").hidden = !shown.contains("swarm");
+    const first = shown.contains("hands") ? "events" : "arena";
+    by("skip").href = `#${first}`;
+    by("skip").textContent = `Skip to the ${first}`;
+    this.redraw();
+  }
+
+  /** No daemon reports: of a swarm that is there it is told instead. */
+  absent() {
+    const arena = this.newest ? null : this.newestArena;
+    this.mode(arena ? "swarm" : "no daemon");
+    by("goal").textContent = arena ? this.arenaView.sentence() : this.reported.why;
+    if (arena) by("where").textContent = `bus ${this.scene.bus} · field ${arena.preset}`;
+  }
+
   status(status) {
-    if (!status.alive) {
-      this.mode("no daemon");
-      by("goal").textContent = status.why;
-      return;
-    }
+    this.reported = status;
+    if (!status.alive) return this.absent();
+    this.arrange("hands");
     this.timing.show(status);
     const { goal, reason, mode } = status;
     const name = goal.task || goal.kind;
@@ -84,6 +111,7 @@ class Page {
   /** Once per frame of the screen, if there is something new. */
   draw() {
     requestAnimationFrame(() => this.draw());
+    this.drawArena();
     const picture = this.newest;
     if (!picture) return;
     if (picture !== this.drawn) {
@@ -99,6 +127,21 @@ class Page {
     }
   }
 
+  drawArena() {
+    const arena = this.newestArena;
+    if (!arena) return;
+    if (arena !== this.drawnArena) {
+      this.drawnArena = arena;
+      this.arenaView.draw();
+    }
+    if (arena !== this.toldArena && performance.now() - this.arenaToldAt > READABLE) {
+      this.toldArena = arena;
+      this.arenaToldAt = performance.now();
+      this.arenaView.tell();
+      if (this.reported && !this.reported.alive) this.absent();
+    }
+  }
+
   tell(picture) {
     this.told = picture;
     this.toldAt = performance.now();
@@ -108,7 +151,7 @@ class Page {
   }
 
   redraw() {
-    this.drawn = this.traced = null;
+    this.drawn = this.traced = this.drawnArena = null;
     this.frames = 0;
     this.timing.draw();
     this.faultList.draw();

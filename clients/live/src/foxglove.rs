@@ -17,10 +17,8 @@ use serde_json::json;
 use shm_schemas::capacity::{FINGERS, HANDS};
 use shm_schemas::{JointCommand, Layout, ModuleEvent, TickReport, View};
 
-/// Time between two looks at the bus: sixty a second.
-const LOOK: Duration = Duration::from_nanos(16_666_667);
-/// Pause before a bus that is not there is looked for again.
-const AGAIN: Duration = Duration::from_millis(300);
+use crate::rounds::rounds;
+
 /// Pause between two times that the robot is described: whoever connects later sees it, too.
 const DESCRIBE: Duration = Duration::from_secs(1);
 /// Transforms and point clouds per second: one with every look.
@@ -41,17 +39,16 @@ pub(crate) fn foxglove(
     let context = Context::new();
     let server = context.websocket_server().name("atas");
     let server = server.bind("127.0.0.1", arguments.port).start_blocking();
-    let server = server.with_context(|| {
-        let port = arguments.port;
-        format!("could not listen on port {port} of this machine; name another one with --port, or 0 for any")
-    })?;
+    let server = server.with_context(|| crate::server::port_taken(arguments.port))?;
     announce(server.port(), output)?;
-    while !interrupt.is_set() {
-        if let Err(error) = observe(arguments, &robot, &context, interrupt) {
-            tracing::debug!("{error:#}");
-            std::thread::sleep(AGAIN);
-        }
-    }
+    let begin = |watch, _: &Session| Ok((watch, Teller::new(&robot, &context)));
+    rounds(
+        &arguments.bus.bus,
+        interrupt.flag(),
+        begin,
+        |(watch, teller), session| look(watch, teller, session),
+        |error| tracing::debug!("{error:#}"),
+    );
     server.stop().wait_blocking();
     Ok(())
 }
@@ -67,32 +64,19 @@ fn announce(port: u16, output: &mut Output) -> anyhow::Result<()> {
     ))
 }
 
-/// A daemon that is not there yet, dies or comes back is no end.
-fn observe(
-    arguments: &Foxglove,
-    robot: &RobotFiles,
-    context: &Arc<Context>,
-    interrupt: &Interrupt,
-) -> anyhow::Result<()> {
-    let session = Session::existing(&arguments.bus.bus)?;
-    let mut watch = Watch::join(&session)?;
-    let mut teller = Teller::new(robot, context);
-    let mut due = Instant::now();
-    while !interrupt.is_set() {
-        let (mut reports, mut events) = (Vec::new(), Vec::new());
-        watch.look(|report| reports.push(*report), |event| events.push(*event))?;
-        teller.tell(&watch.view, reports, &events)?;
-        // Late once is late once: what was missed is not caught up with.
-        due = (due + LOOK).max(Instant::now());
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        if !watch.is_alive() && watch.status.pid != 0 {
-            // A successor may stand on a bus made anew.
-            return Err(ClientError::NoDaemon {
-                bus: arguments.bus.bus.to_string(),
-                folder: session.bus().folder().to_owned(),
-            }
-            .into());
+/// Tells what has come since the last look.
+fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow::Result<()> {
+    let (mut reports, mut events) = (Vec::new(), Vec::new());
+    watch.look(|report| reports.push(*report), |event| events.push(*event))?;
+    teller.tell(&watch.view, reports, &events)?;
+    if !watch.is_alive() && watch.status.pid != 0 {
+        // A successor may stand on a bus made anew.
+        let bus = session.bus();
+        return Err(ClientError::NoDaemon {
+            bus: bus.name().to_string(),
+            folder: bus.folder().to_owned(),
         }
+        .into());
     }
     Ok(())
 }

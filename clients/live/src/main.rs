@@ -13,6 +13,7 @@
 //!   costs a bounded amount of memory.
 //! * **Absent on purpose:** goals and parameters: those are `atas`'s.
 
+mod arena;
 mod control;
 mod faults;
 mod feed;
@@ -21,6 +22,7 @@ mod guard;
 mod observe;
 mod page;
 mod picture;
+mod rounds;
 mod scene;
 mod server;
 mod shelf;

@@ -3,8 +3,7 @@
 //! A daemon that is not there yet, dies or comes back is a state that the pages show, never an end.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
 
 use atas_client::histogram::EDGES_NS;
 use atas_client::{ClientError, Session, Watch, json, layouts, standstill, words};
@@ -13,37 +12,23 @@ use shm_bus::{BusName, now_ns};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{EventKind, ModuleEvent, TickReport};
 
+use crate::arena::Arena;
 use crate::feed::Feed;
 use crate::picture::Picture;
+use crate::rounds::rounds;
 
-/// Time between two pictures: sixty a second.
-const PICTURE: Duration = Duration::from_nanos(16_666_667);
 /// Pictures between two statuses: five statuses a second, which people can read.
 const STATUS_EVERY: u64 = 12;
-/// Pause before a bus that is not there is looked for again.
-const AGAIN: Duration = Duration::from_millis(300);
 
 /// Looks at the bus until `stop` is set.
 pub(crate) fn observe(bus: &BusName, feed: &Arc<Feed>, stop: &AtomicBool) {
-    while !stop.load(Ordering::Relaxed) {
-        if let Err(error) = observe_bus(bus, feed, stop) {
-            gone(feed, &error.to_string());
-            std::thread::sleep(AGAIN);
-        }
-    }
-}
-
-fn observe_bus(bus: &BusName, feed: &Feed, stop: &AtomicBool) -> Result<(), ClientError> {
-    let session = Session::existing(bus)?;
-    let mut observer = Observer::new(Watch::join(&session)?);
-    let mut due = Instant::now();
-    while !stop.load(Ordering::Relaxed) {
-        observer.look(feed)?;
-        // Late once is late once: what was missed is not caught up with.
-        due = (due + PICTURE).max(Instant::now());
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
-    }
-    Ok(())
+    rounds(
+        bus,
+        stop,
+        Observer::new,
+        |observer, session| observer.look(session, feed),
+        |error: &ClientError| gone(feed, &error.to_string()),
+    );
 }
 
 fn gone(feed: &Feed, why: &str) {
@@ -56,6 +41,7 @@ fn gone(feed: &Feed, why: &str) {
 /// What is known from one look to the next.
 struct Observer {
     watch: Watch,
+    arena: Arena,
     looks: u64,
     /// Process of the daemon.
     pid: u32,
@@ -68,18 +54,19 @@ struct Observer {
 }
 
 impl Observer {
-    fn new(watch: Watch) -> Self {
-        Self {
+    fn new(watch: Watch, session: &Session) -> Result<Self, ClientError> {
+        Ok(Self {
             watch,
+            arena: Arena::join(session)?,
             looks: 0,
             pid: 0,
             has_report: false,
             begun: 0,
             layouts: [(0, 0); HANDS],
-        }
+        })
     }
 
-    fn look(&mut self, feed: &Feed) -> Result<(), ClientError> {
+    fn look(&mut self, session: &Session, feed: &Feed) -> Result<(), ClientError> {
         let (mut reports, mut events) = (Vec::new(), Vec::new());
         self.watch
             .look(|report| reports.push(*report), |event| events.push(*event))?;
@@ -88,7 +75,11 @@ impl Observer {
             feed.past().forget();
         }
         self.tell_events(feed, &reports, &events);
-        self.tell_picture(feed, !reports.is_empty());
+        // A page that opens while time stands still is shown where it stands.
+        let before = std::mem::replace(&mut self.begun, feed.begun());
+        let anew = before != self.begun;
+        self.tell_picture(feed, !reports.is_empty(), anew);
+        self.arena.look(session, feed, anew)?;
         if self.looks.is_multiple_of(STATUS_EVERY) {
             let status = self.status();
             feed.tell("status", &status);
@@ -98,15 +89,12 @@ impl Observer {
         Ok(())
     }
 
-    fn tell_picture(&mut self, feed: &Feed, is_new: bool) {
+    fn tell_picture(&mut self, feed: &Feed, is_new: bool, anew: bool) {
         if is_new {
             self.has_report = true;
             feed.past().note(&self.watch.report);
         }
-        // A page that opens while time stands still is shown where it stands.
-        let before = std::mem::replace(&mut self.begun, feed.begun());
-        let is_wanted = is_new || before != self.begun;
-        if !self.has_report || !is_wanted || feed.pages() == 0 {
+        if !self.has_report || !(is_new || anew) || feed.pages() == 0 {
             return;
         }
         for (hand, known) in self.layouts.iter_mut().enumerate() {

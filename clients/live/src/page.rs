@@ -28,6 +28,7 @@ assets! {
     "/robot.js" as "text/javascript; charset=utf-8" from "robot.js";
     "/geometry.js" as "text/javascript; charset=utf-8" from "geometry.js";
     "/fingers.js" as "text/javascript; charset=utf-8" from "fingers.js";
+    "/arena.js" as "text/javascript; charset=utf-8" from "arena.js";
     "/traces.js" as "text/javascript; charset=utf-8" from "traces.js";
     "/events.js" as "text/javascript; charset=utf-8" from "events.js";
     "/timing.js" as "text/javascript; charset=utf-8" from "timing.js";

@@ -88,9 +88,14 @@ pub(crate) fn dashboard(
 
 async fn listen(port: u16) -> anyhow::Result<TcpListener> {
     let bound = TcpListener::bind(("127.0.0.1", port)).await;
-    bound.with_context(|| {
-        format!("could not listen on port {port} of this machine; name another one with --port, or 0 for any")
-    })
+    bound.with_context(|| port_taken(port))
+}
+
+/// What to do about a port that cannot be listened on.
+pub(crate) fn port_taken(port: u16) -> String {
+    format!(
+        "could not listen on port {port} of this machine; name another one with --port, or 0 for any"
+    )
 }
 
 fn live_scene(robot: &str) -> anyhow::Result<Value> {

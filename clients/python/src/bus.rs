@@ -1,23 +1,22 @@
 //! A process's place on a bus.
 
-use std::str::FromStr;
 use std::time::Duration;
 
 use atas_client::Session;
 use atas_client::goal::{self, HOLD_S, LIFT_M, Target};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use shm_bus::{Bus as Node, BusName, Realtime};
+use shm_bus::{Bus as Node, Realtime};
 use shm_schemas::{
-    ControlOp, ControlOutcome, ControlReply, GoalKind, GoalPolicy, GoalRequest, Hand, HandFrame,
-    JointCommand, JointState, ModuleEvent, RunHeader, SensorStatus, Status, StopOutcome, Text,
-    TickInputs, TickReport, Turn, WorldTruth, service,
+    ArenaTruth, ControlOp, ControlOutcome, ControlReply, GoalKind, GoalPolicy, GoalRequest, Hand,
+    HandFrame, JointCommand, JointState, ModuleEvent, RunHeader, SensorStatus, Status, StopOutcome,
+    Text, TickInputs, TickReport, Turn, WorldTruth, service,
 };
 
 use crate::errors::{AtasError, of_bus};
 use crate::goal::Goal;
 use crate::leader::Leader;
+use crate::names::{bus_name, hand_of};
 use crate::reader::Reader;
 use crate::robot::Robot;
 use crate::sensor::Sensor;
@@ -115,6 +114,11 @@ impl Bus {
     /// Reads what the simulator knows and the robot does not (`WorldTruth`).
     fn truths(&self) -> PyResult<Reader> {
         Reader::new::<WorldTruth>(self.node(), service::WORLD_TRUTH)
+    }
+
+    /// Reads what the host of the swarm's fields knows and no agent senses (`ArenaTruth`), frame by frame.
+    fn arenas(&self) -> PyResult<Reader> {
+        Reader::new::<ArenaTruth>(self.node(), service::ARENA_TRUTH)
     }
 
     /// Reads what every tick took in (`TickInputs`); a daemon sends it with `--record-stream`, to one reader.
@@ -324,18 +328,6 @@ fn target(at_m: [f64; 3], yaw_rad: f64, width_m: f64) -> Target {
         yaw_rad,
         width_m,
     }
-}
-
-pub(crate) fn bus_name(name: Option<&str>) -> PyResult<BusName> {
-    name.map_or_else(BusName::from_env, BusName::from_str)
-        .map_err(|why| PyValueError::new_err(why.to_string()))
-}
-
-/// A hand by its name.
-pub(crate) fn hand_of(name: &str) -> PyResult<Hand> {
-    Hand::from_name(name).ok_or_else(|| {
-        PyValueError::new_err(format!("a hand was {name:?}, needs \"left\" or \"right\""))
-    })
 }
 
 /// Removes a bus that nobody is on: its folder and its shared memory. Returns how many entries that were.

@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shm_schemas::Hand;
 
-use crate::bus::hand_of;
 use crate::errors::{AtasError, of_bus};
 use crate::goal::described;
+use crate::names::hand_of;
 use crate::pause;
 use crate::reader::seconds;
 use crate::rows;

@@ -19,6 +19,7 @@ mod errors;
 mod goal;
 mod leader;
 mod learning;
+mod names;
 mod reader;
 mod recording;
 mod robot;

@@ -11,8 +11,8 @@ use shm_schemas::{
     TickReport,
 };
 
-use crate::bus::hand_of;
 use crate::errors::failed;
+use crate::names::hand_of;
 use crate::rows::{self, Row};
 
 /// A recording of `atas record`: one file, or the files of one run in order.

@@ -13,9 +13,9 @@ use robot_model::{RobotModel, Side};
 use shm_schemas::{GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, TickReport};
 use sim_backend::{Object, Scene};
 
-use crate::bus::hand_of;
 use crate::errors::{AtasError, failed};
 use crate::goal::described;
+use crate::names::hand_of;
 use crate::rows::{self, Row};
 
 /// The simulator with the production controller in one process, in virtual time: no bus, no clock, no daemon.

@@ -32,6 +32,7 @@ struct Newest {
     received_ns: u64,
     position_rad: RobotVector,
     commanded_rad: Option<RobotVector>,
+    effort_n_m: Option<RobotVector>,
 }
 
 impl JointIntake {
@@ -70,6 +71,7 @@ impl JointIntake {
                     received_ns: tick.now_ns,
                     position_rad,
                     commanded_rad: self.commanded_of(state),
+                    effort_n_m: self.effort_of(state),
                 });
             }
             Err(fault) => {
@@ -91,6 +93,12 @@ impl JointIntake {
         self.newest.as_ref()?.commanded_rad.as_ref()
     }
 
+    /// Torques of the servos, N·m, if the robot tells them.
+    #[must_use]
+    pub fn effort_n_m(&self) -> Option<&RobotVector> {
+        self.newest.as_ref()?.effort_n_m.as_ref()
+    }
+
     /// Whether the state of this tick came from another process than the one before: where the robot was is no longer known.
     #[must_use]
     pub fn restarted(&self) -> bool {
@@ -110,6 +118,14 @@ impl JointIntake {
             && state.command_epoch != 0
             && self.joints().iter().zip(told_rad).all(within);
         believable.then(|| RobotVector::from_slice(told_rad))
+    }
+
+    /// A robot that does not measure torques tells zeros.
+    fn effort_of(&self, state: &JointState) -> Option<RobotVector> {
+        let told_n_m = &state.effort_n_m[..self.joint_count];
+        let believable = told_n_m.iter().all(|effort| effort.is_finite());
+        let measured = told_n_m.iter().any(|effort| *effort != 0.0);
+        (believable && measured).then(|| RobotVector::from_slice(told_n_m))
     }
 
     /// Sequence of the newest state, believed or not.

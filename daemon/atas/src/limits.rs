@@ -41,8 +41,9 @@ pub const STALL_PERIODS: f64 = 2.5;
 pub const PRELOAD_MAX_RAD: f64 = 0.03;
 /// Frames that may be lost between two before the second counts as another writer's (ours: ten seconds of a 1 kHz sensor).
 pub const FRAMES_AHEAD_MAX: u64 = 10_000;
-/// Time constant with which an element that reports nothing is forgotten, s (ours: a contact changes within it).
-pub const MASKED_FADE_S: f64 = 0.1;
+/// Time constant with which an element that reports nothing is forgotten, s (ours: what an object presses with changes within it; a load
+/// that vanishes faster is taken for a fall).
+pub const MASKED_FADE_S: f64 = 1.0;
 /// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 

@@ -313,6 +313,10 @@ settings! {
         following_floor_rad = 0.08 in 0.001..1.0;
         /// Following error allowed per joint speed, s.
         following_per_speed_s = 0.03 in 0.0..1.0;
+        /// Force by which what a skin says and what its joints bear may differ, N; beyond it, and a share of the force, the hand holds. Larger for servos that tell their torques badly.
+        disagree_n = 0.3 in 0.01..10000.0;
+        /// Share of the force by which they may differ besides.
+        disagree_share = 0.3 in 0.01..10000.0;
         /// How long the following error must be too large until SAFE_STOP, s.
         following_s = 0.01 in 0.001..1.0;
         /// How long a command stays valid, s; at least 1.5 periods of the tick.

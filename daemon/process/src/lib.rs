@@ -1,4 +1,5 @@
-//! What the processes on a bus do alike, whatever they are: how they log, how they end, how a thread becomes real-time.
+//! What the processes on a bus do alike, whatever they are: how they log, how they end, how a thread becomes real-time, where the
+//! system's configuration is.
 //!
 //! ```text
 //!  tracing ─▶ log ─▶ standard error        SIGINT, SIGTERM ─▶ end ─▶ a flag        thread ─▶ scheduling ─▶ SCHED_FIFO
@@ -8,6 +9,7 @@
 //! * **Absent on purpose:** the bus (`shm-bus`), and what only the daemon does: locked memory, pinned cores
 //!   (`atasd::realtime`).
 
+pub mod configuration;
 pub mod end;
 pub mod log;
 pub mod scheduling;

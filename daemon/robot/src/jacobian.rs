@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use nalgebra::{ArrayStorage, Matrix3, SMatrix, Vector3};
 
 use crate::forward::HandPose;
-use crate::model::HandModel;
+use crate::model::{HandModel, Mover};
 use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
 use crate::vector::HandVector;
 
@@ -68,16 +68,27 @@ impl HandModel {
 
     fn fill_tip(&self, pose: &HandPose, finger: usize, of_tip: &mut TipJacobian) {
         for mover in self.movers(finger) {
-            let axis = pose.frame_axis(mover.frame) * mover.ratio;
-            if mover.slides {
-                add(&mut of_tip.position, mover.joint, axis);
-                continue;
+            let moved = pose.tip_moved_by(finger, mover);
+            add(&mut of_tip.position, mover.joint, moved);
+            if !mover.slides {
+                let axis = pose.frame_axis(mover.frame) * mover.ratio;
+                let turned = axis.cross(&pose.dome_axis(finger));
+                add(&mut of_tip.dome_axis, mover.joint, turned);
+                add(&mut of_tip.angular, mover.joint, axis);
             }
-            let lever_m = pose.tip_m(finger) - pose.frame_origin_m(mover.frame);
-            let turned = axis.cross(&pose.dome_axis(finger));
-            add(&mut of_tip.position, mover.joint, axis.cross(&lever_m));
-            add(&mut of_tip.dome_axis, mover.joint, turned);
-            add(&mut of_tip.angular, mover.joint, axis);
+        }
+    }
+}
+
+impl HandPose {
+    /// How far what moves a fingertip moves it, base frame: metres per radian, or per metre, of its joint.
+    #[must_use]
+    pub fn tip_moved_by(&self, finger: usize, mover: &Mover) -> Vector3<f64> {
+        let axis = self.frame_axis(mover.frame) * mover.ratio;
+        if mover.slides {
+            axis
+        } else {
+            axis.cross(&(self.tip_m(finger) - self.frame_origin_m(mover.frame)))
         }
     }
 }

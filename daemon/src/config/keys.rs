@@ -19,6 +19,8 @@ const LAYOUT: &str = "\"dome-41\", \"dome-1\" or { normals = [[x, y, z], …], r
 /// The section whose keys are the names of the user's own tasks.
 const TASKS: &str = "tasks";
 const YES_NO: &str = "true or false";
+/// What members of the service's group may do, which the gate asks the files at each use.
+const ACCESS_GROUP: &str = "access.group";
 
 /// `SCHED_FIFO` has 1 to 99; 99 belongs to the kernel's own threads.
 const PRIORITY_MAX: u32 = 98;
@@ -145,6 +147,11 @@ const FIXED: &[FixedKey] = &[
         needs: "the path of a folder, or \"\"",
         holds: |_| true,
     },
+    FixedKey {
+        name: ACCESS_GROUP,
+        needs: "\"none\", \"observe\" or \"command\"",
+        holds: |_| true,
+    },
 ];
 
 /// Jaro-Winkler likeness from which a suggestion helps more than it confuses. Ours, by trying misspellings.
@@ -172,9 +179,9 @@ pub fn known_keys() -> impl Iterator<Item = &'static str> {
         .chain(PARAMETERS.iter().map(|p| p.name))
 }
 
-/// Whether a key keeps its value as long as the daemon runs.
+/// Whether a key keeps its value as long as the daemon runs. Rights are not the daemon's: they may change at any time.
 pub(super) fn is_fixed(name: &str) -> bool {
-    FIXED.iter().any(|key| key.name == name)
+    name != ACCESS_GROUP && FIXED.iter().any(|key| key.name == name)
 }
 
 /// The name of a task, for the key of one.

@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::ErrorKind;
+use std::io;
 use std::path::{Path, PathBuf};
+
+use atas_process::configuration::{SYSTEM_FILE, SYSTEM_FOLDER, system_files};
 
 use super::document::{self, Leaf};
 use super::{Config, ConfigError, Place, Problem, keys, tasks};
-
-/// The system's configuration: this file, then every `*.toml` of the folder.
-const SYSTEM_FILE: &str = "/etc/atas/atas.toml";
-const SYSTEM_FOLDER: &str = "/etc/atas/conf.d";
 
 /// Where to read; reading again gives what is written there then.
 #[derive(Clone, Debug, Default)]
@@ -72,7 +70,10 @@ impl Source {
             take(read_file(path));
         }
         if self.files.is_empty() {
-            system_files().iter().for_each(|path| take(read_file(path)));
+            match system_files() {
+                Ok(files) => files.iter().for_each(|path| take(read_file(path))),
+                Err(error) => take(Err(unreadable(Path::new(SYSTEM_FOLDER), &error))),
+            }
         }
         for flag in &self.flags {
             take(document::read_flag(flag).map(|leaf| vec![leaf]));
@@ -101,25 +102,16 @@ impl Config {
     }
 }
 
-fn system_files() -> Vec<PathBuf> {
-    let mut parts: Vec<PathBuf> = fs::read_dir(SYSTEM_FOLDER)
-        .into_iter()
-        .flatten()
-        .filter_map(|entry| entry.ok().map(|e| e.path()))
-        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
-        .collect();
-    parts.sort();
-    let main = PathBuf::from(SYSTEM_FILE);
-    let exists = !matches!(fs::metadata(&main), Err(e) if e.kind() == ErrorKind::NotFound);
-    exists.then_some(main).into_iter().chain(parts).collect()
+fn read_file(path: &Path) -> Result<Vec<Leaf>, Problem> {
+    let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+    document::read_text(path, &text)
 }
 
-fn read_file(path: &Path) -> Result<Vec<Leaf>, Problem> {
-    let text = fs::read_to_string(path).map_err(|e| Problem::Unreadable {
+fn unreadable(path: &Path, error: &io::Error) -> Problem {
+    Problem::Unreadable {
         path: path.to_owned(),
-        why: e.to_string(),
-    })?;
-    document::read_text(path, &text)
+        why: error.to_string(),
+    }
 }
 
 /// Each key is checked on its own, with defaults for the others, so that one wrong key hides no other.

@@ -72,6 +72,8 @@ impl Telemetry {
             self.snapshot = snapshot;
         }
         if Instant::now() < self.due {
+            // Who joined since gets the last status now: a question is answered within a round, not within a period.
+            report_failure(self.status.connect_readers());
             return;
         }
         self.due = Instant::now() + STATUS_EVERY;

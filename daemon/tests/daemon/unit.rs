@@ -14,8 +14,9 @@ const USERS: &str = include_str!("../../systemd/atas.sysusers.conf");
 const MANUAL: &str = include_str!("../../systemd/atasd.8");
 /// Every unit with the highest exposure that is accepted of it, in tenths of 10. Sensors and servos see serial ports, sensors the
 /// network as well.
-const UNITS: [(&str, &str, &str); 5] = [
+const UNITS: [(&str, &str, &str); 6] = [
     ("atasd.service", UNIT, "10"),
+    (GATE.0, GATE.1, "10"),
     (
         "atas-record.service",
         include_str!("../../systemd/atas-record.service"),
@@ -38,19 +39,34 @@ const UNITS: [(&str, &str, &str); 5] = [
     ),
 ];
 
-/// What `systemd-analyze` says about a unit, with a program that was built in place of the installed ones.
-fn analyze(name: &str, unit: &str, arguments: &[&str]) -> Option<Output> {
-    let folder = TempDir::new().expect("a temporary folder");
-    let file = folder.path().join(name);
+const GATE: (&str, &str) = (
+    "atas-gate.service",
+    include_str!("../../systemd/atas-gate.service"),
+);
+const SOCKET: (&str, &str) = (
+    "atas-gate.socket",
+    include_str!("../../systemd/atas-gate.socket"),
+);
+
+/// A unit with a program that was built in place of the installed one.
+fn with_built_program(unit: &str) -> String {
     let line = |line: &str| match line.strip_prefix("ExecStart=") {
         Some(command) => {
-            let (_, words) = command.split_once(' ').expect("arguments");
+            let words = command.split_once(' ').map_or("", |(_, words)| words);
             format!("ExecStart={} {words}\n", env!("CARGO_BIN_EXE_atasd"))
         }
         None => format!("{line}\n"),
     };
-    let unit: String = unit.lines().map(line).collect();
-    fs::write(&file, unit).expect("writable");
+    unit.lines().map(line).collect()
+}
+
+/// What `systemd-analyze` says about a unit, beside the gate's, which others name.
+fn analyze(name: &str, unit: &str, arguments: &[&str]) -> Option<Output> {
+    let folder = TempDir::new().expect("a temporary folder");
+    let file = folder.path().join(name);
+    for (name, unit) in [GATE, SOCKET, (name, unit)] {
+        fs::write(folder.path().join(name), with_built_program(unit)).expect("writable");
+    }
     let mut command = Command::new("systemd-analyze");
     match command.args(arguments).arg(&file).output() {
         Ok(output) => Some(output),
@@ -79,6 +95,31 @@ fn systemd_accepts_the_units() {
     for (name, unit, _) in UNITS {
         check(name, unit, &["verify"]);
     }
+    let (name, unit) = SOCKET;
+    check(name, unit, &["verify"]);
+}
+
+/// Whoever is in the group may knock, nobody else; and the gate is what answers.
+#[test]
+fn the_socket_is_the_groups() {
+    let (name, text) = SOCKET;
+    let group = value("Group");
+    for line in [&format!("SocketGroup={group}"), "SocketMode=0660"] {
+        assert!(text.lines().any(|l| l == line), "{name} lacks {line}");
+    }
+    let wanted = format!("Wants={name}");
+    assert!(
+        UNIT.lines().any(|line| line == wanted),
+        "atasd lacks {wanted}"
+    );
+    let gate = GATE.1;
+    for line in [format!("Requires={name}").as_str(), "StandardInput=socket"] {
+        assert!(gate.lines().any(|l| l == line), "the gate lacks {line}");
+    }
+    assert!(
+        !gate.contains("\nPrivateUsers=true"),
+        "it would not know who knocks"
+    );
 }
 
 #[test]
@@ -104,7 +145,9 @@ fn the_units_share_the_bus() {
         for line in same {
             assert!(unit.lines().any(|l| l == line), "{name} lacks {line}");
         }
-        let first = name == "atasd.service" || unit.contains("Before=atasd.service");
+        // Who knocks at the gate may find nobody on the bus.
+        let late = ["atasd.service", GATE.0].contains(&name);
+        let first = late || unit.contains("Before=atasd.service");
         assert!(first, "{name} must be there before the daemon");
     }
 }

@@ -57,6 +57,14 @@ impl Bus {
         Self::enter(&folder, role, realtime)
     }
 
+    /// Whether this user has such a bus. Makes nothing, joins nothing.
+    ///
+    /// # Errors
+    /// As [`Bus::join`] for a bus that is not there, is another user's, or has a folder that is not private.
+    pub fn find(name: &BusName) -> Result<(), BusError> {
+        Folder::of(name)?.find()
+    }
+
     /// Not inlined, so that its stack is only taken after [`require_stack`].
     #[inline(never)]
     fn enter(folder: &Folder, role: &str, realtime: Realtime) -> Result<Self, BusError> {

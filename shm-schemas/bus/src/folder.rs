@@ -1,5 +1,6 @@
 //! The folder of a bus: where it is, and that nobody else can meddle with it.
 
+use std::ffi::OsStr;
 use std::fs::{self, DirBuilder, Metadata};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
@@ -83,23 +84,18 @@ fn others<'a>(
     service: &Path,
     shm: &Path,
 ) -> impl Iterator<Item = (PathBuf, User)> + 'a {
-    let foreign = |path: PathBuf| {
-        let meta = fs::symlink_metadata(&path).ok()?;
-        (meta.uid() != uid()).then(|| (path, User(meta.uid())))
+    let below = |of: fn(&str, &BusName) -> bool| {
+        entries_named(shm, move |name| of(&name.to_string_lossy(), bus))
     };
-    let named = |path: &Path, of: fn(&str, &BusName) -> bool, bus: &BusName| {
-        of(&path.file_name().unwrap_or_default().to_string_lossy(), bus)
-    };
-    let below = |of| {
-        entries(shm)
-            .map(|(path, _)| path)
-            .filter(move |path| named(path, of, bus))
-    };
-    let service = service.is_dir().then(|| service.to_owned());
+    let service = fs::symlink_metadata(service)
+        .ok()
+        .filter(Metadata::is_dir)
+        .map(|meta| (service.to_owned(), meta));
     below(is_memory)
         .chain(service)
         .chain(below(is_base))
-        .filter_map(foreign)
+        .map(|(path, meta)| (path, User(meta.uid())))
+        .filter(|(_, user)| user.0 != uid())
 }
 
 /// Whether a name in `/dev/shm` is shared memory of a bus of this name.
@@ -120,8 +116,17 @@ fn is_base(name: &str, _any: &BusName) -> bool {
 
 /// The files and folders in a folder; nothing if it cannot be read. Links are not followed.
 pub(crate) fn entries(folder: &Path) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
+    entries_named(folder, |_| true)
+}
+
+/// Those whose name is wanted. The others are not examined: `/dev/shm` is everybody's, and may hold hundreds.
+pub(crate) fn entries_named<F: Fn(&OsStr) -> bool>(
+    folder: &Path,
+    wanted: F,
+) -> impl Iterator<Item = (PathBuf, Metadata)> + use<F> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.filter_map(|entry| Some((entry.path(), entry.metadata().ok()?)))
+    let wanted = entries.filter(move |entry| wanted(&entry.file_name()));
+    wanted.filter_map(|entry| Some((entry.path(), entry.metadata().ok()?)))
 }
 
 /// The folder that holds this user's buses.

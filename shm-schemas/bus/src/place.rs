@@ -15,7 +15,7 @@ use iceoryx2::prelude::{FileName, Path as IoxPath, SemanticString};
 
 use crate::clock::nonce;
 use crate::error::BusError;
-use crate::folder::{Folder, SHM, entries};
+use crate::folder::{Folder, SHM, entries_named};
 use crate::name::BusName;
 use crate::user::uid;
 
@@ -92,11 +92,7 @@ impl Place {
 
     fn named(&self) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
         let prefix = self.prefix.clone();
-        let named = move |path: &Path| {
-            path.file_name()
-                .is_some_and(|name| starts_with(name, &prefix))
-        };
-        entries(Path::new(SHM)).filter(move |(path, _)| named(path))
+        entries_named(Path::new(SHM), move |name| starts_with(name, &prefix))
     }
 }
 

@@ -145,7 +145,17 @@ fn table() -> Vec<(Reason, &'static str)> {
         (
             limit(Cause::FORCE_IMPLAUSIBLE, 170.9, 30.0, 0),
             "a fingertip of the left hand reports 170.90 N, the most that is believed is 30.00 N; check the sensor, or take its \
-             zero anew with the hand empty",
+             zero anew with the hand empty (`atas zero`)",
+        ),
+        (
+            limit(Cause::FORCE_AGAINST_JOINTS, 6.2, 3.9, 1),
+            "the skin of the right hand says that it presses with 6.20 N, its joints bear 3.90 N; does the zero drift? it keeps \
+             its grip; take the object, then `atas estop`, `atas recover`, `atas zero`",
+        ),
+        (
+            limit(Cause::ELEMENT_STUCK, 12.0, 1.0, 0),
+            "element 12 of finger 1 of the left hand is stuck: its reading does not move any more; it is not believed until it \
+             does",
         ),
         (
             limit(Cause::NOT_NOW, 0.0, 0.0, 0),

@@ -35,13 +35,12 @@ impl Engine {
     /// Every engine of this machine, slowest first; the first is the scalar reference.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let mut kinds = vec![Kind::Scalar, Kind::Portable];
+        let kinds = [Kind::Scalar, Kind::Portable].into_iter();
         #[cfg(target_arch = "x86_64")]
-        {
-            kinds.extend(avx2::Cpu::detect().map(Kind::Avx2));
-            kinds.extend(avx512::Cpu::detect().map(Kind::Avx512));
-        }
-        kinds.into_iter().map(Self).collect()
+        let kinds = kinds
+            .chain(avx2::Cpu::detect().map(Kind::Avx2))
+            .chain(avx512::Cpu::detect().map(Kind::Avx512));
+        kinds.map(Self).collect()
     }
 
     /// The fastest engine of this machine.

@@ -75,13 +75,15 @@ impl FitnessRule {
     }
 }
 
-/// E₁, Eq. (2).
-fn accuracy(distance_px: f32) -> f32 {
+/// E₁, Eq. (2): what an object at this distance from its goal is worth, points.
+#[must_use]
+pub fn accuracy(distance_px: f32) -> f32 {
     K1 / distance_px.max(NEAREST_PX)
 }
 
-/// E₂, Eq. (3); nothing if the object never reached the goal.
-fn efficiency(reached_frame: u32) -> f32 {
+/// E₂, Eq. (3), points; nothing if the object never reached the goal (frame 0).
+#[must_use]
+pub fn efficiency(reached_frame: u32) -> f32 {
     if reached_frame == 0 {
         0.0
     } else {

@@ -40,7 +40,7 @@ mod written;
 
 pub use check::PresetError;
 pub use engine::{Engine, EngineError};
-pub use fitness::{FitnessRule, delivered, solved};
+pub use fitness::{FitnessRule, accuracy, delivered, efficiency, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};

@@ -22,17 +22,17 @@ impl Engine {
     /// Every engine of this machine, slowest first; the first is the scalar reference.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let mut kinds = vec![Kind::Scalar, Kind::Portable];
+        let kinds = [Kind::Scalar, Kind::Portable].into_iter();
         #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                kinds.push(Kind::Avx2);
-            }
-            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-                kinds.push(Kind::Avx512);
-            }
-        }
-        kinds.into_iter().map(Self).collect()
+        let kinds = {
+            let has_avx2 = is_x86_feature_detected!("avx2");
+            let has_avx512 =
+                is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq");
+            kinds
+                .chain(has_avx2.then_some(Kind::Avx2))
+                .chain(has_avx512.then_some(Kind::Avx512))
+        };
+        kinds.map(Self).collect()
     }
 
     /// The fastest engine of this machine.

@@ -75,12 +75,14 @@ const ARROWS: &[(&str, &[&str])] = &[
             "sim-backend",
         ],
     ),
+    ("atas-gate", &["atas-process", "atas-console", "shm-bus"]),
     (
         "atas-cli",
         &[
             "atas-process",
             "atas-client",
             "atas-console",
+            "atas-gate",
             "atas-recording",
             "shm-bus",
             "shm-schemas",

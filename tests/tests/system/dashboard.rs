@@ -65,13 +65,13 @@ impl Rig {
     }
 }
 
-fn serve(arguments: &[&str]) -> Process {
+pub(crate) fn serve(arguments: &[&str]) -> Process {
     let words = [&["dashboard", "--port", "0", "--format", "json"], arguments].concat();
     Process::start("atas-live", &words)
 }
 
 /// The browser and axe-core, the judge of pages; `None`, with a word about it, where one is missing.
-fn tools() -> Option<(PathBuf, String)> {
+pub(crate) fn tools() -> Option<(PathBuf, String)> {
     let Some(program) = installed() else {
         lacking("no Chromium is installed: apt-get install chromium");
         return None;
@@ -96,7 +96,7 @@ fn target() -> PathBuf {
 }
 
 /// What the server says at first: its address with the token, its port, the token.
-fn address(server: &Process) -> (String, u16, String) {
+pub(crate) fn address(server: &Process) -> (String, u16, String) {
     wait_for("the server to say its address", || {
         let log = server.log();
         let said: Value =
@@ -314,7 +314,7 @@ fn looks(browser: &mut Browser, axe: &str) {
 }
 
 /// axe-core without a serious finding.
-fn accessible(browser: &mut Browser, axe: &str, theme: &str) {
+pub(crate) fn accessible(browser: &mut Browser, axe: &str, theme: &str) {
     browser.value(&format!("{axe}; 0"));
     let found = browser.value(
         "axe.run().then(r => r.violations.filter(v => ['serious', 'critical'].includes(v.impact))\
@@ -324,7 +324,7 @@ fn accessible(browser: &mut Browser, axe: &str, theme: &str) {
 }
 
 /// Keeps a picture of the page for people, where somebody asked for one.
-fn keep(name: &str, base64: &str) {
+pub(crate) fn keep(name: &str, base64: &str) {
     if let Some(folder) = std::env::var_os("ATAS_PICTURES") {
         let file = PathBuf::from(folder).join(format!("{name}.png.base64"));
         std::fs::write(file, base64).expect("written");

@@ -1,12 +1,14 @@
 //! The whole system: real processes, real shared memory, each test on a bus of its own.
 
 mod architecture;
+mod arena;
 mod dashboard;
 mod determinism;
 mod explain;
 mod faults;
 mod follow;
 mod foxglove;
+mod gate;
 mod guide;
 mod imports;
 mod optoforce;

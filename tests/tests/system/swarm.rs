@@ -14,7 +14,7 @@ use field::{
 };
 use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
-use shm_schemas::{AgentSensors, WheelCommands, service};
+use shm_schemas::{AgentSensors, ArenaTruth, WheelCommands, service};
 use sim_backend::swarm::TrialReport;
 use system_tests::{Process, wait_for};
 use tempfile::TempDir;
@@ -142,6 +142,41 @@ fn every_robot_of_every_field_has_its_own_table() {
         run_trial(&condition.model, condition.team, &Trial { layout, tables })
     });
     assert_eq!(trials[0].outcomes, expected);
+}
+
+/// Onlookers of every kind of pace: two that read every frame, one that reads nothing at all.
+#[test]
+fn onlookers_see_the_field_to_its_last_bit_and_do_not_change_it() {
+    let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
+    let file = evolved(Preset::LB2, 3, Sharing::Shared, 9);
+    let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
+    let open = || observer.subscriber::<ArenaTruth>(service::ARENA_TRUTH);
+    let (mut first, mut second, _idle) = (open(), open(), open().expect("a place"));
+    let mut arena = Box::<ArenaTruth>::default();
+    let field = host(&bus, "--lockstep --preset LB2 --agents 3");
+    let waiting = first.as_mut().expect("a place");
+    wait_for("the field that waits", || {
+        waiting.newest(&mut arena).expect("readable").then_some(())
+    });
+    assert_eq!((arena.frame, arena.trial_count, arena.is_driven), (0, 8, 0));
+    let _agents = agents(&bus, &[&written(&folder, "table.toml", &file)]);
+    let mut seen = 0;
+    wait_for("the end of the last trial", || {
+        for onlooker in [&mut first, &mut second] {
+            let onlooker = onlooker.as_mut().expect("a place");
+            seen += usize::from(onlooker.newest(&mut arena).expect("readable"));
+        }
+        ((arena.trial, arena.frame) == (7, TRIAL_FRAMES.into())).then_some(())
+    });
+    assert!(seen > 0);
+    let trials = finished(field);
+    let points: Vec<f32> = trials.iter().map(|trial| trial.points[0]).collect();
+    assert_eq!(points, file.individual.points, "what evolution saw");
+    let shown: Vec<f32> = arena.trials.iter().map(|trial| trial.points).collect();
+    assert_eq!(shown, points, "what onlookers were told");
+    let distances = |of: &TrialReport| of.outcomes[0].evaluated.goal_px;
+    let told: Vec<f32> = arena.trials.iter().map(|trial| trial.distance_px).collect();
+    assert_eq!(told, trials.iter().map(distances).collect::<Vec<f32>>());
 }
 
 /// The newest payload after those that have been seen.

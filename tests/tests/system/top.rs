@@ -5,15 +5,15 @@ use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 
-use rustix::process::Signal;
+use rustix::process::{Pid, Signal};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{Winsize, tcsetwinsize};
+use rustix::termios::{LocalModes, Winsize, tcgetattr, tcsetwinsize};
 use serde_json::Value;
 use shm_bus::{FreshBus, STREAMS};
 use system_tests::{Process, alone, binary, wait_for};
 
 /// A terminal with a program in it.
-struct Terminal {
+pub(crate) struct Terminal {
     program: Child,
     master: File,
     screen: Arc<Mutex<vt100::Parser>>,
@@ -23,6 +23,19 @@ struct Terminal {
 
 impl Terminal {
     fn start(arguments: &[&str], no_color: bool) -> Self {
+        let mut command = Command::new(binary("atas"));
+        command
+            .args(arguments)
+            .env("TERM", "xterm-256color")
+            .env_remove("NO_COLOR");
+        if no_color {
+            command.env("NO_COLOR", "1");
+        }
+        Self::with(command)
+    }
+
+    /// A terminal of 80 × 24 with this program in it.
+    pub(crate) fn with(mut command: Command) -> Self {
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a terminal");
         grantpt(&master).expect("granted");
         unlockpt(&master).expect("unlocked");
@@ -35,14 +48,6 @@ impl Terminal {
             .open(path)
             .expect("opened");
         let again = || Stdio::from(slave.try_clone().expect("another handle"));
-        let mut command = Command::new(binary("atas"));
-        command
-            .args(arguments)
-            .env("TERM", "xterm-256color")
-            .env_remove("NO_COLOR");
-        if no_color {
-            command.env("NO_COLOR", "1");
-        }
         let program = command
             .stdin(again())
             .stdout(again())
@@ -73,7 +78,7 @@ impl Terminal {
         });
     }
 
-    fn resize(&self, rows: u16, columns: u16) {
+    pub(crate) fn resize(&self, rows: u16, columns: u16) {
         self.screen
             .lock()
             .expect("whole")
@@ -86,20 +91,20 @@ impl Terminal {
         self.screen.lock().expect("whole").screen().contents()
     }
 
-    fn wait_for(&self, part: &str) {
+    pub(crate) fn wait_for(&self, part: &str) {
         wait_for(&format!("{part:?} on the screen"), || {
             self.text().contains(part).then_some(())
         });
     }
 
-    fn has_written(&self, bytes: &str) -> bool {
+    pub(crate) fn has_written(&self, bytes: &str) -> bool {
         let raw = self.raw.lock().expect("whole");
         raw.windows(bytes.len())
             .any(|window| window == bytes.as_bytes())
     }
 
     /// Types q; the terminal is given back.
-    fn quit(mut self) {
+    pub(crate) fn quit(mut self) {
         self.master.write_all(b"q").expect("typed");
         let code = wait_for("the end of the program", || {
             self.program.try_wait().expect("waitable")
@@ -108,6 +113,26 @@ impl Terminal {
         wait_for("the terminal as it was", || {
             self.has_written("\x1b[?1049l").then_some(())
         });
+    }
+}
+
+impl Terminal {
+    /// How the terminal takes what is typed.
+    pub(crate) fn modes(&self) -> LocalModes {
+        tcgetattr(&self.master).expect("a terminal").local_modes
+    }
+
+    /// The program's process.
+    pub(crate) fn pid(&self) -> Pid {
+        Pid::from_child(&self.program)
+    }
+
+    /// The program's exit code, when it has ended by itself.
+    pub(crate) fn code(&mut self) -> Option<i32> {
+        let ended = wait_for("the end of the program", || {
+            self.program.try_wait().expect("waitable")
+        });
+        ended.code()
     }
 }
 

@@ -266,7 +266,7 @@ pub(super) fn user(uid: u32, service_uid: Option<u32>) -> Finding {
         Some(service) if service != uid => Finding::warn(
             PROBE,
             format!("user {uid}, but the installed service's bus belongs to user {service}"),
-            "run clients of the service as its user: sudo -u atas atas …",
+            "run daemon and sensors as that user; a member of its group reaches it through the gate",
         ),
         _ if uid == 0 => Finding::warn(
             PROBE,
@@ -274,6 +274,18 @@ pub(super) fn user(uid: u32, service_uid: Option<u32>) -> Finding {
             "run daemon and clients as one ordinary user, best the service's user atas",
         ),
         _ => Finding::ok(PROBE, format!("user {uid}")),
+    }
+}
+
+/// A bus of another user: what this user lacks to pass its gate, if anything.
+pub(super) fn elsewhere(error: &str, missing: Option<String>) -> Finding {
+    match missing {
+        None => Finding::warn(
+            "bus",
+            error,
+            "this user may knock at its gate: `atas status` asks through it; what else passes, access.group says",
+        ),
+        Some(missing) => Finding::fail("bus", error, missing),
     }
 }
 

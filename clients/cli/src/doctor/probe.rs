@@ -88,6 +88,9 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
             ));
             findings.push(judge::daemon(None, None, name.as_str()));
         }
+        Err(ClientError::Bus(error @ BusError::OtherUser { .. })) => {
+            findings.push(judge::elsewhere(&error.to_string(), atas_gate::missing()));
+        }
         Err(error) => findings.push(Finding::fail("bus", error.to_string(), cure(&error))),
     }
     findings
@@ -95,7 +98,6 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
 
 fn cure(error: &ClientError) -> &'static str {
     match error {
-        ClientError::Bus(BusError::OtherUser { .. }) => "run as that user",
         ClientError::Bus(BusError::NoSpace { .. }) => "free /dev/shm as the finding above says",
         _ => "do what the message says; daemon and clients must run as one user",
     }

@@ -2,7 +2,7 @@
 
 mod streams;
 
-pub use streams::{agents, report, run, sensor, truth, view, wheels};
+pub use streams::{agents, arena, report, run, sensor, truth, view, wheels};
 
 use serde_json::{Value, json};
 use shm_schemas::{

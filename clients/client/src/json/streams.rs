@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 use shm_schemas::{
-    AgentSensors, FingerReport, HandFrame, HandReport, JointState, ObjectTruth, RunHeader,
-    SensorStatus, Stamp, TickReport, View, WheelCommands, WorldTruth,
+    AgentSensors, AgentTruth, ArenaTruth, FieldTruth, FingerReport, HandFrame, HandReport,
+    JointState, ObjectTruth, RunHeader, SensorStatus, Stamp, TickReport, TrialTruth, View,
+    WheelCommands, WorldTruth,
 };
 
 use super::{age_ns, names};
@@ -189,4 +190,83 @@ pub fn wheels(commands: &WheelCommands) -> Value {
         "output": commands.output[..count],
     });
     stamped(&commands.stamp, value)
+}
+
+/// The swarm's fields: what is there, where, and how every trial went so far, oldest first.
+#[must_use]
+pub fn arena(arena: &ArenaTruth) -> Value {
+    let agents = arena.agents.iter().take(arena.agent_count as usize);
+    let fields = arena.fields.iter().take(arena.field_count as usize);
+    let mut past: Vec<&TrialTruth> = arena.trials.iter().filter(|past| past.goal != 0).collect();
+    past.sort_unstable_by_key(|past| past.trial);
+    let value = json!({
+        "frame": arena.frame,
+        "trial": arena.trial,
+        "trial_count": arena.trial_count,
+        "goal": arena.goal,
+        "execution_frames": arena.execution_frames,
+        "trial_frames": arena.trial_frames,
+        "driven": arena.is_driven != 0,
+        "team": arena.team,
+        "preset": arena.preset.as_str(),
+        "field_hash": format!("{:016x}", arena.field_hash),
+        "table_hash": format!("{:016x}", arena.table_hash),
+        "half_side_px": arena.half_side_px,
+        "agent_radius_px": arena.agent_radius_px,
+        "object_radius_px": arena.object_radius_px,
+        "goal_radius_px": arena.goal_radius_px,
+        "ir_range_px": arena.ir_range_px,
+        "ir_angle_steps": arena.ir_angle_steps,
+        "photo_angle_steps": arena.photo_angle_steps,
+        "photo_half_angle_cosine": arena.photo_half_angle_cosine,
+        "object_light_px": arena.object_light_px,
+        "goal_light_px": arena.goal_light_px,
+        "friction_stall_forces": (arena.friction_stall_forces > 0.0).then_some(arena.friction_stall_forces),
+        "yielding": arena.yielding,
+        "fields": fields.map(field).collect::<Vec<_>>(),
+        "agents": agents.map(agent).collect::<Vec<_>>(),
+        "trials": past.into_iter().map(trial).collect::<Vec<_>>(),
+    });
+    stamped(&arena.stamp, value)
+}
+
+fn field(field: &FieldTruth) -> Value {
+    json!({
+        "object_px": field.object_px,
+        "goal_px": field.goal_px,
+        "distance_px": field.distance_px,
+        "e1_points": field.e1_points,
+        "e2_points": field.e2_points,
+        "points": field.points,
+        "reached_frame": reached(field.reached_frame),
+        "solved": field.solved != 0,
+    })
+}
+
+fn agent(agent: &AgentTruth) -> Value {
+    json!({
+        "position_px": agent.position_px,
+        "heading_steps": agent.heading_steps,
+        "row": agent.row,
+        "output": agent.output,
+        "touches": agent.touches != 0,
+    })
+}
+
+fn trial(trial: &TrialTruth) -> Value {
+    json!({
+        "trial": trial.trial,
+        "goal": trial.goal,
+        "distance_px": trial.distance_px,
+        "reached_frame": reached(trial.reached_frame),
+        "points": trial.points,
+        "solved_fields": trial.solved_fields,
+        "missed_frames": trial.missed_frames,
+        "refused_frames": trial.refused_frames,
+    })
+}
+
+/// `null` where the object never reached its goal.
+fn reached(frame: u32) -> Option<u32> {
+    (frame > 0).then_some(frame)
 }

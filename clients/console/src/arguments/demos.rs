@@ -111,6 +111,9 @@ pub struct DemoSwarm {
     /// Frames of the field per second
     #[arg(long, value_name = "HZ", default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=2000))]
     pub frame_rate_hz: u32,
+    /// Show it in a browser: begins when the page is open, and stays until Ctrl-C
+    #[arg(long, conflicts_with = "lockstep")]
+    pub dashboard: bool,
     /// Frame by frame as fast as the machine goes
     #[arg(long, conflicts_with = "frame_rate_hz")]
     pub lockstep: bool,

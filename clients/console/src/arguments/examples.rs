@@ -37,7 +37,10 @@ const HELPS: &[Help] = &[
     Help("demo assembly", &["atas demo assembly --lockstep"], ROWS),
     Help(
         "demo swarm",
-        &["atas demo swarm --replay swarm.html"],
+        &[
+            "atas demo swarm --replay swarm.html",
+            "atas demo swarm --dashboard --frame-rate-hz 60",
+        ],
         "one object: as_evolved, missed_frames, goals",
     ),
     Help(
@@ -221,6 +224,7 @@ const HELPS: &[Help] = &[
         "one object: op, goal_id, outcome",
     ),
     Help("recover", &["atas recover"], ANSWER),
+    Help("zero", &["atas zero --hand left"], ANSWER),
     Help(
         "status",
         &["atas status", "atas status --watch --bus left-arm"],

@@ -41,6 +41,11 @@ pub struct Explain {
     pub bus: BusArgument,
 }
 
+impl Explain {
+    /// What is said instead of a file for the last goal of a running daemon.
+    pub const LAST: &str = "last";
+}
+
 /// Kinds of files that `atas export` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExportKind {

@@ -158,6 +158,17 @@ pub struct Release {
     pub sending: Sending,
 }
 
+/// `atas zero`.
+#[derive(Args, Clone, Debug)]
+pub struct Zero {
+    /// Which hand; it must be empty, and the daemon ready
+    #[arg(long, value_enum, default_value_t = HandName::Right)]
+    pub hand: HandName,
+    /// Which bus
+    #[command(flatten)]
+    pub bus: BusArgument,
+}
+
 /// How a goal is sent and followed.
 #[derive(Args, Clone, Debug)]
 pub struct Sending {

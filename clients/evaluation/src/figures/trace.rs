@@ -56,7 +56,7 @@ impl Trace {
         let robot =
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
         let seed = trial_seed(&object.name, seed);
-        let scene = task.scene(&robot, object, seed)?;
+        let scene = task.scene(&robot, object.clone())?.varied(seed);
         let goal = task.goal(&scene, SIDE)?;
         let settings = Settings::default();
         let mut run = OfflineRun::new(&robot, &scene, seed, settings)?;

@@ -6,6 +6,16 @@ use sim_backend::Ride;
 
 use crate::task::SIDE;
 
+/// Whether the hand feels on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reflexes {
+    /// Modules 2 and 3 answer what the drive does.
+    On,
+    /// The fingers stand as they did when the object was lifted.
+    Frozen,
+}
+
 /// The base's accelerations on a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Shake {

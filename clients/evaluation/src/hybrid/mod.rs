@@ -24,6 +24,6 @@ mod robot;
 mod trial;
 
 pub use coordinator::{Coordinator, Ended, HandState, HandTask, PHASES, Phase, Say, Signs};
-pub use drive::{DriveFigures, Shake};
-pub use report::{DriveReport, HybridPlan, HybridReport, Reflexes};
+pub use drive::{DriveFigures, Reflexes, Shake};
+pub use report::{DriveReport, HybridPlan, HybridReport};
 pub use trial::{HybridTrial, PhaseTime, RobotTrial};

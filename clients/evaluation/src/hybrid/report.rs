@@ -11,21 +11,11 @@ use serde::Serialize;
 use sim_backend::Object;
 use sim_backend::course::{Layout, Responses};
 
-use super::drive::{DriveFigures, Shake};
+use super::drive::{DriveFigures, Reflexes, Shake};
 use super::trial::{HybridTrial, run};
 use crate::seeds;
 use crate::statistics::{median, wilson};
 use crate::trial_seed;
-
-/// Whether the hand feels on the way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reflexes {
-    /// Modules 2 and 3 answer what the drive does.
-    On,
-    /// The fingers stand as they did when the object was lifted.
-    Frozen,
-}
 
 /// What to evaluate.
 #[derive(Clone, Debug)]

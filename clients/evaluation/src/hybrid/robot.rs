@@ -13,8 +13,7 @@ use sim_backend::random::Random;
 use sim_backend::{GraspHint, Object, Ride, Scene};
 
 use super::coordinator::{Coordinator, HandState, HandTask, Say, Signs};
-use super::drive::Drive;
-use super::report::Reflexes;
+use super::drive::{Drive, Reflexes};
 use crate::judge::Placing;
 use crate::offline::{OfflineRun, grasp_goal, set_down_goal};
 use crate::task::SIDE;
@@ -158,7 +157,7 @@ impl Robot {
         let [x_m, y_m, _] = object.position_m;
         GraspHint {
             from_m: [x_m + off(ERROR_M), y_m + off(ERROR_M), self.known.from_m[2]],
-            yaw_rad: half_turned(2.0 * z.atan2(w)) + off(ERROR_RAD),
+            yaw_rad: half_turned(2.0 * libm::atan2(z, w)) + off(ERROR_RAD),
             ..self.known
         }
     }
@@ -234,7 +233,7 @@ impl Robot {
     pub(super) fn off_goal_m(&self, base: &Place, goal_m: [f64; 2]) -> f64 {
         let [x_m, y_m, _] = self.run.world().truth().objects[0].position_m;
         let [goal_x_m, goal_y_m] = base.sees(goal_m);
-        (x_m - goal_x_m).hypot(y_m - goal_y_m)
+        libm::hypot(x_m - goal_x_m, y_m - goal_y_m)
     }
 }
 

@@ -8,8 +8,7 @@ use sim_backend::Object;
 use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Responses};
 
 use super::coordinator::Ended;
-use super::drive::DriveFigures;
-use super::report::Reflexes;
+use super::drive::{DriveFigures, Reflexes};
 use super::robot::Robot;
 
 /// Ticks of a step of the base: its 5 ms.

@@ -55,9 +55,9 @@ impl Assembly {
 /// Turn about the upright axis from one orientation to another of an upright object, rad, −π to π.
 fn turn_rad(before: &[f64; 4], after: &[f64; 4]) -> f64 {
     let yaw_rad =
-        |[w, x, y, z]: [f64; 4]| (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
+        |[w, x, y, z]: [f64; 4]| libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
     let turn_rad = yaw_rad(*after) - yaw_rad(*before);
-    turn_rad.sin().atan2(turn_rad.cos())
+    libm::atan2(libm::sin(turn_rad), libm::cos(turn_rad))
 }
 
 fn of(part: &str, harm: Option<String>) -> Option<String> {

@@ -41,7 +41,7 @@ impl Placing {
     ) -> Self {
         let object = &truth.objects[0];
         let [x_m, y_m, _] = object.position_m;
-        let off_m = (x_m - to_m[0]).hypot(y_m - to_m[1]);
+        let off_m = libm::hypot(x_m - to_m[0], y_m - to_m[1]);
         let carried_ns = (object.carried_ns > 0).then_some(object.carried_ns);
         let since = |ns: Option<u64>| match (carried_ns, ns) {
             (Some(carried_ns), Some(ns)) => ns.saturating_sub(carried_ns) as f64 * 1e-9,

@@ -19,6 +19,7 @@
 mod cases;
 mod decision;
 mod hardness;
+mod judge;
 mod kind;
 mod model;
 mod rates;
@@ -26,14 +27,16 @@ mod rupture;
 mod sheet;
 mod skin;
 mod slip;
+mod steps;
 mod touches;
 mod verdict;
 
 pub use cases::Labels;
 pub use decision::Fit;
+pub use judge::{judge, train};
 pub use kind::{Judged, Kind};
 pub use model::{Hardness, Line, Model, Rupture, Slip, Touch};
 pub use rates::{Rates, auc};
 pub use sheet::Sheet;
 pub use slip::greatest_motion;
-pub use verdict::{After, Errors, Verdict, judge, train};
+pub use verdict::{After, Errors, Verdict};

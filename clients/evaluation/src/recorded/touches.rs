@@ -10,7 +10,8 @@ use super::model::{Model, Touch};
 use super::rates::{Rates, Scored};
 use super::sheet::Sheet;
 use super::skin::Skin;
-use super::verdict::{Verdict, steps_s};
+use super::steps::steps_s;
+use super::verdict::Verdict;
 
 /// What was felt, frame by frame.
 pub(super) struct Felt {

@@ -4,7 +4,6 @@ use atas_console::arguments::Running;
 use atas_evaluation::Task;
 use atas_evaluation::judge;
 use shm_schemas::{GoalRequest, WorldTruth};
-use sim_backend::Scene;
 
 use super::Setting;
 use super::scenario::{Figure, Judged, Scenario};
@@ -20,16 +19,9 @@ pub(super) struct Assembly {
 impl Assembly {
     /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = |side| {
-            Ok(Scene::assembly(
-                super::cap(argument)?,
-                super::object(Scene::BOTTLE)?,
-                side,
-            ))
-        };
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::Assembly, running, scene)?,
+            set: Setting::of(Task::Assembly, running, super::cap(argument)?)?,
         })
     }
 }

@@ -8,7 +8,7 @@ use atas_evaluation::judge::{Load, Outcome};
 use robot_model::VIRTUAL_FINGERS;
 use serde_json::Value;
 use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};
-use sim_backend::{Object, Scene};
+use sim_backend::Object;
 
 use super::Setting;
 use super::scenario::{Figure, Judged, Scenario, finite};
@@ -23,10 +23,9 @@ pub(super) struct Grasp {
 impl Grasp {
     /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = |side| Ok(Scene::grasp(super::object(argument)?, side));
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::Grasp, running, scene)?,
+            set: Setting::of(Task::Grasp, running, super::object(argument)?)?,
         })
     }
 

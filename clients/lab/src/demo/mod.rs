@@ -9,6 +9,7 @@
 //!            ├─ the simulator's truth, and the daemon's status ─▶ punctuality
 //!            └─▶ judgement ─▶ table
 //!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal, against what evolution saw
+//!            └─ page, as above
 //! ```
 //!
 //! A demo is a client like any other: it uses nothing of the daemon but the bus.
@@ -33,7 +34,7 @@ mod turns;
 use atas_console::arguments::{Demo, Running};
 use atas_console::{Ended, Exit, Interrupt, Output, number};
 use atas_evaluation::Task;
-use robot_model::{RobotModel, Side};
+use robot_model::RobotModel;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
 
@@ -127,26 +128,21 @@ struct Setting {
 }
 
 impl Setting {
-    /// The scene that `scene` sets before the hand that acts, if the robot can do the task.
-    fn of(
-        task: Task,
-        running: &Running,
-        scene: impl FnOnce(Side) -> anyhow::Result<Scene>,
-    ) -> anyhow::Result<Self> {
+    /// The task's usual scene around an object, if the robot can do the task.
+    fn of(task: Task, running: &Running, object: Object) -> anyhow::Result<Self> {
         let usage = |error: String| Ended::with(Exit::Usage, error);
         let robot = RobotModel::find(&running.robot).map_err(|error| usage(error.to_string()))?;
         task.check(&robot)
             .map_err(|error| usage(error.to_string()))?;
         let side = robot.acting_side();
-        let hand = robot.hand(side);
-        let scene = scene(side)?.before(hand);
+        let scene = task.scene(&robot, object)?;
         let scene = match running.vary {
             true => scene.varied(running.seed),
             false => scene,
         };
         Ok(Self {
             goal: task.goal(&scene, side)?,
-            fingers: hand.finger_count(),
+            fingers: robot.hand(side).finger_count(),
             scene,
         })
     }

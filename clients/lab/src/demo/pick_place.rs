@@ -6,7 +6,7 @@ use atas_core::Settings;
 use atas_evaluation::Task;
 use atas_evaluation::judge::{Load, Outcome, Placing};
 use shm_schemas::{GoalRequest, WorldTruth};
-use sim_backend::{Object, Scene};
+use sim_backend::Object;
 
 use super::Setting;
 use super::grasp::gripped;
@@ -22,10 +22,9 @@ pub(super) struct PickPlace {
 impl PickPlace {
     /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = |side| Ok(Scene::pick_place(super::object(argument)?, side));
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::PickPlace, running, scene)?,
+            set: Setting::of(Task::PickPlace, running, super::object(argument)?)?,
         })
     }
 

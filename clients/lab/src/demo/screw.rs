@@ -4,7 +4,6 @@ use atas_console::arguments::Running;
 use atas_evaluation::Task;
 use atas_evaluation::judge::Screwing;
 use shm_schemas::{GoalRequest, WorldTruth};
-use sim_backend::Scene;
 
 use super::Setting;
 use super::scenario::{Figure, Judged, Scenario};
@@ -19,16 +18,9 @@ pub(super) struct Screw {
 impl Screw {
     /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
-        let scene = |side| {
-            Ok(Scene::screw(
-                super::cap(argument)?,
-                super::object(Scene::BOTTLE)?,
-                side,
-            ))
-        };
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::Screw, running, scene)?,
+            set: Setting::of(Task::Screw, running, super::cap(argument)?)?,
         })
     }
 }

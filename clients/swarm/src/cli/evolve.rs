@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, Subcommand};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 use ebts::checkpoint::Checkpoint;
@@ -20,6 +20,7 @@ use ebts::workers::Workers;
 use field::FitnessRule;
 
 use super::options::{EngineArgs, EvolutionArgs};
+use super::progress::style;
 use super::{Format, answer, course, grasp, stop_flag};
 
 /// How often a run under way is saved.
@@ -231,13 +232,6 @@ impl History {
     fn end(&mut self) -> Result<()> {
         self.rows.flush().map_err(Error::io("write", &self.path))
     }
-}
-
-/// The look of progress bars, on standard error.
-pub(super) fn style(unit: &str) -> ProgressStyle {
-    let template =
-        format!("{{bar:30}} {unit} {{human_pos}} of {{human_len}}  {{msg}}  {{eta}} left");
-    ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 fn describe(evolved: &Evolved<'_>, solved: usize) -> String {

@@ -17,8 +17,8 @@ use ebts::run::Record;
 use ebts::workers::pool;
 use field::Preset;
 
-use super::evolve::style;
 use super::options::{EngineArgs, EvolutionArgs};
+use super::progress::style;
 use super::report;
 use super::{Format, answer, grasp, stop_flag};
 

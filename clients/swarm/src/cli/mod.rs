@@ -10,6 +10,7 @@ mod inspect;
 mod manual;
 mod options;
 mod preset;
+mod progress;
 mod report;
 mod slurm;
 mod sweep;

@@ -144,5 +144,5 @@ impl Rover {
 fn distance_m(course: &Course, robot: usize, light: Light) -> f64 {
     course
         .sees(robot, light)
-        .map_or(0.0, |[ahead_m, left_m]| ahead_m.hypot(left_m))
+        .map_or(0.0, |[ahead_m, left_m]| libm::hypot(ahead_m, left_m))
 }

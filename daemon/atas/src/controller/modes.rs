@@ -96,10 +96,12 @@ impl Controller {
             self.keep_grips();
         }
         let ranges = self.joint_ranges();
+        let effort_n_m = self.joints.effort_n_m();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
-            let q_rad = HandVector::from_slice(&measured_rad[range]);
+            let q_rad = HandVector::from_slice(&measured_rad[range.clone()]);
             let pose = hand.model().forward(&q_rad);
-            hand.locate(&pose);
+            let effort_n_m = effort_n_m.map(|all| HandVector::from_slice(&all[range]));
+            hand.locate(&pose, effort_n_m.as_ref(), &self.settings, self.step_s);
         }
     }
 

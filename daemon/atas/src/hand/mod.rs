@@ -1,5 +1,6 @@
 //! One hand: everything between its frames and its joint positions, in the order in which data flows.
 
+mod borne;
 mod telling;
 
 use crate::arbitration::{Arbiter, Intent};
@@ -17,6 +18,7 @@ use crate::settings::Settings;
 use crate::tasks::Step;
 use crate::tick::Tick;
 use crate::wiring::{HandWiring, Wiring};
+use borne::Borne;
 use nalgebra::Matrix3;
 use robot_model::{FINGERS_MAX, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 use shm_schemas::{
@@ -46,6 +48,7 @@ pub(crate) struct HandControl {
     measured_gap_m: f64,
     base_from_tip: [Matrix3<f64>; FINGERS_MAX],
     frames: u32,
+    borne: Borne,
     /// A module has seen in the tick before that the object slides.
     slides: bool,
 }
@@ -66,6 +69,7 @@ impl HandControl {
             layout_hash: own.layout.hash(),
             intake: FrameIntake::new(hand, own),
             perception: Perception::new(own, &model),
+            borne: Borne::new(&model),
             model,
             modules: Modules::default(),
             arbiter: Arbiter::default(),
@@ -114,9 +118,24 @@ impl HandControl {
     pub(crate) fn hold_reason(&self, tick: Tick, settings: &Settings) -> Reason {
         let of_frames = self.intake.hold_reason(tick, &settings.intake);
         if of_frames.is_some() {
-            of_frames
+            return of_frames;
+        }
+        let implausible = self.implausible(settings);
+        if implausible.is_some() {
+            implausible
         } else {
-            self.implausible(settings)
+            self.unconfirmed()
+        }
+    }
+
+    /// A skin that the joints do not confirm is not believed; of an empty hand at rest it may take a new zero.
+    fn unconfirmed(&self) -> Reason {
+        match self.borne.doubt() {
+            Some([felt_n, borne_n]) if self.is_busy() => {
+                Reason::limit(Cause::FORCE_AGAINST_JOINTS, felt_n, borne_n)
+                    .about(self.hand.0 as usize)
+            }
+            _ => Reason::default(),
         }
     }
 
@@ -132,12 +151,30 @@ impl HandControl {
         })
     }
 
-    /// Takes in where the joints are.
-    pub(crate) fn locate(&mut self, measured: &HandPose) {
+    /// Takes in where the joints are, and what their servos bear, N·m.
+    pub(crate) fn locate(
+        &mut self,
+        measured: &HandPose,
+        effort_n_m: Option<&HandVector>,
+        settings: &Settings,
+        step_s: f64,
+    ) {
         let looked_m = self.servo.as_ref().map_or(0.0, HandServo::looked_m);
         self.measured_gap_m = gap_m(measured) + looked_m;
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = tip.rotation;
+        }
+        let grips = self.grips();
+        match effort_n_m {
+            Some(effort_n_m) => self.borne.hear(
+                &self.model,
+                (measured, effort_n_m),
+                self.perception.percept(),
+                grips,
+                &settings.safety,
+                step_s,
+            ),
+            None => self.borne = Borne::new(&self.model),
         }
     }
 
@@ -152,7 +189,7 @@ impl HandControl {
         let percept = *self.perception.percept();
         let touches = percept.virtual_fingers.iter().all(|f| f.in_contact);
         let servo = self.servo.as_mut()?;
-        if !touches || self.runner.is_some() {
+        if !touches || self.runner.is_some() || self.borne.doubt().is_some() {
             return None;
         }
         servo.take_grip(&self.model, &percept);
@@ -192,6 +229,8 @@ impl HandControl {
             frame: servo.frame(),
             closing_axis: servo.frame().as_done_by(&self.model).closing_axis(),
             base_from_tip: &self.base_from_tip[..self.model.finger_count()],
+            overread: self.borne.overread(&settings.safety),
+            underread: self.borne.underread(&settings.safety),
         };
         let context = runner.context(settings, step_s, motion);
         let proposals = self

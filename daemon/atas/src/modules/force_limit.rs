@@ -1,7 +1,8 @@
 //! Module 3, force limit (paper II.b (1)): "if grasping force exceeds threshold of maximum grasping force F_2, grasping
 //! force enhancement is immediately stopped to prevent crushing the object (F_n > F_2)".
 //!
-//! Above `relieve_at`·F_2 it opens slowly. What slides out of every finger although they press with F_2 is refused.
+//! What counts is what the skin says or what the joints bear, whichever is more. Above `relieve_at`·F_2 of both it opens slowly. What
+//! slides out of every finger although they press with F_2 is refused.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::perception::Percept;
@@ -31,9 +32,12 @@ impl Module for ForceLimit {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
         let (_, strongest_n) = force_range_n(percept);
+        let strongest_n = strongest_n * context.underread;
         self.active = exceeds_f2(strongest_n, self.active, f2_n);
         let ceiling_m_s = match self.active {
-            true if strongest_n > settings.relieve_at * f2_n => -settings.relieve_m_s,
+            true if strongest_n > settings.relieve_at * f2_n * context.overread => {
+                -settings.relieve_m_s
+            }
             true => 0.0,
             false => f64::INFINITY,
         };

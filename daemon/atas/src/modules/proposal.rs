@@ -52,6 +52,10 @@ pub struct Context<'a> {
     pub lead: Option<&'a Lead>,
     /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
     pub base_from_tip: &'a [Matrix3<f64>],
+    /// What the skin reports more than the joints bear, as a factor, at least 1. What opens the fingers must not trust the skin alone.
+    pub overread: f64,
+    /// What the joints bear more than the skin reports, the same way. What presses must not trust the skin alone.
+    pub underread: f64,
 }
 
 /// What one module would do now.

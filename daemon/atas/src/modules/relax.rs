@@ -81,6 +81,7 @@ impl Module for Relax {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let (weakest_n, _) = force_range_n(percept);
+        let weakest_n = weakest_n / context.overread;
         let load_n = load_n(percept);
         self.remember(weakest_n, load_n, context);
         self.settle(percept, context);
@@ -94,7 +95,9 @@ impl Module for Relax {
         };
         let below = below - if self.active { 0.0 } else { BEGIN_BELOW };
         let utilisation = self.watch(percept, context);
-        let spare = utilisation.map_or(0.0, |utilisation| 1.0 - utilisation / below);
+        let spare = utilisation.map_or(0.0, |utilisation| {
+            1.0 - utilisation * context.overread / below
+        });
         let turns = context.tries
             && percept
                 .virtual_fingers

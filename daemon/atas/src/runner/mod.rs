@@ -46,6 +46,10 @@ pub struct HandMotion<'a> {
     pub closing_axis: Vector3<f64>,
     /// Measured orientation of each fingertip.
     pub base_from_tip: &'a [Matrix3<f64>],
+    /// What the skin reports more than the joints bear, as a factor, at least 1.
+    pub overread: f64,
+    /// What the joints bear more than the skin reports, the same way.
+    pub underread: f64,
 }
 
 /// What became of the task in this tick.
@@ -274,6 +278,8 @@ impl Runner {
             frame: motion.frame,
             closing_axis: motion.closing_axis,
             base_from_tip: motion.base_from_tip,
+            overread: motion.overread,
+            underread: motion.underread,
             turning: self.waypoints.turning(),
             lowering_m: match self.step().motion {
                 Motion::Lower => Some(self.waypoints.lowering_m()),

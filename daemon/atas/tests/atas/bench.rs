@@ -89,6 +89,8 @@ impl Bench {
             lowering_m: self.lowering_m,
             lead: None,
             base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::VIRTUAL_FINGERS],
+            overread: 1.0,
+            underread: 1.0,
         };
         let proposals = self
             .modules

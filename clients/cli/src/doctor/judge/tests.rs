@@ -106,6 +106,17 @@ fn users() {
 }
 
 #[test]
+fn buses_of_others() {
+    check(elsewhere("of user atas", None), Warn, "of user atas");
+    let missing = Some("not in group atas".to_owned());
+    assert_eq!(
+        elsewhere("of user atas", missing.clone()).cure,
+        "not in group atas"
+    );
+    check(elsewhere("of user atas", missing), Fail, "of user atas");
+}
+
+#[test]
 fn buses() {
     let file = |name: &str, bus| assert_eq!(bus_of_file(name), bus, "{name}");
     file("atas_0123456789abcdef_x.data", Some("atas"));

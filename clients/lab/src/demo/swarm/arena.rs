@@ -1,19 +1,25 @@
 //! The processes of the demo on a bus of their own, watched until every goal had its trial.
 
+use std::path::Path;
+
 use anyhow::Context;
 use atas_client::POLL;
+use atas_console::arguments::DemoSwarm;
 use atas_console::{Interrupt, Progress};
 use ebts::condition::GOALS;
 use ebts::table_file::TableFile;
+use robot_model::TWO_HAND_ARM;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{AgentSensors, service};
 use sim_backend::swarm::TrialReport;
 
 use super::super::child::Child;
 use super::super::logs::{self, Logs};
+use super::super::page::Page;
 
-/// Field and agents. The order of the fields is the order of the end.
+/// Field, agents and who looks on. The order of the fields is the order of the end.
 pub(super) struct Arena {
+    page: Option<Page>,
     field: Child,
     agents: Child,
     bus: FreshBus,
@@ -21,33 +27,29 @@ pub(super) struct Arena {
 }
 
 impl Arena {
-    /// Starts the field that a table was evolved for, and the agents. Without a frame rate they run in lock-step.
+    /// Starts the field that a table was evolved for, and the agents, once the page is open if there shall be one.
     pub(super) fn set(
-        table: &str,
+        arguments: &DemoSwarm,
         file: &TableFile,
-        frame_rate_hz: Option<u32>,
+        interrupt: &Interrupt,
+        progress: &mut Progress,
     ) -> anyhow::Result<Self> {
         logs::sweep();
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
-        let preset = logs.folder.join("preset.toml");
-        std::fs::write(&preset, toml::to_string(file.condition.model.preset())?)
-            .with_context(|| format!("could not write {}", preset.display()))?;
-        let (preset, team) = (
-            preset.to_string_lossy(),
-            file.condition.team.get().to_string(),
-        );
-        let mut host = vec!["field", "--bus", bus.as_str(), "--format", "json"];
-        host.extend(["--preset", &*preset, "--agents", &*team]);
-        let rate = frame_rate_hz.map(|rate| rate.to_string());
-        match &rate {
-            Some(rate) => host.extend(["--frame-rate-hz", rate]),
-            None => host.push("--lockstep"),
+        let field = host(arguments, file, &bus, &logs.folder)?;
+        // The field waits for its agents, and the agents for the page.
+        let mut page = arguments
+            .dashboard
+            .then(|| Page::serve(&bus, &TWO_HAND_ARM.name, &logs.folder))
+            .transpose()?;
+        if let Some(page) = &mut page {
+            page.wait_until_open(progress, interrupt)?;
         }
-        let drive = ["agents", "--bus", bus.as_str(), "--table", table];
-        let field = Child::start("atas-sim", &host, &logs.folder)?;
+        let drive = ["agents", "--bus", bus.as_str(), "--table", &arguments.table];
         let agents = Child::start("ebts", &drive, &logs.folder)?;
         Ok(Self {
+            page,
             field,
             agents,
             bus,
@@ -63,6 +65,9 @@ impl Arena {
     ) -> anyhow::Result<Vec<TrialReport>> {
         let watched = self.trials(interrupt, progress);
         self.logs.keep |= watched.is_err() && !interrupt.is_set();
+        if let (Some(page), Ok(_)) = (&mut self.page, &watched) {
+            page.stay(progress, interrupt)?;
+        }
         watched
     }
 
@@ -99,6 +104,30 @@ impl Arena {
         let parse = |line: &String| serde_json::from_str(line).context("atas-sim spoke no JSON");
         lines.iter().map(parse).collect()
     }
+}
+
+/// Starts the field that a table was evolved for. Without a frame rate it runs in lock-step.
+fn host(
+    arguments: &DemoSwarm,
+    file: &TableFile,
+    bus: &FreshBus,
+    logs: &Path,
+) -> anyhow::Result<Child> {
+    let preset = logs.join("preset.toml");
+    std::fs::write(&preset, toml::to_string(file.condition.model.preset())?)
+        .with_context(|| format!("could not write {}", preset.display()))?;
+    let (preset, team, rate) = (
+        preset.to_string_lossy(),
+        file.condition.team.get().to_string(),
+        arguments.frame_rate_hz.to_string(),
+    );
+    let mut words = vec!["field", "--bus", bus.as_str(), "--format", "json"];
+    words.extend(["--preset", &*preset, "--agents", &*team]);
+    match arguments.lockstep {
+        true => words.push("--lockstep"),
+        false => words.extend(["--frame-rate-hz", &*rate]),
+    }
+    Child::start("atas-sim", &words, logs)
 }
 
 /// One trial in a sentence.

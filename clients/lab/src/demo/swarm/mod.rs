@@ -25,8 +25,8 @@ pub(crate) fn swarm(
         .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
     let mut progress = Progress::new("swarm");
     progress.note("starting atas-sim field and ebts agents");
-    let pace = (!arguments.lockstep).then_some(arguments.frame_rate_hz);
-    let trials = Arena::set(&arguments.table, &file, pace)?.watch(interrupt, &mut progress)?;
+    let arena = Arena::set(arguments, &file, interrupt, &mut progress)?;
+    let trials = arena.watch(interrupt, &mut progress)?;
     drop(progress);
     if let Some(path) = &arguments.replay {
         write_replay(&file, path)?;

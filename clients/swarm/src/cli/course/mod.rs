@@ -3,7 +3,7 @@
 mod evolve;
 mod show;
 
-use super::evolve::style;
+use super::progress::style;
 use super::{Format, answer, spare, stop_flag, unless_set};
 
 pub(super) use evolve::{EvolveCourseArgs, evolve};

@@ -5,7 +5,7 @@ mod evolve;
 mod experiment;
 mod show;
 
-use super::evolve::style;
+use super::progress::style;
 use super::{Format, answer, print, spare, stop_flag, unless_set};
 
 pub(super) use agreement::{AgreementArgs, agreement};

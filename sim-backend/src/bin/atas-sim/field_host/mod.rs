@@ -6,6 +6,7 @@
 //! Either way the first frame waits for somebody to answer it.
 
 mod args;
+mod onlookers;
 mod ports;
 mod report;
 
@@ -18,6 +19,7 @@ use crate::failure::Failure;
 use crate::free_run::sleep_until;
 use crate::wait::Wait;
 pub(crate) use args::FieldArgs;
+use onlookers::Onlookers;
 use ports::Ports;
 pub(crate) use report::Format;
 use report::Reporter;
@@ -29,8 +31,12 @@ pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
     let bus = Bus::open(&args.bus, "atas-sim", Realtime::Yes)?;
     let mut host = Host {
         ports: Ports::open(&bus)?,
-        swarm,
-        reporter: Reporter::new(args.format),
+        field: Field {
+            swarm,
+            onlookers: Onlookers::open(&bus)?,
+            reporter: Reporter::new(args.format),
+            asked_ns: 0,
+        },
         stop: &stop,
     };
     let pace = args.pace();
@@ -40,15 +46,23 @@ pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
     } else {
         host.at_rate(args.period_ns())?
     };
-    host.reporter.end(late_periods)
+    host.field.reporter.end(late_periods)
 }
 
-/// The swarm with its connections.
+/// The field with its connections.
 struct Host<'a> {
     ports: Ports,
-    swarm: Swarm,
-    reporter: Reporter,
+    field: Field,
     stop: &'a AtomicBool,
+}
+
+/// The swarm and those who are told of it.
+struct Field {
+    swarm: Swarm,
+    onlookers: Onlookers,
+    reporter: Reporter,
+    /// When the robots were asked last.
+    asked_ns: u64,
 }
 
 impl Host<'_> {
@@ -67,7 +81,7 @@ impl Host<'_> {
         }
         let mut deadline_ns = now_ns();
         while self.goes_on() {
-            self.ports.publish(&mut self.swarm)?;
+            self.ask()?;
             deadline_ns += period_ns;
             while !self.stop.load(Ordering::Relaxed) && sleep_until(deadline_ns).is_err() {}
             let late = now_ns().saturating_sub(deadline_ns) / period_ns;
@@ -77,27 +91,63 @@ impl Host<'_> {
                 .ports
                 .answer()?
                 .map_or(Answer::Missing, Answer::Commands);
-            self.reporter.note(self.swarm.advance(answer))?;
+            self.field.drive(answer)?;
         }
         Ok(late_periods)
     }
 
     /// One frame, however long its answer takes; false if the process shall end.
     fn frame_in_step(&mut self) -> Result<bool, Failure> {
-        self.ports.publish(&mut self.swarm)?;
+        self.ask()?;
         let wait = Wait::begin();
         while !self.stop.load(Ordering::Relaxed) {
             if let Some(commands) = self.ports.answer()? {
-                let ended = self.swarm.advance(Answer::Commands(commands));
-                self.reporter.note(ended)?;
+                let answer = Answer::Commands(commands);
+                self.field.drive(answer)?;
                 return Ok(true);
             }
-            wait.pause(|| self.ports.greet())?;
+            wait.pause(|| self.greet())?;
         }
         Ok(false)
     }
 
+    /// Asks the robots, then tells onlookers of the frame before; of the very first at once, for it may take long.
+    fn ask(&mut self) -> Result<(), Failure> {
+        let Field {
+            swarm,
+            onlookers,
+            asked_ns,
+            ..
+        } = &mut self.field;
+        *asked_ns = self.ports.publish(swarm)?;
+        if onlookers.know_nothing() {
+            onlookers.note(swarm, Answer::Missing, *asked_ns);
+        }
+        onlookers.tell()
+    }
+
+    /// Lets those who came late have the present frame.
+    fn greet(&self) -> Result<(), Failure> {
+        self.ports.greet()?;
+        self.field.onlookers.greet()
+    }
+
     fn goes_on(&self) -> bool {
-        !self.swarm.is_over() && !self.stop.load(Ordering::Relaxed)
+        !self.field.swarm.is_over() && !self.stop.load(Ordering::Relaxed)
+    }
+}
+
+impl Field {
+    /// One frame of the robots; of a trial that ends with it onlookers learn at once how it ended.
+    fn drive(&mut self, answer: Answer<'_>) -> Result<(), Failure> {
+        if self.onlookers.are_due(self.asked_ns) {
+            self.onlookers.note(&self.swarm, answer, self.asked_ns);
+        }
+        let ended = self.swarm.advance(answer);
+        if ended.is_some() {
+            self.onlookers.note(&self.swarm, Answer::Missing, now_ns());
+            self.onlookers.tell()?;
+        }
+        self.reporter.note(ended)
     }
 }

@@ -26,13 +26,13 @@ impl Ports {
         })
     }
 
-    /// Publishes what the robots sense now.
-    pub(super) fn publish(&mut self, swarm: &mut Swarm) -> Result<(), Failure> {
+    /// Publishes what the robots sense now, and says when that was.
+    pub(super) fn publish(&mut self, swarm: &mut Swarm) -> Result<u64, Failure> {
         swarm.sense(&mut self.sensors);
         self.sensors.stamp.captured_ns = now_ns();
         self.publisher.send(&self.sensors)?;
         self.sensors.stamp.sequence += 1;
-        Ok(())
+        Ok(self.sensors.stamp.captured_ns)
     }
 
     /// The answer to what was published last, if it has come. What answers anything else is dropped: the time stamp, which

@@ -3,6 +3,11 @@
 //! A [`CheckedFrame`] can only be made here. Every refusal is counted, and what matters for safety becomes a
 //! [`Reason`]; nothing is ever repaired silently.
 
+mod checked;
+mod stuck;
+
+pub use checked::CheckedFrame;
+
 use crate::limits;
 use crate::settings::Intake as Limits;
 use crate::tick::Tick;
@@ -10,41 +15,7 @@ use crate::tick::{nanoseconds, seconds_between};
 use crate::wiring::HandWiring;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Cause, Hand, HandFrame, Reason};
-
-/// A frame that passed every check. Invalid elements are masked out.
-#[derive(Clone, Copy, Debug)]
-pub struct CheckedFrame<'a> {
-    frame: &'a HandFrame,
-    mask: [u64; FINGERS],
-    step_s: f64,
-}
-
-impl CheckedFrame<'_> {
-    /// Force of one element `[f_n, f_t1, f_t2]`, N; `None` if the element is masked out.
-    #[must_use]
-    pub fn element_n(&self, finger: usize, element: usize) -> Option<[f64; 3]> {
-        (self.mask[finger] >> element & 1 == 1)
-            .then(|| self.frame.force_n[finger][element].map(f64::from))
-    }
-
-    /// All forces of one finger, N, as the sensor said them, and which elements are to be believed.
-    #[must_use]
-    pub fn readings_n(&self, finger: usize) -> (&[[f32; 3]; ELEMENTS], u64) {
-        (&self.frame.force_n[finger], self.mask[finger])
-    }
-
-    /// Sensor time since the frame before, s; lost frames included, long pauses cut.
-    #[must_use]
-    pub fn step_s(&self) -> f64 {
-        self.step_s
-    }
-
-    /// When the sensor sampled, ns.
-    #[must_use]
-    pub fn captured_ns(&self) -> u64 {
-        self.frame.stamp.captured_ns
-    }
-}
+use stuck::StuckWatch;
 
 /// Why a frame was not believed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +46,7 @@ pub struct FrameCounts {
     pub mistimed: u64,
     /// Another writer, hand or layout.
     pub foreign: u64,
-    /// Elements masked because they were not finite or out of range.
+    /// Elements masked because they were not finite, out of range or stuck.
     pub masked_elements: u64,
     /// Restarts of the writer.
     pub restarts: u64,
@@ -101,6 +72,9 @@ pub struct FrameIntake {
     /// What of this tick's frames was refused but needs no reaction.
     warning: Reason,
     identical: u32,
+    stuck: [StuckWatch; FINGERS],
+    /// Elements that were stuck in the frame before, a bit each.
+    were_stuck: [u64; FINGERS],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -139,6 +113,8 @@ impl FrameIntake {
             hold_reason: Reason::default(),
             warning: Reason::default(),
             identical: 0,
+            stuck: Default::default(),
+            were_stuck: [0; FINGERS],
         }
     }
 
@@ -313,6 +289,7 @@ impl FrameIntake {
             ));
         }
         self.watch_frozen(frame, limits);
+        self.watch_stuck(frame);
         let mask = self.mask(frame, limits);
         let step_s = self
             .pinned
@@ -334,14 +311,15 @@ impl FrameIntake {
         }
     }
 
-    /// Masks elements that are flagged invalid, not finite or beyond belief; too many of them are a doubt.
+    /// Masks elements that are flagged invalid, not finite, beyond belief or stuck; too many of them are a doubt.
     fn mask(&mut self, frame: &HandFrame, limits: &Limits) -> [u64; FINGERS] {
         let mut mask = [0; FINGERS];
         let mut worst = 0;
         for (finger, mask) in mask.iter_mut().enumerate().take(self.fingers) {
             let mut invalid = 0;
             for element in 0..self.elements as usize {
-                let flagged = frame.valid_mask[finger] >> element & 1 == 1;
+                let trusted = frame.valid_mask[finger] & !self.were_stuck[finger];
+                let flagged = trusted >> element & 1 == 1;
                 let force = frame.force_n[finger][element];
                 // The comparison is false for NaN, so a NaN is masked before any arithmetic sees it.
                 let believable = force
@@ -385,6 +363,26 @@ impl FrameIntake {
                 f64::from(self.identical),
                 limits.frozen_frames,
             ));
+        }
+    }
+
+    /// Single elements that are stuck are said once, and not believed until they move again.
+    fn watch_stuck(&mut self, frame: &HandFrame) {
+        let Some(pinned) = &self.pinned else { return };
+        let elements = self.elements as usize;
+        let mut first = None;
+        for finger in 0..self.fingers {
+            let (before_n, now_n) = (&pinned.force_n[finger], &frame.force_n[finger]);
+            let stuck = self.stuck[finger].look(before_n, now_n, elements);
+            let newly = stuck & !self.were_stuck[finger];
+            self.were_stuck[finger] = stuck;
+            if newly != 0 {
+                first = first.or(Some((finger, newly.trailing_zeros())));
+            }
+        }
+        if let Some((finger, element)) = first {
+            let about = Reason::limit(Cause::ELEMENT_STUCK, f64::from(element), finger as f64);
+            self.warn(about);
         }
     }
 

@@ -1,0 +1,46 @@
+//! What a trial drew from its families and errors.
+
+use serde::{Deserialize, Serialize};
+use sim_backend::Scene;
+
+/// What a trial drew from its families and errors, of its first object.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drawn {
+    pub(crate) noise: f64,
+    pub(crate) mass_kg: f64,
+    pub(crate) friction: f64,
+    pub(crate) stiffness_n_m: f64,
+    pub(crate) width_mm: f64,
+    pub(crate) told_width_mm: f64,
+    pub(crate) height_mm: f64,
+    pub(crate) off_centre_mm: f64,
+    pub(crate) off_x_mm: f64,
+    pub(crate) off_y_mm: f64,
+    pub(crate) off_yaw_deg: f64,
+    pub(crate) thread_mn_m: Option<f64>,
+    pub(crate) closes_at_deg: Option<f64>,
+}
+
+impl Drawn {
+    /// Of a scene with an object.
+    pub(crate) fn of(scene: &Scene) -> Option<Self> {
+        let (placed, told) = (scene.objects.first()?, scene.grasp_hint(0)?);
+        let object = &placed.object;
+        let off_mm = |axis: usize| (placed.position_m[axis] - told.from_m[axis]) * 1e3;
+        Some(Self {
+            noise: scene.noise_factor,
+            mass_kg: object.mass_kg,
+            friction: object.friction,
+            stiffness_n_m: object.stiffness_n_m,
+            width_mm: object.shape.width_m() * 1e3,
+            told_width_mm: told.width_m * 1e3,
+            height_mm: 2e3 * object.shape.half_height_m(),
+            off_centre_mm: object.centre_of_mass_m.y * 1e3,
+            off_x_mm: off_mm(0),
+            off_y_mm: off_mm(1),
+            off_yaw_deg: (placed.yaw_rad - told.yaw_rad).to_degrees(),
+            thread_mn_m: object.thread.map(|thread| thread.friction_n_m * 1e3),
+            closes_at_deg: object.thread.map(|thread| thread.closing_rad.to_degrees()),
+        })
+    }
+}

@@ -1,0 +1,123 @@
+//! Scores against labels: what is fitted, and what is judged.
+
+use anyhow::{bail, ensure};
+use rayon::prelude::*;
+
+use super::cases::{Case, Labels, cases};
+use super::decision::{Fit, known, no_labels, truths};
+use super::kind::Kind;
+use super::model::Model;
+use super::sheet::Sheet;
+use super::steps::steps_s;
+use super::verdict::Verdict;
+use super::{hardness, rupture, slip, touches};
+
+/// What production perception feels in every case of a recording, in the order of the cases.
+enum Felt {
+    Levels(Vec<Vec<slip::Level>>),
+    Squeezes(Vec<hardness::Felt>),
+    PeaksN(Vec<f64>),
+}
+
+/// Judges a recording.
+///
+/// # Errors
+/// Its columns fit nothing, its labels say nothing, or there is too little to fit.
+pub fn judge(sheet: &Sheet, labels: &Labels, model: &Model, fit: Fit) -> anyhow::Result<Verdict> {
+    let kind = Kind::of(sheet)?;
+    if let Kind::Touch { axes, is_counts } = kind {
+        return touches::judge(sheet, labels, model, (axes, is_counts));
+    }
+    let cases = labelled(sheet, &kind, labels)?;
+    match feel(sheet, &kind, &cases, model)? {
+        Felt::Levels(levels) => slip::judge(&cases, &levels, labels, model, fit),
+        Felt::Squeezes(felt) => hardness::judge(&cases, &felt, labels, model, fit),
+        Felt::PeaksN(peaks_n) => rupture::judge(&cases, &peaks_n, model, fit),
+    }
+}
+
+/// Fits what can be fitted to a recording; everything else stays as in `model`.
+///
+/// # Errors
+/// As for [`judge`].
+pub fn train(sheet: &Sheet, labels: &Labels, model: &Model) -> anyhow::Result<Model> {
+    let kind = Kind::of(sheet)?;
+    let mut fitted = model.clone();
+    let cases = labelled(sheet, &kind, labels)?;
+    let source = format!("{} cases of {}", cases.len(), sheet.path.display());
+    match feel(sheet, &kind, &cases, model)? {
+        Felt::Levels(levels) => {
+            let truths = truths(&cases, labels, &[], &model.slip.negative);
+            let scores = levels
+                .iter()
+                .map(|levels| slip::score(levels, f64::INFINITY, &model.slip));
+            fitted.slip.motion_at = slip::fit(&known(scores, &truths))?;
+            fitted.slip.source = source;
+        }
+        Felt::Squeezes(felt) => {
+            let hard = &model.hardness;
+            let truths = truths(&cases, labels, &hard.positive, &hard.negative);
+            let whole = felt.iter().map(|felt| felt.whole_n_m);
+            let first = felt.iter().map(|felt| felt.first_step_n_m);
+            fitted.hardness.whole_n_m = hardness::fit(&known(whole, &truths))?;
+            fitted.hardness.first_step_n_m = hardness::fit(&known(first, &truths))?;
+            fitted.hardness.source = source;
+        }
+        Felt::PeaksN(peaks_n) => {
+            let points: Vec<_> = rupture::points(&cases, &peaks_n).collect();
+            ensure!(!points.is_empty(), "{}", no_labels());
+            fitted.rupture.lines.extend(rupture::fit(&points)?);
+            fitted.rupture.source = source;
+        }
+    }
+    Ok(fitted)
+}
+
+fn feel(sheet: &Sheet, kind: &Kind, cases: &[Case], model: &Model) -> anyhow::Result<Felt> {
+    let rate_hz = rate_hz(kind, model);
+    match kind {
+        Kind::Slip { elements } => each(sheet, rate_hz, cases, |rows, steps_s| {
+            slip::levels(sheet, elements, rows, steps_s, &model.slip)
+        })
+        .map(Felt::Levels),
+        Kind::Squeeze { forces, angles } => each(sheet, rate_hz, cases, |rows, steps_s| {
+            hardness::feel(sheet, (forces, angles), rows, steps_s, &model.hardness)
+        })
+        .map(Felt::Squeezes),
+        Kind::Press { force, position } => each(sheet, rate_hz, cases, |rows, steps_s| {
+            rupture::peak_n(sheet, (*force, *position), rows, steps_s, &model.rupture)
+        })
+        .map(Felt::PeaksN),
+        Kind::Touch { .. } => bail!("could not train on touches: nothing about them is fitted"),
+    }
+}
+
+/// Something of every case's rows and the time from each to the next, s; on all cores.
+fn each<T: Send>(
+    sheet: &Sheet,
+    rate_hz: f64,
+    cases: &[Case],
+    of: impl Fn(&[usize], &[f64]) -> anyhow::Result<T> + Sync + Send,
+) -> anyhow::Result<Vec<T>> {
+    let one = |case: &Case| of(&case.rows, &steps_s(sheet, &case.rows, rate_hz));
+    cases.par_iter().map(one).collect()
+}
+
+fn labelled(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Result<Vec<Case>> {
+    ensure!(
+        labels.column.is_some(),
+        "could not judge {} without labels; name their column with --labels, one of {:?} or of a table beside it",
+        sheet.path.display(),
+        sheet.columns()
+    );
+    cases(sheet, kind, labels)
+}
+
+fn rate_hz(kind: &Kind, model: &Model) -> f64 {
+    match kind {
+        Kind::Slip { .. } => model.slip.rate_hz,
+        Kind::Squeeze { .. } => model.hardness.rate_hz,
+        Kind::Press { .. } => model.rupture.rate_hz,
+        Kind::Touch { .. } => model.touch.rate_hz,
+    }
+}

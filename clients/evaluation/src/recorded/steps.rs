@@ -1,0 +1,36 @@
+//! Time from frame to frame of a recording.
+
+use super::sheet::Sheet;
+use super::skin::RATE_MAX_HZ;
+use crate::statistics::median;
+
+/// Time from frame to frame, s: as recorded, else as the model says. Time that does not go on is taken to do so, and frames
+/// that came faster than any sensor's were stamped when a file was decoded.
+pub(super) fn steps_s(sheet: &Sheet, rows: &[usize], rate_hz: f64) -> Vec<f64> {
+    let (column, unit_s) = match (
+        sheet.first_of(&["t_s", "time_s", "t_s_approx"]),
+        sheet.column("captured_ns"),
+    ) {
+        (Some(column), _) => (Some(column), 1.0),
+        (None, column) => (column, 1e-9),
+    };
+    let usual_s = 1.0 / rate_hz;
+    let time_s = |row: usize| Some(sheet.number(row, column?)? * unit_s);
+    let mut before_s: Option<f64> = None;
+    let steps: Vec<f64> = rows
+        .iter()
+        .map(|&row| {
+            let now_s = time_s(row);
+            let step_s = match (before_s, now_s) {
+                (Some(before_s), Some(now_s)) if now_s > before_s => now_s - before_s,
+                _ => usual_s,
+            };
+            before_s = now_s.or(before_s.map(|before_s| before_s + usual_s));
+            step_s
+        })
+        .collect();
+    if median(steps.clone()).is_some_and(|step_s| step_s < 1.0 / RATE_MAX_HZ) {
+        return vec![usual_s; rows.len()];
+    }
+    steps
+}

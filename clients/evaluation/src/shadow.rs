@@ -1,0 +1,50 @@
+//! The production controller beside a recorder: what it saves at the beginning of a file lets that file replay by itself.
+
+use atas_core::record::Replay;
+use atas_recording::Follower;
+use shm_schemas::{HandFrame, RunHeader, TickInputs};
+
+use crate::replay::{frames, origin};
+use crate::state::encode;
+
+/// The production controller, beside a recorder: it replays the run as it is recorded.
+#[derive(Debug, Default)]
+pub struct Shadow {
+    replay: Option<Replay<Vec<HandFrame>>>,
+}
+
+impl Follower for Shadow {
+    fn begin(&mut self, run: &RunHeader) -> anyhow::Result<()> {
+        self.replay = None;
+        self.replay = Some(Replay::new(origin(run)?, frames()));
+        Ok(())
+    }
+
+    fn take(&mut self, part: &TickInputs) -> anyhow::Result<()> {
+        let Some(replay) = &mut self.replay else {
+            return Ok(());
+        };
+        if let Some(replayed) = replay.feed(part)? {
+            anyhow::ensure!(
+                replayed.is_equal,
+                "in tick {} the daemon commanded something else than this version does",
+                part.tick
+            );
+        }
+        Ok(())
+    }
+
+    fn is_within_tick(&self) -> bool {
+        self.replay
+            .as_ref()
+            .is_some_and(|replay| replay.state().is_none())
+    }
+
+    fn state(&self) -> anyhow::Result<Option<Vec<u8>>> {
+        let state = self.replay.as_ref().and_then(Replay::state);
+        let begun = state.filter(|(_, next_sequence)| *next_sequence > 0);
+        begun
+            .map(|(controller, next_sequence)| encode(controller, next_sequence))
+            .transpose()
+    }
+}

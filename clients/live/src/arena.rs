@@ -1,0 +1,134 @@
+//! What a page draws of the swarm's fields, for as long as one is hosted and after its end.
+
+use std::time::{Duration, Instant};
+
+use atas_client::{ClientError, Session, json};
+use serde_json::Value;
+use shm_bus::{STREAMS, Subscriber};
+use shm_schemas::{ArenaTruth, service};
+
+use crate::feed::Feed;
+
+/// Fields that a page draws, the first ones; more would be dots, and cost each page's share of a core.
+const FIELDS: u32 = 64;
+/// Silence after which it is looked whether the field has a host at all (ours: 60 missing pictures).
+const SILENCE: Duration = Duration::from_secs(1);
+/// Looks between two such looks, each of which opens the service anew.
+const HOST_EVERY: u64 = 30;
+
+/// How it stands about the field's host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Host {
+    /// Frame follows frame.
+    Runs,
+    /// It waits for somebody who tells its robots what to do.
+    Waits,
+    /// It is gone.
+    Ended,
+}
+
+impl Host {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Runs => "runs",
+            Self::Waits => "waits",
+            Self::Ended => "ended",
+        }
+    }
+}
+
+/// The swarm as far as it was seen.
+pub(crate) struct Arena {
+    truths: Subscriber<ArenaTruth>,
+    truth: Box<ArenaTruth>,
+    heard: Instant,
+    host: Host,
+    looks: u64,
+}
+
+impl Arena {
+    /// Begins to look. There need not be a swarm, and it may come and go.
+    ///
+    /// # Errors
+    /// All places for readers are taken.
+    pub(crate) fn join(session: &Session) -> Result<Self, ClientError> {
+        Ok(Self {
+            truths: session.bus().subscriber(service::ARENA_TRUTH)?,
+            truth: Box::default(),
+            heard: Instant::now(),
+            host: Host::Ended,
+            looks: 0,
+        })
+    }
+
+    /// Tells the pages what is new; `anew` if one of them has seen nothing yet.
+    ///
+    /// # Errors
+    /// The shared memory of the host cannot be read.
+    pub(crate) fn look(
+        &mut self,
+        session: &Session,
+        feed: &Feed,
+        anew: bool,
+    ) -> Result<(), ClientError> {
+        let before = self.host;
+        let is_new = self.truths.newest(&mut self.truth)?;
+        if is_new {
+            self.heard = Instant::now();
+            self.host = Host::Runs;
+        } else if self.looks.is_multiple_of(HOST_EVERY) && self.heard.elapsed() > SILENCE {
+            self.host = silent(session)?;
+        }
+        self.looks += 1;
+        let is_wanted = is_new || anew || self.host != before;
+        if is_wanted && self.truth.field_count > 0 && feed.pages() > 0 {
+            feed.tell("arena", &told(&self.truth, self.host));
+        }
+        Ok(())
+    }
+}
+
+/// What silence means.
+fn silent(session: &Session) -> Result<Host, ClientError> {
+    let stream = STREAMS.iter().find(|s| s.service == service::ARENA_TRUTH);
+    let traffic = stream.map_or(Ok(Default::default()), |s| session.bus().traffic(s))?;
+    Ok(match traffic.writers {
+        0 => Host::Ended,
+        _ => Host::Waits,
+    })
+}
+
+/// The arena as `atas topic echo` prints it, of as many fields as are drawn, with what became of its host.
+fn told(truth: &ArenaTruth, host: Host) -> Value {
+    let field_count = truth.field_count.min(FIELDS);
+    let mut value = json::arena(&ArenaTruth {
+        field_count,
+        agent_count: truth.agent_count.min(field_count * truth.team),
+        ..*truth
+    });
+    value["field_count"] = truth.field_count.into();
+    value["host"] = host.name().into();
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_is_told_of_as_many_fields_as_it_draws() {
+        let check = |field_count, team, fields, agents| {
+            let mut truth = Box::<ArenaTruth>::default();
+            (truth.field_count, truth.team) = (field_count, team);
+            truth.agent_count = field_count * team;
+            let value = told(&truth, Host::Runs);
+            let count = |key: &str| value[key].as_array().map_or(0, Vec::len);
+            assert_eq!((count("fields"), count("agents")), (fields, agents));
+            assert_eq!(value["field_count"], field_count);
+        };
+        check(1, 2, 1, 2);
+        check(64, 4, 64, 256);
+        check(256, 4, 64, 256);
+        check(1024, 1, 64, 64);
+    }
+}

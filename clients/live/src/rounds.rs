@@ -1,0 +1,42 @@
+//! Looking at the bus, sixty times a second, whatever becomes of the daemon.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use atas_client::{ClientError, Session, Watch};
+use shm_bus::BusName;
+
+/// Time between two looks: sixty a second.
+const LOOK: Duration = Duration::from_nanos(16_666_667);
+/// Pause before a bus that is not there is looked for again.
+const AGAIN: Duration = Duration::from_millis(300);
+
+/// Looks at the bus until `stop` is set. `begin` makes an observer of each bus that is found, `look` is its round; an error of
+/// one of them, of which `gone` hears, ends the observer and not the looking.
+pub(crate) fn rounds<T, E: From<ClientError>>(
+    bus: &BusName,
+    stop: &AtomicBool,
+    mut begin: impl FnMut(Watch, &Session) -> Result<T, E>,
+    mut look: impl FnMut(&mut T, &Session) -> Result<(), E>,
+    mut gone: impl FnMut(&E),
+) {
+    let mut observe = || {
+        let session = Session::existing(bus)?;
+        let watch = Watch::join(&session).map_err(ClientError::from)?;
+        let mut observer = begin(watch, &session)?;
+        let mut due = Instant::now();
+        while !stop.load(Ordering::Relaxed) {
+            look(&mut observer, &session)?;
+            // Late once is late once: what was missed is not caught up with.
+            due = (due + LOOK).max(Instant::now());
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        }
+        Ok(())
+    };
+    while !stop.load(Ordering::Relaxed) {
+        if let Err(error) = observe() {
+            gone(&error);
+            std::thread::sleep(AGAIN);
+        }
+    }
+}
