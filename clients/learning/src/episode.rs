@@ -130,7 +130,7 @@ impl Episode {
                 settings: &self.settings.safety,
             },
         );
-        let own = &safe.command().position_rad[self.joints.clone()];
+        let own = &self.gate.wanted_rad()[self.joints.clone()];
         self.hand.adopt(HandVector::from_slice(own));
         *safe.command()
     }

@@ -85,7 +85,7 @@ impl PolicyHand {
         }
     }
 
-    /// Takes over what the safety gate let through.
+    /// Takes over what the safety gate let through of the wish.
     pub(crate) fn adopt(&mut self, q_rad: HandVector) {
         self.servo.adopt(q_rad);
     }

@@ -87,9 +87,17 @@ impl Arbiter {
         self.closing_m_s
     }
 
-    /// The fingers stand still: what the next tick slews from.
+    /// Another task begins: the fingers stand still, and a path begins at rest by itself.
     pub fn rest(&mut self) {
-        self.closing_m_s = [0.0; VIRTUAL_FINGERS];
+        *self = Self::default();
+    }
+
+    /// The hand was stopped on its way: it takes up its speed from nothing.
+    pub fn halt(&mut self) {
+        *self = Self {
+            closing_m_s: [0.0; VIRTUAL_FINGERS],
+            carry_scale: 0.0,
+        };
     }
 }
 

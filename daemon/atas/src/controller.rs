@@ -281,7 +281,7 @@ impl Controller {
         self.outputs.command = *safe.command();
         let ranges = self.joint_ranges();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
-            hand.adopt(HandVector::from_slice(&safe.command().position_rad[range]));
+            hand.adopt(HandVector::from_slice(&self.gate.wanted_rad()[range]));
         }
         let finding = self.gate.finding();
         self.refused = Reason::default();

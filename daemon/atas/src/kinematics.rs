@@ -82,7 +82,7 @@ impl HandServo {
         &self.frame
     }
 
-    /// What was last commanded, rad.
+    /// What was last wanted and let through, rad.
     #[must_use]
     pub fn q_rad(&self) -> &HandVector {
         &self.q_rad
@@ -99,7 +99,9 @@ impl HandServo {
         }
     }
 
-    /// Takes over what the safety gate made of the last command.
+    /// Takes over what the safety gate let through of the wish, before it smoothed it: where it refuses, the next wish begins at
+    /// what is commanded; where the joints only lag, at the wish. Begun at joints that lag, each wish would make up for the
+    /// whole lag at once, and the hand would swing about its path.
     pub fn adopt(&mut self, q_rad: HandVector) {
         self.q_rad = q_rad;
     }

@@ -48,7 +48,7 @@ pub struct Gate {
     position_rad: RobotVector,
     velocity_rad_s: RobotVector,
     acceleration_rad_s2: RobotVector,
-    /// What was wanted a tick ago, rad.
+    /// What was wanted a tick ago and not refused, rad.
     wanted_rad: RobotVector,
     anchored: bool,
     sequence: u64,
@@ -106,6 +106,12 @@ impl Gate {
     #[must_use]
     pub fn position_rad(&self) -> &RobotVector {
         &self.position_rad
+    }
+
+    /// What it let through in the last pass, before the limits of motion, rad: what the next wish goes on from.
+    #[must_use]
+    pub fn wanted_rad(&self) -> &RobotVector {
+        &self.wanted_rad
     }
 
     /// What the gate had to refuse in the last pass, if anything. The mode machine answers with HOLD or SAFE_STOP.
@@ -186,16 +192,32 @@ impl Gate {
         }
     }
 
-    /// A step far beyond what the joint can do is a fault of the sender, not something to be smoothed over.
+    /// A step far beyond what the joint can do is a fault of the sender, not something to be smoothed over; so is a wish that
+    /// runs away from the joint faster than the limits of motion explain.
     fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut RobotVector) {
         for (joint, &wanted) in wanted_rad.iter().enumerate() {
-            let step_rad = (wanted - self.position_rad[joint]).abs();
-            let allowed_rad = STEP_FACTOR * self.joints[joint].velocity_max_rad_s * step_s;
+            let speed_rad_s = self.joints[joint].velocity_max_rad_s;
+            let allowed_rad = STEP_FACTOR * speed_rad_s * step_s;
+            let step_rad = (wanted - self.wanted_rad[joint]).abs();
+            let lag_rad = (wanted - self.position_rad[joint]).abs() - self.lag_max_rad(joint);
+            let step_rad = if lag_rad > step_rad {
+                lag_rad
+            } else {
+                step_rad
+            };
             if step_rad > allowed_rad {
                 let reason = Reason::limit(Cause::COMMAND_STEP, step_rad, allowed_rad).about(joint);
                 return self.refuse(reason, wanted_rad);
             }
         }
+    }
+
+    /// How far a joint falls behind a wish that starts at its top speed, rad: v²/2A to take the speed up, and as much to make
+    /// up for it, at half of the acceleration ([`brake_rad_s`]).
+    fn lag_max_rad(&self, joint: usize) -> f64 {
+        let (joint, unit) = (&self.joints[joint], self.joints[joint].radian());
+        let speed_rad_s = joint.velocity_max_rad_s / unit;
+        speed_rad_s * speed_rad_s / JOINT_ACCELERATION_RAD_S2 * unit
     }
 
     /// The wanted positions of both hands, in the robot's order.

@@ -5,8 +5,10 @@
 mod any_robot;
 mod assembly;
 mod hold;
+mod interrupted;
 mod placing;
 mod restart;
 mod rig;
 mod screwing;
+mod skin;
 mod unlike;

@@ -2,9 +2,10 @@
 
 use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
+use shm_schemas::capacity::JOINTS;
 use shm_schemas::{
-    Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, Mode,
-    ObjectTruth,
+    Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, HandFrame,
+    Mode, ObjectTruth, Reason,
 };
 use sim_backend::{GraspHint, Object, Scene, Sensed, World};
 
@@ -17,7 +18,23 @@ pub(crate) struct Rig {
     tick: u64,
     epoch: u64,
     pub(crate) warnings: Vec<Cause>,
+    /// How far all joints together were commanded, rad.
+    pub(crate) travelled_rad: f64,
+    commanded_rad: Option<[f64; JOINTS]>,
+    /// How the last goal ended.
+    pub(crate) end: Option<GoalUpdate>,
+    lie: Option<Lie>,
 }
+
+/// A skin that says something else than it feels: whose, since when, and how.
+struct Lie {
+    side: Side,
+    since_ns: u64,
+    of: Box<FrameLie>,
+}
+
+/// What becomes of a frame when a skin has lied for so many seconds.
+type FrameLie = dyn Fn(f64, &mut HandFrame);
 
 fn controller(robot: &RobotModel, writer_epoch: u64) -> Controller {
     let wiring = Wiring {
@@ -53,14 +70,31 @@ impl Rig {
             tick: 0,
             epoch: 1,
             warnings: Vec::new(),
+            travelled_rad: 0.0,
+            commanded_rad: None,
+            end: None,
+            lie: None,
         };
         rig.ticks(100);
         assert_eq!(rig.controller.mode().0, Mode::READY);
         rig
     }
 
+    /// From now on a hand's skin lies.
+    pub(crate) fn lie_on(&mut self, side: Side, of: impl Fn(f64, &mut HandFrame) + 'static) {
+        let (since_ns, of) = (self.world.now_ns(), Box::new(of));
+        self.lie = Some(Lie { side, since_ns, of });
+    }
+
     fn step(&mut self, order: Option<&Order>) -> &Outputs {
         self.world.sense(&mut self.sensed);
+        if let Some(lie) = &self.lie {
+            let lied_s = (self.world.now_ns() - lie.since_ns) as f64 * 1e-9;
+            for frame in self.sensed.frames[lie.side.index()].iter_mut() {
+                (lie.of)(lied_s, frame);
+                frame.seal();
+            }
+        }
         let [left, right] = &self.sensed.frames;
         let outputs = self.controller.step(&Inputs {
             tick: Tick {
@@ -74,6 +108,17 @@ impl Rig {
         });
         self.world.advance(Some(&outputs.command));
         self.tick += 1;
+        let now_rad = outputs.command.position_rad;
+        let before_rad = self.commanded_rad.replace(now_rad).unwrap_or(now_rad);
+        let steps_rad = now_rad
+            .iter()
+            .zip(before_rad)
+            .map(|(now, before)| (now - before).abs());
+        self.travelled_rad += steps_rad.sum::<f64>();
+        self.end = outputs
+            .goal_update
+            .filter(|update| update.state.is_final())
+            .or(self.end);
         let warns = |kind: EventKind| kind == EventKind::WARNING;
         let events = outputs.events.as_slice().iter();
         self.warnings
@@ -105,8 +150,18 @@ impl Rig {
 
     /// Begins a goal and pursues it until its hand is in this step and the first object this high.
     pub(crate) fn pursue_until(&mut self, request: &GoalRequest, step: &str, lifted_m: f64) {
+        self.begin(request);
+        self.go_on_until(step, lifted_m);
+    }
+
+    /// Begins a goal.
+    pub(crate) fn begin(&mut self, request: &GoalRequest) {
         let goal = Goal::resolve(request, &[]).expect("a goal");
         self.order(&Order::Start(goal));
+    }
+
+    /// Goes on until the goal's hand is in this step and the first object this high.
+    pub(crate) fn go_on_until(&mut self, step: &str, lifted_m: f64) {
         for _ in 0..100_000 {
             if self.step_name() == step && self.object().lifted_m >= lifted_m {
                 return;
@@ -122,6 +177,10 @@ impl Rig {
 
     pub(crate) fn mode(&self) -> Mode {
         self.controller.mode().0
+    }
+
+    pub(crate) fn reason(&self) -> Reason {
+        self.controller.mode().1
     }
 
     /// Pursues a goal to its end.

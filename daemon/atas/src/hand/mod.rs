@@ -275,12 +275,13 @@ impl HandControl {
             }
             _ => {
                 self.modules.halt();
+                self.arbiter.halt();
                 servo.rest()
             }
         }
     }
 
-    /// Takes over what the safety gate let through.
+    /// Takes over what the safety gate let through of the wish.
     pub(crate) fn adopt(&mut self, q_rad: HandVector) {
         if let Some(servo) = self.servo.as_mut() {
             servo.adopt(q_rad);

@@ -72,9 +72,11 @@ list::modules! {
 }
 
 impl Modules {
-    /// The hand was stopped: what leads it begins from rest.
+    /// The hand was stopped: what moves it begins from rest.
     pub fn halt(&mut self) {
         self.follow = follow::Follow::default();
+        self.trajectory.halt();
+        self.transfer.halt();
     }
 
     /// Forgets the present object; what leads the hand goes on.

@@ -119,6 +119,11 @@ impl Module for Trajectory {
 }
 
 impl Trajectory {
+    /// Goes on from where it is, from rest.
+    pub(super) fn halt(&mut self) {
+        self.speed_m_s = 0.0;
+    }
+
     /// Waits until the weakest finger has pressed more than F_1 for a while.
     fn grip(&mut self, percept: &Percept, context: &Context<'_>) {
         let (weakest_n, strongest_n) = force_range_n(percept);

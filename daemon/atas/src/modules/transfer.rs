@@ -55,3 +55,10 @@ impl Module for Transfer {
         }
     }
 }
+
+impl Transfer {
+    /// Goes on from where it is, from rest.
+    pub(super) fn halt(&mut self) {
+        self.lowering_m_s = 0.0;
+    }
+}

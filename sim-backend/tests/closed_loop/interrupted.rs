@@ -1,0 +1,95 @@
+//! A motion that doubt interrupts goes on along its path as if nothing had been: no swinging, and the same outcome.
+
+use crate::rig::{Rig, goal, object};
+use atas_core::Order;
+use robot_model::{RobotModel, Side};
+use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Mode, Reason};
+use sim_backend::Scene;
+
+/// How much farther than those of an undisturbed hand its joints may be commanded altogether: they brake, and catch up.
+const DETOUR: f64 = 1.1;
+
+fn hold(rig: &mut Rig) {
+    rig.order(&Order::Hold(Reason::of(Cause::SUPERVISOR_SILENT)));
+    assert_eq!(rig.mode(), Mode::HOLD);
+}
+
+/// Reaches for an object and is held after so many ticks; the way that the joints were commanded until the fingers close, rad.
+fn reach_rad(robot: &RobotModel, scene: &Scene, held_after: Option<u64>) -> f64 {
+    let mut rig = Rig::of(robot.clone(), scene, 1);
+    rig.begin(&goal(GoalKind::GRASP, scene, Side::Right));
+    if let Some(ticks) = held_after {
+        rig.ticks(ticks);
+        hold(&mut rig);
+    }
+    rig.go_on_until("approach", 0.0);
+    rig.travelled_rad
+}
+
+#[test]
+fn a_hand_that_was_held_on_its_way_goes_on_along_it() {
+    for name in ["two-hand-arm", "arm7-gripper", "three-finger", "test-bench"] {
+        let robot = RobotModel::find(name).expect("it ships");
+        let scene = Scene::grasp(object("wood"), Side::Right).before(robot.hand(Side::Right));
+        let undisturbed_rad = reach_rad(&robot, &scene, None);
+        for held_after in (10..1400).step_by(90) {
+            let travelled_rad = reach_rad(&robot, &scene, Some(held_after));
+            assert!(
+                travelled_rad < DETOUR * undisturbed_rad,
+                "{name} held after {held_after} ms: the joints were commanded over {travelled_rad} rad, undisturbed {undisturbed_rad}"
+            );
+        }
+    }
+}
+
+/// Pursues a goal that is held every so many ticks.
+fn pursue(scene: &Scene, request: &GoalRequest, held_every: Option<u64>) -> (GoalUpdate, Rig) {
+    let mut rig = Rig::new(scene);
+    rig.begin(request);
+    for tick in 1..400_000 {
+        if let Some(end) = rig.end.filter(|end| end.goal_id == request.goal_id) {
+            return (end, rig);
+        }
+        if held_every.is_some_and(|every| tick % every == 0) {
+            hold(&mut rig);
+        } else {
+            rig.ticks(1);
+        }
+    }
+    panic!("the goal has no end");
+}
+
+#[test]
+fn tasks_that_are_held_again_and_again_end_as_ever() {
+    let check = |kind: GoalKind, scene: &Scene, held_every: u64, detour: f64| {
+        let request = goal(kind, scene, Side::Right);
+        let (end, undisturbed) = pursue(scene, &request, None);
+        assert_eq!(end.state, GoalState::SUCCEEDED, "{kind}: {}", end.reason);
+        let (end, held) = pursue(scene, &request, Some(held_every));
+        let case = format!("{kind} held every {held_every} ms: {}", end.reason);
+        assert_eq!(end.state, GoalState::SUCCEEDED, "{case}");
+        let object = held.object();
+        assert_eq!(
+            (object.dropped, object.crushed, object.tipped),
+            (0, 0, 0),
+            "{case}"
+        );
+        assert!(
+            held.travelled_rad < detour * undisturbed.travelled_rad,
+            "{case}: the joints were commanded over {} rad, undisturbed {}",
+            held.travelled_rad,
+            undisturbed.travelled_rad
+        );
+    };
+    for held_every in [97, 310] {
+        for name in ["wood", "sponge"] {
+            let scene = Scene::grasp(object(name), Side::Right);
+            check(GoalKind::GRASP, &scene, held_every, DETOUR);
+        }
+        let scene = Scene::pick_place(object("wood"), Side::Right);
+        check(GoalKind::PICK_PLACE, &scene, held_every, DETOUR);
+        // A turn that was held may have to be made once more.
+        let scene = Scene::screw(object("cap"), object("open-bottle"), Side::Right);
+        check(GoalKind::SCREW, &scene, held_every, 2.0);
+    }
+}
