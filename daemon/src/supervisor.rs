@@ -185,6 +185,7 @@ impl Supervisor {
             self.resting_ticks = if stopped { self.resting_ticks + 1 } else { 0 };
         }
         while let Some(news) = self.link.next_news() {
+            self.telemetry.publish_news(&self.state, &mut self.link);
             match news {
                 News::Taken(ticket) => self.controls.settle(ticket),
                 News::Goal(update) => self.goals.tell(&update),

@@ -139,10 +139,13 @@ impl TickLoop {
         record.phase_locked = pacer.learn(&start, arrivals(&record.report, ports));
         let is_news = step.goal_update.is_some() || !step.events.is_empty();
         let ticket = order.map_or(0, |order| order.ticket);
-        link.leave(&record, ticket, step.goal_update, step.events);
-        if is_news || counts.ticks.is_multiple_of(counts.status_every) {
+        let goal_update = step.goal_update.copied();
+        link.leave(&record, step.events);
+        if is_news || ticket != 0 || counts.ticks.is_multiple_of(counts.status_every) {
             link.leave_snapshot(&counts.complete(guard.status(start.tick.now_ns), &start));
         }
+        // After the snapshot: whoever hears the news and asks for the status is not told of the time before.
+        link.leave_news(ticket, goal_update.as_ref());
         if counts.ticks.is_multiple_of(counts.view_every) {
             link.leave_view(|view| ports.write_view(start.tick, view));
         }

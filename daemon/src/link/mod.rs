@@ -204,7 +204,8 @@ mod tests {
                     let ticket = tick.take_order(false).map_or(0, |order| order.ticket);
                     assert!(ticket == 0 || ticket == taken + 1, "{ticket} after {taken}");
                     taken += u64::from(ticket != 0);
-                    tick.leave(&TickRecord::default(), ticket, None, &[]);
+                    tick.leave(&TickRecord::default(), &[]);
+                    tick.leave_news(ticket, None);
                     if ticket == 0 {
                         std::thread::yield_now();
                     }
@@ -231,11 +232,11 @@ mod tests {
     fn what_finds_no_room_is_counted() {
         let (mut tick, supervisor) = ends();
         for _ in 0..RECORDS + 3 {
-            tick.leave(&TickRecord::default(), 0, None, &[]);
+            tick.leave(&TickRecord::default(), &[]);
         }
         assert_eq!(supervisor.dropped(), 3);
         let events = [ModuleEvent::default(); EVENTS + 2];
-        tick.leave(&TickRecord::default(), 0, None, &events);
+        tick.leave(&TickRecord::default(), &events);
         assert_eq!(supervisor.dropped(), 3 + 1 + 2);
     }
 
@@ -248,13 +249,13 @@ mod tests {
         };
         for _ in 0..2 * NEWS {
             let progress = update(GoalState::RUNNING);
-            tick.leave(&TickRecord::default(), 0, Some(&progress), &[]);
+            tick.leave_news(0, Some(&progress));
         }
         // Every order that can wait is taken, and each ends a goal.
         let orders = (ORDERS + STOPS) as u64;
         for ticket in 1..=orders {
             let ended = update(GoalState::FAILED);
-            tick.leave(&TickRecord::default(), ticket, Some(&ended), &[]);
+            tick.leave_news(ticket, Some(&ended));
         }
         let (mut answers, mut ends) = (0, 0);
         while let Some(news) = supervisor.next_news() {

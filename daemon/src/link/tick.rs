@@ -87,15 +87,18 @@ impl TickEnd {
         self.input_log.as_mut()
     }
 
-    /// Leaves a record, the ticket of the order that was taken (0 if none), and what happened.
-    pub fn leave(
-        &mut self,
-        record: &TickRecord,
-        ticket: u64,
-        update: Option<&GoalUpdate>,
-        events: &[ModuleEvent],
-    ) {
+    /// Leaves a record and what happened.
+    pub fn leave(&mut self, record: &TickRecord, events: &[ModuleEvent]) {
         let mut dropped = u64::from(self.records.push(*record).is_err());
+        for event in events {
+            dropped += u64::from(self.events.push(*event).is_err());
+        }
+        self.shared.count(dropped);
+    }
+
+    /// Leaves the ticket of the order that was taken (0 if none), and what became of the goal.
+    pub fn leave_news(&mut self, ticket: u64, update: Option<&GoalUpdate>) {
+        let mut dropped = 0;
         if ticket != 0 {
             dropped += u64::from(self.news.push(News::Taken(ticket)).is_err());
         }
@@ -103,9 +106,6 @@ impl TickEnd {
             let has_room = update.state.is_final() || self.news.slots() > NEWS_KEPT;
             let left = has_room && self.news.push(News::Goal(*update)).is_ok();
             dropped += u64::from(!left);
-        }
-        for event in events {
-            dropped += u64::from(self.events.push(*event).is_err());
         }
         self.shared.count(dropped);
     }

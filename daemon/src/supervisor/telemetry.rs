@@ -66,6 +66,14 @@ impl Telemetry {
         report_failure(sent);
     }
 
+    /// Publishes the status that the ticks left with their news, before anybody hears of those.
+    pub(super) fn publish_news(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
+        if let Some(snapshot) = link.newest_snapshot() {
+            self.snapshot = snapshot;
+            self.send_status(state, link);
+        }
+    }
+
     /// Publishes the status if it is due.
     pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         if let Some(snapshot) = link.newest_snapshot() {
@@ -76,6 +84,12 @@ impl Telemetry {
             report_failure(self.status.connect_readers());
             return;
         }
+        self.send_status(state, link);
+        // Who joined while nothing happened gets the past events now.
+        report_failure(self.events.connect_readers());
+    }
+
+    fn send_status(&mut self, state: &SupervisorState, link: &SupervisorEnd) {
         self.due = Instant::now() + STATUS_EVERY;
         let mut status = self.snapshot;
         status.stamp.sequence = self.sequence;
@@ -92,8 +106,6 @@ impl Telemetry {
         }
         self.sequence += 1;
         report_failure(self.status.send(&status));
-        // Who joined while nothing happened gets the past events now.
-        report_failure(self.events.connect_readers());
     }
 }
 

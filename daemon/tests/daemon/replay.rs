@@ -1,11 +1,14 @@
 //! What the daemon publishes for recorders is all that its commands depend on: fed to a fresh controller, it gives the
 //! same commands bit for bit.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use atas_core::record::{Replay, ReplayError, read_origin};
 use rustix::process::Signal;
-use shm_bus::{FreshBus, GoalClient, Subscriber};
+use shm_bus::{Bus, BusName, FreshBus, GoalClient, Realtime, Subscriber};
 use shm_schemas::{
     ControlOp, GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, HandFrame, Mode, OrderKind,
     RunHeader, Text, TickInputs, service,
@@ -13,30 +16,58 @@ use shm_schemas::{
 
 use crate::support::{Daemon, World, wait_for};
 
-/// A recorder that was there before the daemon.
+/// A recorder that is there before the daemon, on a thread of its own: it misses nothing while the test does something else.
 struct Recorder {
-    headers: Subscriber<RunHeader>,
-    inputs: Subscriber<TickInputs>,
+    ends: Arc<AtomicBool>,
+    thread: JoinHandle<Recording>,
+}
+
+impl Recorder {
+    fn on(bus: &FreshBus) -> Self {
+        let (name, ends) = (BusName::clone(bus), Arc::new(AtomicBool::new(false)));
+        let (is_there, there) = mpsc::channel();
+        let thread = std::thread::spawn({
+            let ends = Arc::clone(&ends);
+            move || {
+                let bus = Bus::open(&name, "recorder", Realtime::No).expect("the bus opens");
+                let mut headers = bus.subscriber(service::RUN_HEADER).expect("there is room");
+                let mut inputs = bus.subscriber(service::TICK_INPUTS).expect("there is room");
+                is_there.send(()).expect("somebody waits");
+                let mut recording = Recording::default();
+                loop {
+                    let last = ends.load(Ordering::Acquire);
+                    recording.take(&mut headers, &mut inputs);
+                    if last {
+                        return recording;
+                    }
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            }
+        });
+        there.recv().expect("the recorder begins");
+        Self { ends, thread }
+    }
+
+    /// What it has heard until now.
+    fn end(self) -> Recording {
+        self.ends.store(true, Ordering::Release);
+        self.thread.join().expect("the recorder ends")
+    }
+}
+
+/// What a recorder has heard.
+#[derive(Default)]
+struct Recording {
     header: Box<RunHeader>,
     parts: Vec<TickInputs>,
 }
 
-impl Recorder {
-    fn on(world: &World) -> Self {
-        let bus = &world.bus;
-        Self {
-            headers: bus.subscriber(service::RUN_HEADER).expect("there is room"),
-            inputs: bus.subscriber(service::TICK_INPUTS).expect("there is room"),
-            header: Box::default(),
-            parts: Vec::new(),
-        }
-    }
-
-    fn listen(&mut self) {
-        self.headers.newest(&mut self.header).expect("readable");
+impl Recording {
+    fn take(&mut self, headers: &mut Subscriber<RunHeader>, inputs: &mut Subscriber<TickInputs>) {
+        headers.newest(&mut self.header).expect("readable");
         let parts = &mut self.parts;
         let keep = |part: &TickInputs| parts.push(*part);
-        self.inputs.drain(256, keep).expect("readable");
+        inputs.drain(usize::MAX, keep).expect("readable");
     }
 
     /// Replays from this part on; how many ticks were replayed, or why it ended.
@@ -83,19 +114,13 @@ const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafet
      timeout_s = 20.0 }]\n";
 
 /// Lets time go by: two frames and joint states per millisecond, so that many ticks take several.
-fn go_on(
-    world: &mut World,
-    recorder: &mut Recorder,
-    millis: u64,
-    mut until: impl FnMut(&mut World) -> bool,
-) {
+fn go_on(world: &mut World, millis: u64, mut until: impl FnMut(&mut World) -> bool) {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_millis(millis) && !until(world) {
         world.publish(shm_bus::now_ns());
         std::thread::sleep(Duration::from_micros(300));
         world.publish(shm_bus::now_ns());
         world.listen();
-        recorder.listen();
         std::thread::sleep(Duration::from_micros(300));
     }
 }
@@ -104,19 +129,17 @@ fn go_on(
 fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
     let bus = FreshBus::new("replay");
     let mut world = World::on(&bus);
-    let mut recorder = Recorder::on(&world);
+    let recorder = Recorder::on(&bus);
     let mut daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
-    go_on(&mut world, &mut recorder, 30_000, |w| {
-        w.newest.mode == Mode::READY
-    });
+    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     let goals: GoalClient = world.bus.goal_client().expect("there is room");
     let mut goal = wait_for("the goal server", || goals.send(&grasp(1)).ok());
-    go_on(&mut world, &mut recorder, 300, |_| false);
+    go_on(&mut world, 300, |_| false);
     world.control(ControlOp::PARAM_SET, "grasp.approach_m_s", 0.003);
     daemon.signal(Signal::HUP);
-    go_on(&mut world, &mut recorder, 200, |_| false);
+    go_on(&mut world, 200, |_| false);
     goal.cancel();
-    go_on(&mut world, &mut recorder, 30_000, |_| {
+    go_on(&mut world, 30_000, |_| {
         let update = goal.next().expect("the daemon lives");
         update.is_some_and(|update| update.state == GoalState::CANCELLED)
     });
@@ -126,36 +149,28 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
         ..grasp(2)
     };
     let mut goal = goals.send(&own).expect("there is room");
-    go_on(&mut world, &mut recorder, 30_000, |_| {
+    go_on(&mut world, 30_000, |_| {
         let update = goal.next().expect("the daemon lives");
         update.is_some_and(|update| update.state == GoalState::SUCCEEDED)
     });
     // Only an idle robot lets its sensors be zeroed.
-    go_on(&mut world, &mut recorder, 30_000, |w| {
-        w.newest.mode == Mode::READY
-    });
+    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     world.control(ControlOp::BIAS, "", 1.0);
     world.odd_position_rad = Some(f64::NAN);
-    go_on(&mut world, &mut recorder, 30_000, |w| {
-        w.newest.mode == Mode::SAFE_STOP
-    });
+    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::SAFE_STOP);
     world.odd_position_rad = None;
-    go_on(&mut world, &mut recorder, 100, |_| false);
+    go_on(&mut world, 100, |_| false);
     world.control(ControlOp::RECOVER, "", 0.0);
-    go_on(&mut world, &mut recorder, 30_000, |w| {
-        w.newest.mode == Mode::READY
-    });
+    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     daemon.signal(Signal::TERM);
     assert!(daemon.wait().success());
-    wait_for("the last tick", || {
-        recorder.listen();
-        let last = recorder.parts.last()?;
-        (last.command.mode == Mode::SAFE_STOP).then_some(())
-    });
+    let recording = recorder.end();
+    let last = recording.parts.last().expect("ticks");
+    assert_eq!(last.command.mode, Mode::SAFE_STOP);
     world.listen();
 
     assert_eq!(
-        recorder.header.config_hash, world.newest.config_hash,
+        recording.header.config_hash, world.newest.config_hash,
         "reloaded as it was"
     );
     for kind in [
@@ -167,25 +182,25 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
         OrderKind::RECOVER,
         OrderKind::STOP,
     ] {
-        assert!(recorder.has_order(kind), "{kind}");
+        assert!(recording.has_order(kind), "{kind}");
     }
     let starts = |name: &str| {
         let start = |part: &&TickInputs| part.order.kind == OrderKind::START;
-        let mut starts = recorder.parts.iter().filter(start);
+        let mut starts = recording.parts.iter().filter(start);
         starts.any(|part| part.order.task.name.as_str() == name)
     };
     assert!(starts("grasp") && starts("nod"), "tasks are recorded");
     assert!(
-        recorder.parts.iter().any(|part| part.parts > 1),
+        recording.parts.iter().any(|part| part.parts > 1),
         "ticks with several frames"
     );
     assert!(
-        recorder
+        recording
             .parts
             .iter()
             .any(|part| part.command.mode == Mode::RUN)
     );
-    let ticks = recorder.replay(0).expect("complete");
+    let ticks = recording.replay(0).expect("complete");
     assert!(
         ticks as u64 >= world.newest.ticks,
         "{ticks}, {}",
@@ -197,37 +212,33 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
 fn a_recorder_that_missed_something_is_told() {
     let bus = FreshBus::new("missed");
     let mut world = World::on(&bus);
-    let mut recorder = Recorder::on(&world);
+    let recorder = Recorder::on(&bus);
     let _daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
-    go_on(&mut world, &mut recorder, 30_000, |w| {
-        w.newest.mode == Mode::READY
-    });
-    recorder.listen();
+    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    let mut recording = recorder.end();
     assert_eq!(
-        recorder.replay(3),
+        recording.replay(3),
         Err(ReplayError::NoBeginning { missing: 3 })
     );
-    let lost = recorder.parts.remove(5);
-    let tick = recorder.parts[5].tick;
+    let lost = recording.parts.remove(5);
+    let tick = recording.parts[5].tick;
     assert_eq!(
-        recorder.replay(0),
+        recording.replay(0),
         Err(ReplayError::Gap { tick, missing: 1 })
     );
-    recorder.parts.insert(5, lost);
-    recorder.parts[7].command.mode = Mode::FAULT;
-    let tick = recorder.parts[7].tick;
-    assert_eq!(recorder.replay(0), Err(ReplayError::Panicked { tick }));
+    recording.parts.insert(5, lost);
+    recording.parts[7].command.mode = Mode::FAULT;
+    let tick = recording.parts[7].tick;
+    assert_eq!(recording.replay(0), Err(ReplayError::Panicked { tick }));
 }
 
 #[test]
 fn without_the_flag_nothing_is_published() {
     let bus = FreshBus::new("norecord");
     let mut world = World::on(&bus);
-    let mut recorder = Recorder::on(&world);
+    let recorder = Recorder::on(&bus);
     let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
-    go_on(&mut world, &mut recorder, 30_000, |w| {
-        w.newest.mode == Mode::READY
-    });
-    recorder.listen();
-    assert!(recorder.parts.is_empty() && recorder.header.config_hash == 0);
+    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    let recording = recorder.end();
+    assert!(recording.parts.is_empty() && recording.header.config_hash == 0);
 }
