@@ -121,7 +121,7 @@ impl Controller {
                 tick: self.tick,
                 step_s: self.step_s,
                 mode: self.mode.mode(),
-                measured_rad: self.joints.position_rad(),
+                measured_rad: self.joints.fresh_rad(self.tick, &self.settings.intake),
                 joint_sequence: self.joints.sequence(),
                 settings: &self.settings.safety,
             },

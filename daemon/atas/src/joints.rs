@@ -87,6 +87,13 @@ impl JointIntake {
         self.newest.as_ref().map(|n| &n.position_rad)
     }
 
+    /// The same, unless they have become too old to compare a command with.
+    #[must_use]
+    pub fn fresh_rad(&self, tick: Tick, limits: &Limits) -> Option<&RobotVector> {
+        let stopped = self.hold_reason(tick, limits).is_some();
+        self.position_rad().filter(|_| !stopped)
+    }
+
     /// What the robot says that its servos are commanded to, rad, if it tells and it can be.
     #[must_use]
     pub fn commanded_rad(&self) -> Option<&RobotVector> {

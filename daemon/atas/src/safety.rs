@@ -311,7 +311,7 @@ pub struct GateContext<'a> {
     pub step_s: f64,
     /// Mode of this tick: only RUN moves.
     pub mode: Mode,
-    /// Measured positions, if believed, rad.
+    /// Measured positions, if believed and fresh, rad: a robot that is not heard of is no robot that does not follow.
     pub measured_rad: Option<&'a RobotVector>,
     /// Sequence of the joint state that the tick used.
     pub joint_sequence: u64,

@@ -1,10 +1,11 @@
 //! A motion that doubt interrupts goes on along its path as if nothing had been: no swinging, and the same outcome.
 
-use crate::rig::{Rig, goal, object};
+use crate::rig::{Missing, Rig, goal, object, seeds};
 use atas_core::Order;
 use robot_model::{RobotModel, Side};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Mode, Reason};
-use sim_backend::Scene;
+use sim_backend::random::Random;
+use sim_backend::{Object, Scene};
 
 /// How much farther than those of an undisturbed hand its joints may be commanded altogether: they brake, and catch up.
 const DETOUR: f64 = 1.1;
@@ -91,5 +92,87 @@ fn tasks_that_are_held_again_and_again_end_as_ever() {
         // A turn that was held may have to be made once more.
         let scene = Scene::screw(object("cap"), object("open-bottle"), Side::Right);
         check(GoalKind::SCREW, &scene, held_every, 2.0);
+    }
+}
+
+fn below(random: &mut Random, count: u64) -> u64 {
+    random.bits() % count
+}
+
+/// Up to 60 ms in which this or that does not arrive, or no tick comes.
+fn disturb(rig: &mut Rig, random: &mut Random) {
+    let ms = 1 + below(random, 60);
+    let frames = |left, right| Missing {
+        frames: [left, right],
+        joints: false,
+    };
+    let joints = Missing {
+        frames: [false; 2],
+        joints: true,
+    };
+    match below(random, 5) {
+        0 => rig.miss(frames(true, false), ms),
+        1 => rig.miss(frames(false, true), ms),
+        2 => rig.miss(frames(true, true), ms),
+        3 => rig.miss(joints, ms),
+        _ => rig.stall(ms),
+    }
+}
+
+/// A task of a robot that can do it, drawn.
+fn draw(random: &mut Random) -> (RobotModel, Scene, GoalRequest) {
+    let things = ["wood", "sponge", "paper-box", "bottle", "slippery-200"];
+    let thing = object(things[below(random, 5) as usize]);
+    let screws = |scene: fn(Object, Object, Side) -> Scene| {
+        scene(object("cap"), object("open-bottle"), Side::Right)
+    };
+    let robots = ["two-hand-arm", "arm7-gripper", "three-finger", "test-bench"];
+    let name = robots[below(random, 4) as usize];
+    let robot = RobotModel::find(name).expect("it ships");
+    let (kind, scene) = match (name, below(random, 4)) {
+        ("two-hand-arm", 0) => (GoalKind::PICK_PLACE, Scene::pick_place(thing, Side::Right)),
+        ("two-hand-arm", 1) => (GoalKind::SCREW, screws(Scene::screw)),
+        ("two-hand-arm", 2) => (GoalKind::ASSEMBLE, screws(Scene::assembly)),
+        _ => {
+            let scene = Scene::grasp(thing, Side::Right);
+            (GoalKind::GRASP, scene.before(robot.hand(Side::Right)))
+        }
+    };
+    let request = goal(kind, &scene, Side::Right);
+    (robot, scene, request)
+}
+
+#[test]
+fn whatever_is_missing_for_a_moment_nothing_is_lost() {
+    for seed in seeds(10) {
+        let mut random = Random::new(seed, 0);
+        let (robot, scene, request) = draw(&mut random);
+        let mut rig = Rig::of(robot, &scene, 1);
+        rig.begin(&request);
+        // Seldom enough that the goal does not run out of patience.
+        let every = 150 + below(&mut random, 700);
+        let mut disturbances = 0;
+        let end = loop {
+            if let Some(end) = rig.end {
+                break end;
+            }
+            rig.ticks(1 + below(&mut random, every));
+            disturb(&mut rig, &mut random);
+            disturbances += 1;
+            let (step, reason) = (rig.step_name(), rig.reason());
+            assert!(
+                disturbances < 1000,
+                "seed {seed}, {}: no end, {step}: {reason}",
+                request.kind
+            );
+        };
+        let case = format!(
+            "seed {seed}, {}: {}: {}",
+            request.kind, end.step, end.reason
+        );
+        assert_eq!(end.state, GoalState::SUCCEEDED, "{case}");
+        let object = rig.object();
+        let lost = (object.dropped, object.crushed, object.tipped);
+        assert_eq!(lost, (0, 0, 0), "{case}");
     }
 }

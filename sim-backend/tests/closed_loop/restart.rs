@@ -1,7 +1,6 @@
 //! The grip outlives the process: whatever ends a daemon or stops it, the object stays in the hand.
 
-use crate::rig::{Rig, goal, object};
-use std::ops::RangeInclusive;
+use crate::rig::{Rig, goal, object, seeds};
 
 use atas_core::{Order, Settings};
 use robot_model::Side;
@@ -31,16 +30,6 @@ const INTERRUPTIONS: [(&str, Interruption); 5] = [
 
 /// Objects from the firmest to the softest, and the slipperiest.
 const OBJECTS: [&str; 5] = ["wood", "slippery-200", "bottle", "paper-box", "sponge"];
-/// Seeds that every run can afford; `ATAS_SEEDS=50` in the environment asks for more.
-const SEEDS: u64 = 1;
-
-fn seeds() -> RangeInclusive<u64> {
-    let asked = std::env::var("ATAS_SEEDS").ok();
-    1..=asked.map_or(SEEDS, |count| {
-        count.parse().expect("ATAS_SEEDS is a number of seeds")
-    })
-}
-
 fn assert_kept(rig: &mut Rig, what: &str) {
     let before = rig.object();
     rig.ticks(600);
@@ -57,7 +46,7 @@ fn assert_kept(rig: &mut Rig, what: &str) {
 #[test]
 fn a_held_object_is_kept_whatever_happens_to_the_daemon() {
     for name in OBJECTS {
-        for seed in seeds() {
+        for seed in seeds(1) {
             let scene = Scene::grasp(object(name), Side::Right);
             let mut rig = Rig::seeded(&scene, seed);
             rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
@@ -80,7 +69,7 @@ fn a_held_object_is_kept_whatever_happens_to_the_daemon() {
 fn a_lifted_object_is_kept_whatever_happens_to_the_daemon() {
     for (how, interrupt) in INTERRUPTIONS {
         for (name, base) in OBJECTS.into_iter().zip(0..) {
-            for seed in seeds().map(|seed| base + seed) {
+            for seed in seeds(1).map(|seed| base + seed) {
                 let scene = Scene::grasp(object(name), Side::Right);
                 let mut rig = Rig::seeded(&scene, seed);
                 rig.pursue_until(&goal(GoalKind::GRASP, &scene, Side::Right), "lift", 0.015);

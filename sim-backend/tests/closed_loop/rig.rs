@@ -1,5 +1,7 @@
 //! Controller and world, tick by tick.
 
+use std::ops::RangeInclusive;
+
 use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
 use robot_model::{RobotModel, Side};
 use shm_schemas::capacity::JOINTS;
@@ -24,6 +26,16 @@ pub(crate) struct Rig {
     /// How the last goal ended.
     pub(crate) end: Option<GoalUpdate>,
     lie: Option<Lie>,
+    missing: Missing,
+}
+
+/// What does not arrive at present.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Missing {
+    /// The frames of these hands.
+    pub(crate) frames: [bool; 2],
+    /// The joint states.
+    pub(crate) joints: bool,
 }
 
 /// A skin that says something else than it feels: whose, since when, and how.
@@ -74,6 +86,7 @@ impl Rig {
             commanded_rad: None,
             end: None,
             lie: None,
+            missing: Missing::default(),
         };
         rig.ticks(100);
         assert_eq!(rig.controller.mode().0, Mode::READY);
@@ -101,8 +114,11 @@ impl Rig {
                 index: self.tick,
                 now_ns: self.world.now_ns(),
             },
-            frames: [left.as_slice(), right.as_slice()],
-            joints: Some(&self.sensed.joints),
+            frames: [
+                arrived(left.as_slice(), self.missing.frames[0]),
+                arrived(right.as_slice(), self.missing.frames[1]),
+            ],
+            joints: (!self.missing.joints).then_some(&self.sensed.joints),
             targets: &[],
             order,
         });
@@ -132,12 +148,25 @@ impl Rig {
         }
     }
 
-    /// The robot goes on without a daemon for so many milliseconds; then another daemon begins.
-    pub(crate) fn restart(&mut self, alone_ms: u64) {
+    /// This does not arrive for so many milliseconds.
+    pub(crate) fn miss(&mut self, missing: Missing, ms: u64) {
+        self.missing = missing;
+        self.ticks(ms);
+        self.missing = Missing::default();
+    }
+
+    /// The robot goes on without a tick for so many milliseconds.
+    pub(crate) fn stall(&mut self, alone_ms: u64) {
         for _ in 0..alone_ms {
             self.world.sense(&mut self.sensed);
             self.world.advance(None);
         }
+        self.tick += alone_ms;
+    }
+
+    /// The robot goes on without a daemon for so many milliseconds; then another daemon begins.
+    pub(crate) fn restart(&mut self, alone_ms: u64) {
+        self.stall(alone_ms);
         self.epoch += 1;
         self.controller = controller(&self.robot, self.epoch);
         self.tick = 0;
@@ -246,4 +275,16 @@ pub(crate) fn goal(kind: GoalKind, scene: &Scene, side: Side) -> GoalRequest {
         helper_width_m: scene.grasp_hint(1).map_or(0.0, |hint| hint.width_m),
         ..GoalRequest::default()
     }
+}
+
+fn arrived(frames: &[HandFrame], is_missing: bool) -> &[HandFrame] {
+    if is_missing { &[] } else { frames }
+}
+
+/// Seeds, as many as every run can afford; `ATAS_SEEDS=50` in the environment asks for more.
+pub(crate) fn seeds(affordable: u64) -> RangeInclusive<u64> {
+    let asked = std::env::var("ATAS_SEEDS").ok();
+    1..=asked.map_or(affordable, |count| {
+        count.parse().expect("ATAS_SEEDS is a number of seeds")
+    })
 }
