@@ -107,6 +107,9 @@ impl Controller {
         }
         passed(Stage::Perception);
         self.update_mode();
+        if self.stall_watch.outlasts(self.settings.safety.valid_s) {
+            self.hands.iter_mut().for_each(HandControl::halt);
+        }
         if self.mode.mode() == Mode::RUN {
             self.pursue();
         }

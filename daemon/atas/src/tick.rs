@@ -36,6 +36,7 @@ pub(crate) fn nanoseconds(seconds: f64) -> u64 {
 pub(crate) struct StallWatch {
     step_s: f64,
     last_ns: Option<u64>,
+    still_s: f64,
 }
 
 impl StallWatch {
@@ -44,13 +45,20 @@ impl StallWatch {
         Self {
             step_s,
             last_ns: None,
+            still_s: 0.0,
         }
+    }
+
+    /// Whether the one before is so long ago that its command has expired, and the robot has stopped by itself.
+    pub(crate) fn outlasts(&self, valid_s: f64) -> bool {
+        self.still_s > valid_s
     }
 
     /// A tick begins: what to hold for if the one before is longer ago than allowed.
     pub(crate) fn begin(&mut self, tick: Tick, allowed_s: f64) -> Reason {
         let last_ns = self.last_ns.replace(tick.now_ns).unwrap_or(tick.now_ns);
         let still_s = seconds_between(last_ns, tick.now_ns);
+        self.still_s = still_s;
         let allowed_s = allowed_s.max(STALL_PERIODS * self.step_s);
         if still_s > allowed_s {
             Reason::limit(Cause::LOOP_STALLED, still_s * 1e9, allowed_s * 1e9)

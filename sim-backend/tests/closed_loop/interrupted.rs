@@ -173,6 +173,6 @@ fn whatever_is_missing_for_a_moment_nothing_is_lost() {
         assert_eq!(end.state, GoalState::SUCCEEDED, "{case}");
         let object = rig.object();
         let lost = (object.dropped, object.crushed, object.tipped);
-        assert_eq!(lost, (0, 0, 0), "{case}");
+        assert_eq!(lost, (0, 0, 0), "dropped, crushed, tipped: {case}");
     }
 }

@@ -2,32 +2,26 @@
 //!
 //! Users need no accounts: `setpriv` (util-linux) starts a process as any number, which only root may.
 
-use std::fs::{self, File, Permissions};
+mod house;
+
+use std::fs::{self, File};
 use std::io::{IoSlice, Read};
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
-use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::os::unix::fs::chown;
+use std::process::{Child, Stdio};
 
 use atas_gate::message::{self, PACKET_MAX, Reply, Request};
-use rustix::net::{
-    AddressFamily, RecvFlags, SendAncillaryBuffer, SendAncillaryMessage, SendFlags, SocketAddrUnix,
-    SocketFlags, SocketType, bind, connect, listen, recv, send, sendmsg, socket_with,
-};
-use rustix::process::{Pid, Signal, geteuid, kill_process};
+use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags, send, sendmsg};
+use rustix::process::{Pid, Signal, kill_process};
 use rustix::termios::LocalModes;
 use serde_json::Value;
 use shm_bus::BusName;
-use system_tests::{Process, alone, binary, lacking, wait_for};
+use system_tests::{alone, wait_for};
 
 use crate::top::Terminal;
 
-/// Numbers that belong to nobody: between the users of people and those that systemd draws.
-const SERVICE: u32 = 60_601;
-const MEMBER: u32 = 60_602;
-const OTHER_MEMBER: u32 = 60_603;
-const STRANGER: u32 = 60_604;
+use house::*;
 
 /// Asked until it has an answer.
 const GRASP: [&str; 7] = [
@@ -39,258 +33,6 @@ const GRASP: [&str; 7] = [
     "--hold",
     "0.05",
 ];
-
-/// A daemon, a robot and a gate of the service's user.
-struct House {
-    bus: BusName,
-    folder: tempfile::TempDir,
-    programs: PathBuf,
-    door: OwnedFd,
-    gate: Option<Child>,
-    daemon: Option<Process>,
-    _robot: Process,
-}
-
-impl House {
-    /// Ready to take visitors in; `None`, loudly, where this process may not become another user.
-    fn new() -> Option<Self> {
-        if !geteuid().is_root() {
-            lacking(
-                "only root can become the users between whom a gate stands; run the tests as root",
-            );
-            return None;
-        }
-        let folder = tempfile::tempdir().expect("a folder");
-        fs::set_permissions(folder.path(), Permissions::from_mode(0o755)).expect("set");
-        let programs = reachable(folder.path());
-        let bus = BusName::fresh("gate");
-        let on = ["--lockstep", "--bus", bus.as_str()];
-        let robot = [&["run", "--object", "wood"], &on[..]].concat();
-        let robot = start_as(SERVICE, &programs.join("atas-sim"), &robot);
-        let house = Self {
-            door: door(&folder.path().join("gate.sock")),
-            daemon: Some(daemon(&programs, &bus)),
-            bus,
-            folder,
-            programs,
-            gate: None,
-            _robot: robot,
-        };
-        let mut house = house;
-        house.allow("observe");
-        house.open();
-        wait_for("the daemon", || {
-            (house.code(MEMBER, &["status"]) == 0).then_some(())
-        });
-        Some(house)
-    }
-
-    fn config(&self) -> PathBuf {
-        self.folder.path().join("atas.toml")
-    }
-
-    fn allow(&self, right: &str) {
-        fs::write(self.config(), format!("access.group = \"{right}\"\n")).expect("written");
-    }
-
-    /// As systemd does it: the service's user, the socket as standard input.
-    fn open(&mut self) {
-        let log = File::options()
-            .append(true)
-            .create(true)
-            .open(self.folder.path().join("log"));
-        let gate = as_user(SERVICE, &[], &self.programs.join("atas-gate"))
-            .arg("--config")
-            .arg(self.config())
-            .stdin(Stdio::from(self.door.try_clone().expect("another handle")))
-            .stdout(Stdio::null())
-            .stderr(log.expect("writable"))
-            .spawn();
-        self.gate = Some(gate.expect("it starts"));
-    }
-
-    fn log(&self) -> String {
-        fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
-    }
-
-    /// Kills the gate, not what it has started.
-    fn close(&mut self) {
-        let mut gate = self.gate.take().expect("open");
-        gate.kill().expect("killed");
-        gate.wait().expect("ended");
-    }
-
-    fn socket(&self) -> PathBuf {
-        self.folder.path().join("gate.sock")
-    }
-
-    /// `atas` as one of the users; all but the stranger are in the service's group.
-    fn atas(&self, user: u32, arguments: &[&str]) -> Command {
-        let groups: &[u32] = if user == STRANGER { &[] } else { &[SERVICE] };
-        let mut command = as_user(user, groups, &self.programs.join("atas"));
-        command
-            .args(arguments)
-            .env(message::SOCKET_ENV, self.socket())
-            .env("ATAS_BUS", self.bus.as_str())
-            .env("TERM", "xterm-256color")
-            .env_remove("NO_COLOR")
-            .env_remove("RUST_LOG")
-            .stdin(Stdio::null());
-        command
-    }
-
-    fn run(&self, user: u32, arguments: &[&str]) -> Output {
-        self.atas(user, arguments).output().expect("it starts")
-    }
-
-    fn code(&self, user: u32, arguments: &[&str]) -> i32 {
-        self.run(user, arguments)
-            .status
-            .code()
-            .expect("an exit code")
-    }
-
-    /// What a command prints as JSON.
-    fn json(&self, user: u32, arguments: &[&str]) -> Value {
-        let words = [arguments, &["--format", "json"]].concat();
-        let output = self.run(user, &words);
-        assert!(output.status.success(), "{arguments:?}: {output:?}");
-        let text = String::from_utf8(output.stdout).expect("UTF-8");
-        serde_json::from_str(text.lines().last().expect("a line")).expect("JSON")
-    }
-
-    /// Asserts an exit code and a part of the one line of the error.
-    #[track_caller]
-    fn check(&self, user: u32, arguments: &[&str], code: i32, part: &str) {
-        let output = self.run(user, arguments);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
-        assert!(told.contains(part), "{arguments:?}: {told}");
-        assert!(told.lines().count() <= 1, "{arguments:?}: {told}");
-    }
-
-    /// Processes of the service's user whose command line has this word.
-    fn running(&self, word: &str) -> Vec<Pid> {
-        let processes = fs::read_dir("/proc").expect("proc").flatten();
-        let ours = processes.filter(|process| process.metadata().is_ok_and(|m| m.uid() == SERVICE));
-        let says = |path: &Path| {
-            let line = fs::read(path.join("cmdline")).unwrap_or_default();
-            line.split(|b| *b == 0).any(|said| said == word.as_bytes())
-        };
-        ours.filter(|process| says(&process.path()))
-            .filter_map(|process| process.file_name().to_str()?.parse().ok())
-            .filter_map(Pid::from_raw)
-            .collect()
-    }
-
-    /// Knocks as root does, who may say anything.
-    fn knock(&self) -> OwnedFd {
-        let socket = socket_with(
-            AddressFamily::UNIX,
-            SocketType::SEQPACKET,
-            SocketFlags::CLOEXEC,
-            None,
-        );
-        let socket = socket.expect("a socket");
-        connect(&socket, &SocketAddrUnix::new(self.socket()).expect("short")).expect("connected");
-        socket
-    }
-}
-
-impl Drop for House {
-    fn drop(&mut self) {
-        if let Some(mut gate) = self.gate.take() {
-            // It may have ended already.
-            let _ended = gate.kill();
-            let _status = gate.wait();
-        }
-        if std::thread::panicking() {
-            system_tests::skipped(&format!("the gate's log:\n{}", self.log()));
-        }
-        drop(self.daemon.take());
-        // The bus is another user's, so that wiping it as a bus is that user's right; root takes its files.
-        for user in [SERVICE, MEMBER] {
-            let _ = fs::remove_dir_all(format!("/dev/shm/atas-{user}"));
-        }
-        for entry in fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
-            if entry
-                .metadata()
-                .is_ok_and(|meta| [SERVICE, MEMBER].contains(&meta.uid()))
-            {
-                let _ = fs::remove_file(entry.path());
-            }
-        }
-    }
-}
-
-/// A program as another user, in these groups and no others.
-fn as_user(uid: u32, groups: &[u32], program: &Path) -> Command {
-    let mut command = Command::new("setpriv");
-    command
-        .arg(format!("--reuid={uid}"))
-        .arg(format!("--regid={uid}"));
-    if groups.is_empty() {
-        command.arg("--clear-groups");
-    } else {
-        let groups: Vec<String> = groups.iter().map(u32::to_string).collect();
-        command.arg(format!("--groups={}", groups.join(",")));
-    }
-    command.arg("--").arg(program).env_remove("XDG_RUNTIME_DIR");
-    command
-}
-
-fn start_as(uid: u32, program: &Path, arguments: &[&str]) -> Process {
-    let user = [format!("--reuid={uid}"), format!("--regid={uid}")];
-    let program = program.to_str().expect("UTF-8");
-    let words = [
-        &[&user[0], &user[1], "--clear-groups", "--", program],
-        arguments,
-    ]
-    .concat();
-    Process::start_program(Path::new("setpriv"), &words)
-}
-
-fn daemon(programs: &Path, bus: &BusName) -> Process {
-    let words = ["--lockstep", "--config", "/dev/null", "--bus", bus.as_str()];
-    start_as(SERVICE, &programs.join("atasd"), &words)
-}
-
-/// Where every user may run our programs: where they were built, or else copies.
-fn reachable(folder: &Path) -> PathBuf {
-    let built = binary("atas");
-    let may_run = as_user(STRANGER, &[], &built).arg("--version").output();
-    if may_run.expect("setpriv starts").status.success() {
-        return built.parent().expect("a folder").to_owned();
-    }
-    for name in ["atas", "atas-gate", "atas-lab", "atas-sim", "atasd"] {
-        fs::copy(binary(name), folder.join(name)).expect("copied");
-    }
-    folder.to_owned()
-}
-
-/// The socket as its systemd unit has it.
-fn door(path: &Path) -> OwnedFd {
-    let door = socket_with(
-        AddressFamily::UNIX,
-        SocketType::SEQPACKET,
-        SocketFlags::CLOEXEC,
-        None,
-    );
-    let door = door.expect("a socket");
-    bind(&door, &SocketAddrUnix::new(path).expect("short")).expect("bound");
-    chown(path, Some(0), Some(SERVICE)).expect("the group's");
-    fs::set_permissions(path, Permissions::from_mode(0o660)).expect("set");
-    listen(&door, 64).expect("listening");
-    door
-}
-
-fn hear(socket: &OwnedFd) -> Option<Reply> {
-    let mut packet = [0; 4096];
-    let mut receive = || recv(socket, &mut packet, RecvFlags::empty());
-    // A peer that went without reading everything: what it said stands behind the reset.
-    let (_, bytes) = receive().or_else(|_| receive()).unwrap_or((0, 0));
-    (bytes > 0).then(|| serde_json::from_slice(&packet[..bytes]).expect("a reply"))
-}
 
 #[test]
 fn a_member_does_what_the_configuration_lets_it() {

@@ -274,11 +274,17 @@ impl HandControl {
                 servo.follow(&self.model, &intent, self.perception.percept(), step_s)
             }
             _ => {
-                self.modules.halt();
-                self.arbiter.halt();
-                servo.rest()
+                let still = servo.rest();
+                self.halt();
+                still
             }
         }
+    }
+
+    /// The hand was stopped: what moves it takes up its speed from nothing.
+    pub(crate) fn halt(&mut self) {
+        self.modules.halt();
+        self.arbiter.halt();
     }
 
     /// Takes over what the safety gate let through of the wish.

@@ -77,6 +77,7 @@ impl Modules {
         self.follow = follow::Follow::default();
         self.trajectory.halt();
         self.transfer.halt();
+        self.release_placed.halt();
     }
 
     /// Forgets the present object; what leads the hand goes on.

@@ -77,6 +77,11 @@ impl Module for ReleasePlaced {
 }
 
 impl ReleasePlaced {
+    /// The hand was stopped on its way down, which shakes what it holds: the descent settles anew.
+    pub(super) fn halt(&mut self) {
+        (self.descent_s, self.rising_s) = (0.0, 0.0);
+    }
+
     /// Measures how far the force scatters around its reference, frame by frame.
     fn listen(&mut self, off_n: f64, step_s: f64) {
         let share = step_s / (SCATTER_FILTER_S + step_s);
