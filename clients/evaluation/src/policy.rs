@@ -66,7 +66,7 @@ fn best(task: EvaluatedTask) -> (f64, f64, f64) {
     match task {
         EvaluatedTask::Grasp | EvaluatedTask::PickPlace => (7.0, 1.0, 8.0),
         EvaluatedTask::Screw => (3.0, 0.35, 8.0),
-        EvaluatedTask::Assembly => (1.0, 0.6, 2.0),
+        EvaluatedTask::Assembly => (3.0, 1.0, 4.0),
     }
 }
 

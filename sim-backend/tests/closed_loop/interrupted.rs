@@ -149,8 +149,8 @@ fn whatever_is_missing_for_a_moment_nothing_is_lost() {
         let (robot, scene, request) = draw(&mut random);
         let mut rig = Rig::of(robot, &scene, 1);
         rig.begin(&request);
-        // Seldom enough that the goal does not run out of patience.
-        let every = 150 + below(&mut random, 700);
+        // Seldom enough that no step runs out of time.
+        let every = 400 + below(&mut random, 600);
         let mut disturbances = 0;
         let end = loop {
             if let Some(end) = rig.end {

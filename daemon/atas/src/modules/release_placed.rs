@@ -6,6 +6,8 @@
 //! slowly. After the descent has settled, a rise of `place.rise_n`, of `place.rise_share` of the held weight, or of what
 //! noise and tremble have been seen to do, whichever is most, concludes the step when it lasts for `place.rise_s`: three
 //! frames of a fast sensor, one of a slow one.
+//!
+//! What was stopped on its way swings, which feels like a support and hides one: the hand waits until that is over.
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_up_n};
 use crate::perception::Percept;
@@ -19,6 +21,8 @@ const REFERENCE_FILTER_S: f64 = 0.5;
 const SCATTER_FILTER_S: f64 = 0.5;
 /// How many standard deviations of that scatter are no rise yet (ours: once in some ten thousand frames).
 const SCATTER_MARGIN: f64 = 4.0;
+/// How long a load swings after the hand was stopped on its way, s (ours).
+const SHAKEN_S: f64 = 0.15;
 
 /// What the module remembers of one descent.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +34,8 @@ pub(super) struct ReleasePlaced {
     scatter_n2: f64,
     /// Sensor time for which the force has been above its limit, s.
     rising_s: f64,
+    /// Time for which what was held on its way still swings, s.
+    shaken_s: f64,
 }
 
 impl Module for ReleasePlaced {
@@ -44,6 +50,14 @@ impl Module for ReleasePlaced {
         let settings = &context.settings.place;
         if context.lowering_m.is_none() {
             return Proposal::default();
+        }
+        if self.shaken_s > 0.0 {
+            self.shaken_s -= context.step_s;
+            return Proposal {
+                active: true,
+                carry_ceiling: 0.0,
+                ..Proposal::default()
+            };
         }
         self.descent_s += context.step_s;
         let up_n = force_up_n(percept, context.base_from_tip);
@@ -77,9 +91,9 @@ impl Module for ReleasePlaced {
 }
 
 impl ReleasePlaced {
-    /// The hand was stopped on its way down, which shakes what it holds: the descent settles anew.
+    /// The hand was stopped on its way down, which shakes what it holds.
     pub(super) fn halt(&mut self) {
-        (self.descent_s, self.rising_s) = (0.0, 0.0);
+        (self.shaken_s, self.rising_s) = (SHAKEN_S, 0.0);
     }
 
     /// Measures how far the force scatters around its reference, frame by frame.

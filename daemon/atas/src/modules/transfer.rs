@@ -37,7 +37,7 @@ impl Module for Transfer {
         let conveyed = self.path_s >= context.path.duration_s();
         let depth_max_m = context.lowering_m.unwrap_or(0.0);
         if conveyed && self.lowered_m < depth_max_m {
-            let faster_m_s = self.lowering_m_s + LOWERING_ACCELERATION_M_S2 * context.step_s;
+            let faster_m_s = self.lowering_m_s + LOWERING_ACCELERATION_M_S2 * scaled_s.max(0.0);
             self.lowering_m_s = faster_m_s.min(context.settings.place.lower_m_s);
             self.lowered_m = (self.lowered_m + self.lowering_m_s * scaled_s).max(0.0);
         }
