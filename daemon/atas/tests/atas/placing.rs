@@ -60,6 +60,18 @@ fn nothing_is_concluded_while_the_descent_settles_or_elsewhere() {
 }
 
 #[test]
+fn what_swings_after_a_stop_is_waited_for_and_neither_heard_nor_learnt() {
+    let mut bench = lowering(ModuleId::RELEASE_PLACED);
+    bench.evaluate_for(1000, &hanging(2.0));
+    bench.modules.halt();
+    let waits = bench.evaluate_for(150, &hanging(1.0));
+    assert_eq!((waits.verdict, waits.carry_ceiling), (Verdict::None, 0.0));
+    // What it swung as was no weight: a support that remains is felt at once.
+    let lands = bench.evaluate_for(3, &hanging(1.0));
+    assert_eq!((lands.verdict, lands.carry_ceiling), (Verdict::Done, 1.0));
+}
+
+#[test]
 fn a_held_sample_counts_once() {
     let mut bench = lowering(ModuleId::RELEASE_PLACED);
     bench.evaluate_for(1000, &hanging(2.0));
