@@ -56,7 +56,8 @@ impl StuckWatch {
         let mut moved = 0_u64;
         for (element, (before, now)) in before_n.iter().zip(now_n).take(count).enumerate() {
             // Bit by bit: what is not a number is masked already.
-            let moves = before.map(f32::to_bits) != now.map(f32::to_bits);
+            let change = |axis: usize| before[axis].to_bits() ^ now[axis].to_bits();
+            let moves = change(0) | change(1) | change(2) != 0;
             moved |= u64::from(moves) << element;
         }
         // Where all rest together, nobody is stuck: a sensor without noise, or a frame that came twice.

@@ -134,10 +134,12 @@ impl Finger {
             let (elements_n, count) = (&self.filtered_n, self.axes.count);
             self.noise.listen(elements_n, count, share, frame.step_s());
         }
-        let steady = self.steady(share, frame.step_s(), settings);
+        let steady_noise_n2 = self.steady(share, frame.step_s(), settings);
+        let (axes, steady_n) = (&self.axes, &self.steady_n);
+        let steady = || Patch::of(axes, steady_n, steady_noise_n2, settings.element_floor_n);
         let slipping = self
             .friction
-            .update(&patch, &steady, slides, frame.step_s(), settings);
+            .update(&patch, steady, slides, frame.step_s(), settings);
         self.percept = FingerPercept {
             force_tip_n: patch.force_n,
             patch_normal: patch.normal,
@@ -200,8 +202,9 @@ impl Finger {
         share
     }
 
-    /// The patch as it was over the friction filter. `share` is how much of a reading the first filter takes over.
-    fn steady(&mut self, share: f64, step_s: f64, settings: &Settings) -> Patch {
+    /// The friction filter on every element; returns what noise it lets through, variance, N². `share` is how much of a reading
+    /// the first filter takes over.
+    fn steady(&mut self, share: f64, step_s: f64, settings: &Settings) -> f64 {
         let slow = step_s / (settings.friction_filter_s + step_s);
         for (steady, filtered) in self.steady_n.iter_mut().zip(&self.filtered_n) {
             for (steady, filtered) in steady.iter_mut().zip(filtered) {
@@ -211,12 +214,7 @@ impl Finger {
         // Variance of white noise after both filters, over that after the first.
         let kept = (1.0 - share) * (1.0 - slow);
         let quieter = slow / (2.0 - slow) * (1.0 + kept) / (1.0 - kept);
-        Patch::of(
-            &self.axes,
-            &self.steady_n,
-            quieter * self.noise.variance_n2(),
-            settings.element_floor_n,
-        )
+        quieter * self.noise.variance_n2()
     }
 
     /// Touch with hysteresis: bare crossings of one threshold flicker on real data. A sensor whose own noise would cross

@@ -52,22 +52,25 @@ pub(super) struct Friction {
 }
 
 impl Friction {
-    /// `steady` is the patch as it was over the friction filter: the elements that use most friction are chosen from it, so that
-    /// noise does not choose them. `slides` tells of an object that was seen to slide by other evidence.
+    /// `steady` makes the patch as it was over the friction filter: the elements that use most friction are chosen from it, so that
+    /// noise does not choose them. It is not asked for before the patch is sheared. `slides` tells of an object that was seen to slide by other evidence.
     pub(super) fn update(
         &mut self,
         patch: &Patch,
-        steady: &Patch,
+        steady: impl FnOnce() -> Patch,
         slides: bool,
         step_s: f64,
         settings: &Settings,
     ) -> Slipping {
-        let elements = &patch.elements[..patch.pressed];
-        let (tangential_n, normal_n) = elements.iter().fold((0.0, NORMAL_MIN_N), |(t, n), e| {
-            (t + e.along_n, n + e.normal_n)
-        });
+        let (tangential_n, normal_n) = patch
+            .elements
+            .iter()
+            .fold((0.0, NORMAL_MIN_N), |(t, n), e| {
+                (t + e.along_n, n + e.normal_n)
+            });
         let ratio = tangential_n / normal_n;
-        let Some(loaded) = most_loaded(steady).filter(|_| tangential_n > TANGENTIAL_FLOOR_N) else {
+        let is_sheared = tangential_n > TANGENTIAL_FLOOR_N;
+        let Some(loaded) = is_sheared.then(steady).as_ref().and_then(most_loaded) else {
             self.gross_s = 0.0;
             return Slipping {
                 friction: self.remembered,
@@ -135,10 +138,10 @@ struct Loaded {
 /// The third of the pressed elements (at least two) that use most friction.
 fn most_loaded(patch: &Patch) -> Option<Loaded> {
     let mut ratios = [(0.0, 0.0); ELEMENTS];
-    for (ratio, element) in ratios.iter_mut().zip(&patch.elements[..patch.pressed]) {
+    for (ratio, element) in ratios.iter_mut().zip(&patch.elements) {
         *ratio = (element.along_n / element.normal_n, element.normal_n);
     }
-    let pressed = &mut ratios[..patch.pressed];
+    let pressed = &mut ratios[..patch.elements.len()];
     if pressed.len() < 2 {
         return None;
     }

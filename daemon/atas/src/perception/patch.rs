@@ -1,6 +1,7 @@
 //! The contact patch: the sum of all elements, split along the patch's own normal, and how its parts are sheared.
 
 use crate::limits::{NORMAL_FLOOR_N, PATCH_FLOOR_N};
+use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
@@ -41,7 +42,7 @@ impl ElementAxes {
 }
 
 /// An element that presses clearly, in the plane of the patch.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pressed {
     /// Force along the patch's inward normal, N.
     pub(super) normal_n: f64,
@@ -73,9 +74,7 @@ pub(super) struct Patch {
     /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force.
     pub(super) scatter: f64,
     /// Elements that press clearly.
-    pub(super) elements: [Pressed; ELEMENTS],
-    /// How many of them.
-    pub(super) pressed: usize,
+    pub(super) elements: ArrayVec<Pressed, ELEMENTS>,
     /// Standard deviation of one tangential axis of an element, N.
     pub(super) noise_n: f64,
 }
@@ -87,15 +86,12 @@ impl Patch {
         noise_n2: f64,
         floor_n: f64,
     ) -> Self {
-        let mut forces_n = [Vector3::zeros(); ELEMENTS];
         let mut force_n = Vector3::zeros();
         let mut lean = Vector3::zeros();
         for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
-            let own_n = axes.force(element, reading);
-            force_n += own_n;
+            force_n += axes.force(element, reading);
             if reading[0] > NORMAL_FLOOR_N {
                 lean += axes.normal[element] * reading[0];
-                forces_n[element] = own_n;
             }
         }
         let strength_n = lean.norm();
@@ -114,46 +110,38 @@ impl Patch {
             moment_n_m: 0.0,
             arm_n_m: 0.0,
             scatter: 0.0,
-            elements: [Pressed::default(); ELEMENTS],
-            pressed: 0,
+            elements: ArrayVec::new_const(),
             noise_n: libm::sqrt(noise_n2),
         };
-        patch.collect(axes, elements_n, &forces_n, floor_n);
+        patch.collect(axes, elements_n, floor_n);
         patch.find_shear();
         patch
     }
 
-    fn collect(
-        &mut self,
-        axes: &ElementAxes,
-        elements_n: &[[f64; 3]; ELEMENTS],
-        forces_n: &[Vector3<f64>; ELEMENTS],
-        floor_n: f64,
-    ) {
+    fn collect(&mut self, axes: &ElementAxes, elements_n: &[[f64; 3]; ELEMENTS], floor_n: f64) {
         let clear_n = NOISE_CLEARANCE * self.noise_n;
         let floor_n = if clear_n > floor_n { clear_n } else { floor_n };
-        for element in 0..axes.count {
-            if elements_n[element][0] <= NORMAL_FLOOR_N {
+        for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
+            if reading[0] <= NORMAL_FLOOR_N {
                 continue;
             }
-            let force_n = forces_n[element];
+            let force_n = axes.force(element, reading);
             let normal_n = -force_n.dot(&self.normal);
             if normal_n > floor_n {
                 let way = axes.normal[element] * axes.radius_m;
-                self.elements[self.pressed] = Pressed {
+                self.elements.push(Pressed {
                     normal_n,
                     shear_n: self.plane.map(|axis| axis.dot(&force_n)),
                     place_m: self.plane.map(|axis| axis.dot(&way)),
                     along_n: 0.0,
-                };
-                self.pressed += 1;
+                });
             }
         }
     }
 
     /// How the patch as a whole is sheared: straight, and about its normal, as force per element and per metre of distance.
     fn find_shear(&mut self) {
-        let elements = &mut self.elements[..self.pressed];
+        let elements = &mut self.elements;
         let (mut pressure_n, mut centre_n_m) = (0.0, [0.0; 2]);
         for Pressed {
             normal_n,
@@ -190,7 +178,7 @@ impl Patch {
     /// often forward as backward, where its length would only ever grow. What remains across that way, but for what a
     /// curved surface makes of it (the same everywhere, or growing evenly with the place), is the sensor's.
     fn project(&mut self, straight_n: [f64; 2], spin_n_m: f64) {
-        let elements = &mut self.elements[..self.pressed];
+        let elements = &mut self.elements;
         let mut across = Across::default();
         for element in elements.iter_mut() {
             let ([x, y], [u, v]) = (element.place_m, element.shear_n);
