@@ -3,7 +3,7 @@
 //! Kinematics run in every substep while a fingertip is near an object, because a contact stiffness of thousands of
 //! newtons per metre sees nanometres. A hand in free air only moves its joints.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use robot_model::{HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 
 use crate::contact::{Approach, Contact, Wrench};
@@ -35,10 +35,19 @@ pub(crate) struct Hand {
     vibration: Vibration,
     contact_n_m: HandVector,
     near: bool,
-    /// Where it was at the start of the millisecond.
+    /// Where it is while it touches.
     pose: HandPose,
+    /// Where it was at the start of the millisecond.
+    began: Began,
     /// Each fingertip's skin.
     pads: Vec<Pad>,
+}
+
+/// A hand's palm and the middles of its sides, base frame.
+#[derive(Clone, Debug)]
+struct Began {
+    base_from_hand: Matrix3<f64>,
+    sides_m: [Vector3<f64>; VIRTUAL_FINGERS],
 }
 
 /// A fingertip in the base frame.
@@ -68,9 +77,11 @@ impl Hand {
         let skin = |_| Pad::dome_41().stiffer(1.0 + errors.tip_stiffness * draw());
         let pads = (0..fingers).map(skin).collect();
         let model = model.with_longer_links(&links_m, &tips_m);
+        let pose = model.forward(&start_rad);
         Self {
             plant: Plant::at(&model, start_rad, &stiffness),
-            pose: model.forward(&start_rad),
+            began: Began::at(&pose),
+            pose,
             pads,
             model,
             reference_rad: start_rad,
@@ -92,8 +103,9 @@ impl Hand {
             })
             .fold(0.0, f64::max);
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
-        self.pose = self.model.forward(&self.plant.position_rad);
+        self.model.place(&mut self.pose, &self.plant.position_rad);
         let pose = &self.pose;
+        self.began = Began::at(pose);
         self.near = objects.iter().any(|object| {
             let object_m = object.body.shape.bounding_radius_m();
             let is_near = |(finger, radius_m): (usize, &f64)| {
@@ -114,9 +126,9 @@ impl Hand {
                 .for_each(|contact| contact.free(dt_s));
             return;
         }
-        let pose = self.model.forward(&self.plant.position_rad);
+        self.model.place(&mut self.pose, &self.plant.position_rad);
         for finger in 0..self.model.finger_count() {
-            let mut tip = self.tip(&pose, finger);
+            let mut tip = self.tip(finger);
             tip.base_from_tip.translation_m.z += tremble_m;
             tip.velocity_m_s.z += tremble_m_s;
             let object = &mut objects[self.face_nearest(finger, &tip, objects)];
@@ -125,7 +137,7 @@ impl Hand {
             let wrench = contact.press(pad, &object.surface(), &tip.approach(object), dt_s);
             if contact.is_touching() {
                 object.apply_contact(&wrench, contact.normal_n);
-                self.react(&pose, finger, &tip.wrench_from(object, &wrench));
+                self.react(finger, &tip.wrench_from(object, &wrench));
             }
         }
     }
@@ -145,10 +157,10 @@ impl Hand {
         let presses =
             |finger: usize| self.facing[finger] == object && self.contacts[finger].is_touching();
         let from = |side: usize| self.model.fingers_of(side).any(&presses);
-        let tips_m = [0, 1].map(|side| self.pose.side_m(side));
+        let tips_m = self.began.sides_m;
         (0..VIRTUAL_FINGERS).all(from).then(|| Grip {
             hand: self.model.side().index(),
-            base_from_hand: self.pose.base_from_hand().rotation,
+            base_from_hand: self.began.base_from_hand,
             middle_m: (tips_m[0] + tips_m[1]) / 2.0,
             closing: (tips_m[1] - tips_m[0]).normalize(),
         })
@@ -184,7 +196,8 @@ impl Hand {
         self.reference_rad += way_rad.map(|way_rad| way_rad / left as f64);
     }
 
-    fn tip(&self, pose: &HandPose, finger: usize) -> Tip {
+    fn tip(&self, finger: usize) -> Tip {
+        let pose = &self.pose;
         let base_from_tip = pose.base_from_tip()[finger];
         let (mut velocity_m_s, mut angular_rad_s) = (Vector3::zeros(), Vector3::zeros());
         for mover in self.model.movers(finger) {
@@ -206,7 +219,8 @@ impl Hand {
     }
 
     /// Joint torques of a wrench about the dome's centre, base frame: Jᵀ·w, joint by joint as virtual work.
-    fn react(&mut self, pose: &HandPose, finger: usize, wrench: &Wrench) {
+    fn react(&mut self, finger: usize, wrench: &Wrench) {
+        let pose = &self.pose;
         let tip_m = pose.tip_m(finger);
         for mover in self.model.movers(finger) {
             let along = if mover.slides {
@@ -217,6 +231,15 @@ impl Hand {
             };
             let effort_n_m = pose.frame_axis(mover.frame).dot(&along);
             self.contact_n_m[mover.joint] += mover.ratio * effort_n_m;
+        }
+    }
+}
+
+impl Began {
+    fn at(pose: &HandPose) -> Self {
+        Self {
+            base_from_hand: pose.base_from_hand().rotation,
+            sides_m: core::array::from_fn(|side| pose.side_m(side)),
         }
     }
 }

@@ -23,6 +23,16 @@ pub struct HandPose {
 }
 
 impl HandPose {
+    /// Room for a pose.
+    const UNKNOWN: Self = Self {
+        q_rad: HandVector::NONE,
+        base_from_frame: ArrayVec::new_const(),
+        base_from_hand: Transform::IDENTITY,
+        hand_axis: Vector3::new(0.0, 0.0, 0.0),
+        base_from_tip: ArrayVec::new_const(),
+        side_m: [Vector3::new(0.0, 0.0, 0.0); VIRTUAL_FINGERS],
+    };
+
     /// The joint angles that this pose was computed from, radians.
     #[must_use]
     pub fn q_rad(&self) -> &HandVector {
@@ -87,7 +97,25 @@ impl HandModel {
     /// missing counts as 0.
     #[must_use]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
-        let mut base_from_frame = ArrayVec::<Transform, FRAMES_MAX>::new();
+        let mut pose = HandPose::UNKNOWN;
+        self.compute(&mut pose, q_rad);
+        pose
+    }
+
+    /// Makes a pose of this hand that of these joint angles, in place; one that is already stays as it is.
+    pub fn place(&self, pose: &mut HandPose, q_rad: &HandVector) {
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        let stays =
+            pose.q_rad.len() == q_rad.len() && pose.q_rad.iter().zip(q_rad.iter()).all(same);
+        if !stays {
+            self.compute(pose, q_rad);
+        }
+    }
+
+    fn compute(&self, pose: &mut HandPose, q_rad: &HandVector) {
+        pose.q_rad = *q_rad;
+        let base_from_frame = &mut pose.base_from_frame;
+        base_from_frame.clear();
         for frame in &self.frames[..self.frame_count] {
             let mount = &frame.parent_from_frame;
             let at_zero = match frame.parent {
@@ -106,19 +134,13 @@ impl HandModel {
             None => mounted.frame_from_link,
             Some(frame) => base_from_frame[frame].then(&mounted.frame_from_link),
         };
-        let base_from_hand = place(&self.palm);
-        let mut base_from_tip = ArrayVec::<Transform, FINGERS_MAX>::new();
+        pose.base_from_hand = place(&self.palm);
+        pose.hand_axis = pose.base_from_hand.rotation * self.pointing;
+        pose.base_from_tip.clear();
         for finger in &self.fingers[..self.finger_count] {
-            base_from_tip.push(place(&finger.tip));
+            pose.base_from_tip.push(place(&finger.tip));
         }
-        HandPose {
-            q_rad: *q_rad,
-            base_from_hand,
-            hand_axis: base_from_hand.rotation * self.pointing,
-            side_m: core::array::from_fn(|side| self.middle_m(side, &base_from_tip)),
-            base_from_tip,
-            base_from_frame,
-        }
+        pose.side_m = core::array::from_fn(|side| self.middle_m(side, &pose.base_from_tip));
     }
 
     /// Mean of the tips that press from one side, metres.

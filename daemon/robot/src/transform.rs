@@ -23,6 +23,7 @@ impl Transform {
 
     /// `a_from_b.then(&b_from_c)` is `a_from_c`.
     #[must_use]
+    #[inline]
     pub fn then(&self, next: &Transform) -> Transform {
         Transform {
             rotation: self.rotation * next.rotation,
@@ -38,6 +39,7 @@ impl Transform {
 
     /// Frame b turned by `angle_rad` about its own z axis.
     #[must_use]
+    #[inline]
     pub(crate) fn turned_about_z(&self, angle_rad: f64) -> Transform {
         let (sin, cos) = libm::sincos(angle_rad);
         let (x, y) = (self.x_axis(), self.y_axis());

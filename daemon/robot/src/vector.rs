@@ -23,6 +23,12 @@ pub struct JointVector<const MAX: usize> {
 }
 
 impl<const MAX: usize> JointVector<MAX> {
+    /// Of a robot without joints.
+    pub(crate) const NONE: Self = Self {
+        values: [0.0; MAX],
+        count: 0,
+    };
+
     /// `count` values, each made from its index; at most `MAX` of them.
     pub fn from_fn(count: usize, mut value: impl FnMut(usize) -> f64) -> Self {
         let mut values = [0.0; MAX];
@@ -75,7 +81,7 @@ impl<const MAX: usize> JointVector<MAX> {
 impl<const MAX: usize> Default for JointVector<MAX> {
     /// Of a robot without joints.
     fn default() -> Self {
-        Self::zeros(0)
+        Self::NONE
     }
 }
 
