@@ -34,8 +34,8 @@ pub(crate) struct Pad {
     pub(crate) stiffness_n_m: f64,
     /// Bristles in use.
     count: usize,
-    /// Bristles per element in use.
-    per_element: usize,
+    /// The element that each bristle belongs to.
+    elements: [u8; BRISTLES],
 }
 
 impl Pad {
@@ -60,18 +60,26 @@ impl Pad {
             radius_m: layout.radius_m,
             stiffness_n_m: FOUNDATION_N_M3 * layout.element_area_m2 / per_element as f64,
             count: layout.count * per_element,
-            per_element,
+            elements: core::array::from_fn(|bristle| (bristle / per_element) as u8),
         };
         for element in 0..layout.count {
             for sub in 0..per_element {
                 let (offset1, offset2) = offset_in_element(sub, per_element, ring_rad);
-                pad.place(layout, element, sub, offset1, offset2);
+                let bristle = element * per_element + sub;
+                pad.place(layout, element, bristle, offset1, offset2);
             }
         }
         pad
     }
 
-    fn place(&mut self, layout: &Layout, element: usize, sub: usize, offset1: f64, offset2: f64) {
+    fn place(
+        &mut self,
+        layout: &Layout,
+        element: usize,
+        bristle: usize,
+        offset1: f64,
+        offset2: f64,
+    ) {
         let (d, t1, t2) = (
             layout.normal[element],
             layout.tangent1[element],
@@ -79,7 +87,6 @@ impl Pad {
         );
         let leaning = [0, 1, 2].map(|axis| d[axis] + t1[axis] * offset1 + t2[axis] * offset2);
         let length = libm::sqrt(leaning.iter().map(|x| x * x).sum());
-        let bristle = element * self.per_element + sub;
         for (component, leaning) in self.blocks[bristle / BLOCK].iter_mut().zip(leaning) {
             component[bristle % BLOCK] = leaning / length;
         }
@@ -99,17 +106,20 @@ impl Pad {
             let depth_m: [f64; BLOCK] = core::array::from_fn(|i| {
                 x[i] * reach_m.x + y[i] * reach_m.y + z[i] * reach_m.z - gap_m
             });
-            if depth_m.iter().all(|depth_m| *depth_m <= 0.0) {
-                continue;
+            let mut below = (0..BLOCK).fold(0_u32, |set, i| set | u32::from(depth_m[i] > 0.0) << i);
+            while below != 0 {
+                let i = below.trailing_zeros() as usize;
+                below &= below - 1;
+                if index * BLOCK + i < self.count {
+                    show(index * BLOCK + i, Vector3::new(x[i], y[i], z[i]));
+                }
             }
-            let below = (0..BLOCK).filter(|i| depth_m[*i] > 0.0 && index * BLOCK + i < self.count);
-            below.for_each(|i| show(index * BLOCK + i, Vector3::new(x[i], y[i], z[i])));
         }
     }
 
     /// The element that a bristle belongs to.
     pub(crate) fn element_of(&self, bristle: usize) -> usize {
-        bristle / self.per_element
+        self.elements[bristle].into()
     }
 }
 

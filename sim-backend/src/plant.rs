@@ -62,28 +62,36 @@ impl Plant {
         contact_n_m: &HandVector,
         dt_s: f64,
     ) {
-        for joint in 0..self.position_rad.len() {
-            let error_rad = reference_rad[joint] - self.position_rad[joint];
-            let error_rad_s = feed_forward_rad_s[joint] - self.velocity_rad_s[joint];
-            let pulled_n_m = self.stiffness_n_m_rad[joint] * error_rad;
-            let wanted_n_m = pulled_n_m + self.damping_n_m_s_rad[joint] * error_rad_s;
-            let limit_n_m = self.effort_max_n_m[joint];
-            let effort_n_m = wanted_n_m.clamp(-limit_n_m, limit_n_m);
-            self.effort_n_m[joint] = effort_n_m;
-            self.velocity_rad_s[joint] +=
-                (effort_n_m + contact_n_m[joint]) * (dt_s / self.inertia_kg_m2[joint]);
-            self.move_joint(joint, dt_s);
+        let count = self.position_rad.len();
+        let (position_rad, velocity_rad_s) = (
+            &mut self.position_rad[..count],
+            &mut self.velocity_rad_s[..count],
+        );
+        let effort_n_m = &mut self.effort_n_m[..count];
+        let (reference_rad, feed_forward_rad_s, contact_n_m) = (
+            &reference_rad[..count],
+            &feed_forward_rad_s[..count],
+            &contact_n_m[..count],
+        );
+        let (stiffness, damping) = (
+            &self.stiffness_n_m_rad[..count],
+            &self.damping_n_m_s_rad[..count],
+        );
+        let (inertia, limit) = (&self.inertia_kg_m2[..count], &self.effort_max_n_m[..count]);
+        let (lower, upper) = (&self.lower_rad[..count], &self.upper_rad[..count]);
+        for i in 0..count {
+            let error_rad = reference_rad[i] - position_rad[i];
+            let error_rad_s = feed_forward_rad_s[i] - velocity_rad_s[i];
+            let wanted_n_m = stiffness[i] * error_rad + damping[i] * error_rad_s;
+            effort_n_m[i] = wanted_n_m.clamp(-limit[i], limit[i]);
+            let pushed_n_m = effort_n_m[i] + contact_n_m[i];
+            let speed_rad_s = velocity_rad_s[i] + pushed_n_m * (dt_s / inertia[i]);
+            let wanted_rad = position_rad[i] + speed_rad_s * dt_s;
+            position_rad[i] = wanted_rad.clamp(lower[i], upper[i]);
+            // A mechanical stop takes the velocity away.
+            let is_stopped = position_rad[i] != wanted_rad;
+            velocity_rad_s[i] = if is_stopped { 0.0 } else { speed_rad_s };
         }
-    }
-
-    /// Moves a joint at its velocity; a mechanical stop takes the velocity away.
-    fn move_joint(&mut self, joint: usize, dt_s: f64) {
-        let wanted_rad = self.position_rad[joint] + self.velocity_rad_s[joint] * dt_s;
-        let stopped_rad = wanted_rad.clamp(self.lower_rad[joint], self.upper_rad[joint]);
-        if stopped_rad != wanted_rad {
-            self.velocity_rad_s[joint] = 0.0;
-        }
-        self.position_rad[joint] = stopped_rad;
     }
 
     /// Whether every number is finite.

@@ -91,9 +91,12 @@ impl Random {
     /// Standard normal draws for a whole array.
     pub fn fill_gaussian(&mut self, values: &mut [f64]) {
         let table = &*ZIGGURAT;
+        // A copy that lives in registers: behind the reference the state would be written back with every draw.
+        let mut random = self.clone();
         for value in values {
-            *value = self.gaussian_from(table);
+            *value = random.gaussian_from(table);
         }
+        *self = random;
     }
 
     #[inline]
@@ -107,20 +110,29 @@ impl Random {
             if abscissa.abs() < table.x[layer + 1] {
                 return abscissa;
             }
-            if let Some(value) = self.outside_the_core(table, layer, abscissa) {
+            let (value, behind) = self.clone().outside_the_core(table, layer, abscissa);
+            *self = behind;
+            if let Some(value) = value {
                 return value;
             }
         }
     }
 
-    /// The wedge between rectangle and curve, or the tail below the lowest rectangle.
+    /// The wedge between rectangle and curve, or the tail below the lowest rectangle; and the stream behind it. By value, so
+    /// that the others' stream needs no place in memory.
     #[cold]
-    fn outside_the_core(&mut self, table: &Ziggurat, layer: usize, abscissa: f64) -> Option<f64> {
+    fn outside_the_core(
+        mut self,
+        table: &Ziggurat,
+        layer: usize,
+        abscissa: f64,
+    ) -> (Option<f64>, Self) {
         if layer == 0 {
-            return Some(self.tail().copysign(abscissa));
+            return (Some(self.tail().copysign(abscissa)), self);
         }
         let (low, high) = (table.density[layer], table.density[layer + 1]);
-        (low + (high - low) * self.uniform() < density(abscissa)).then_some(abscissa)
+        let inside = low + (high - low) * self.uniform() < density(abscissa);
+        (inside.then_some(abscissa), self)
     }
 
     /// A draw beyond [`ZIGGURAT_R`] (Marsaglia 1964).

@@ -142,7 +142,9 @@ impl TipSensor {
     ) {
         let mut draws = [0.0; DRAWS];
         self.random.fill_gaussian(&mut draws);
-        for (element, reading) in reading_n.iter_mut().enumerate().take(DOME_ELEMENTS) {
+        // First element by element, then all axes alike: the second loop, with its roots and divisions, is made of vectors.
+        let (mut truth_n, mut felt_n) = ([[0.0; 3]; DOME_ELEMENTS], [[0.0; 3]; DOME_ELEMENTS]);
+        for element in 0..DOME_ELEMENTS {
             let force = &force_n[element];
             let along = |axis: &[f64; 3]| force.x * axis[0] + force.y * axis[1] + force.z * axis[2];
             let truth = self.mixing[element]
@@ -151,12 +153,13 @@ impl TipSensor {
                     along(&layout.tangent1[element]),
                     along(&layout.tangent2[element]),
                 );
-            for axis in 0..3 {
-                let noise_n = self.noise_n(truth[axis]) * draws[3 * element + axis];
-                let sensed_n =
-                    truth[axis] * self.gain[element] + self.bias_n[element][axis] + noise_n;
-                reading[axis] = quantised(sensed_n, STEP_N) as f32;
-            }
+            truth_n[element] = truth.into();
+            felt_n[element] = (truth * self.gain[element] + self.bias_n[element]).into();
+        }
+        let (truth_n, felt_n) = (truth_n.as_flattened(), felt_n.as_flattened());
+        let readings = reading_n.as_flattened_mut().iter_mut();
+        for (((reading, draw), truth_n), felt_n) in readings.zip(&draws).zip(truth_n).zip(felt_n) {
+            *reading = quantised(felt_n + self.noise_n(*truth_n) * draw, STEP_N) as f32;
         }
     }
 
