@@ -49,9 +49,10 @@ impl StallWatch {
         }
     }
 
-    /// Whether the one before is so long ago that its command has expired, and the robot has stopped by itself.
+    /// Whether the one before is so long ago that its command has expired, and the robot has stopped by itself; a slow tick may
+    /// miss one.
     pub(crate) fn outlasts(&self, valid_s: f64) -> bool {
-        self.still_s > valid_s
+        self.still_s > valid_s.max(STALL_PERIODS * self.step_s)
     }
 
     /// A tick begins: what to hold for if the one before is longer ago than allowed.
@@ -86,6 +87,22 @@ pub enum Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_expired_command_is_a_stop_unless_ticks_are_slow() {
+        let check = |step_s: f64, valid_s: f64, still_ns: u64, stops: bool| {
+            let mut watch = StallWatch::new(step_s);
+            for now_ns in [7_000_000_000, 7_000_000_000 + still_ns] {
+                watch.begin(Tick { index: 0, now_ns }, 0.02);
+            }
+            assert_eq!(watch.outlasts(valid_s), stops, "{still_ns} ns");
+        };
+        check(0.001, 0.005, 1_000_000, false);
+        check(0.001, 0.005, 5_000_000, false);
+        check(0.001, 0.005, 5_100_000, true);
+        check(0.01, 0.01, 10_100_000, false);
+        check(0.01, 0.01, 26_000_000, true);
+    }
 
     #[test]
     fn only_a_long_pause_between_two_ticks_is_a_stall() {

@@ -1,4 +1,4 @@
-//! How long before a deadline to wake up and spin.
+//! How long before a deadline to wake up and spin, and to begin what must end before it.
 
 /// Least margin, ns: reading the clock once more costs nothing against it. Ours.
 const LEAST_NS: u64 = 5_000;
@@ -18,8 +18,14 @@ impl SpinMargin {
     /// Begins at the cap, because the first ticks shall be on time as well. A cap of 0 switches spinning off.
     #[must_use]
     pub fn new(max_ns: u64) -> Self {
+        Self::from(max_ns, max_ns)
+    }
+
+    /// Begins at a margin, or at the cap if that is less.
+    #[must_use]
+    pub fn from(margin_ns: u64, max_ns: u64) -> Self {
         Self {
-            margin_ns: max_ns,
+            margin_ns: margin_ns.min(max_ns),
             max_ns,
         }
     }
