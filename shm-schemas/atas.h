@@ -67,7 +67,7 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_HAND_FRAME_RIGHT "atas/v1/hand-frame/right"
 #define ATAS_SERVICE_JOINT_STATE "atas/v2/joint-state"
 #define ATAS_SERVICE_JOINT_COMMAND "atas/v1/joint-command"
-#define ATAS_SERVICE_GOAL "atas/v2/goal"
+#define ATAS_SERVICE_GOAL "atas/v3/goal"
 #define ATAS_SERVICE_CONTROL "atas/v1/control"
 #define ATAS_SERVICE_GRASP_TARGET "atas/v1/grasp-target"
 #define ATAS_SERVICE_STATUS "atas/v3/status"
@@ -75,7 +75,7 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_VIEW "atas/v1/view"
 #define ATAS_SERVICE_MODULE_EVENT "atas/v1/module-event"
 #define ATAS_SERVICE_RUN_HEADER "atas/v1/run-header"
-#define ATAS_SERVICE_TICK_INPUTS "atas/v5/tick-inputs"
+#define ATAS_SERVICE_TICK_INPUTS "atas/v6/tick-inputs"
 #define ATAS_SERVICE_SENSOR_STATUS "atas/v1/sensor-status"
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
@@ -373,6 +373,8 @@ enum atas_cause {
     ATAS_CAUSE_TURNED_IN_HAND = 52,
     // The object slipped through the fingers on the way, and was held again.
     ATAS_CAUSE_SLIPPED_IN_HAND = 53,
+    // The object needs more force than the goal allows (GoalRequest).
+    ATAS_CAUSE_ABOVE_MAX_FORCE = 54,
     // The ways of the task are too long, or those of both hands together too many, to be checked.
     ATAS_CAUSE_TASK_TOO_LONG = 60,
     // The robot has no such hand.
@@ -631,11 +633,16 @@ typedef struct atas_goal_request {
     double hold_s;
     // Expected width of what the other hand holds, m; only used by ASSEMBLE: the bottle's.
     double helper_width_m;
+    // How far the object reaches above where the fingertips close, m: the hand comes from above that. Zero if unknown.
+    double top_m;
+    // What one side of the hand may press the object with at most, N: F_2, instead of what its stiffness allows. Zero if
+    // unknown.
+    double max_force_n;
     // Name of the task for CUSTOM.
     char task[32];
 } atas_goal_request;
-#define ATAS_GOAL_REQUEST_TYPE "atas.GoalRequest.v2"
-_Static_assert(sizeof(atas_goal_request) == 176, "atas_goal_request");
+#define ATAS_GOAL_REQUEST_TYPE "atas.GoalRequest.v3"
+_Static_assert(sizeof(atas_goal_request) == 192, "atas_goal_request");
 _Static_assert(_Alignof(atas_goal_request) == 8, "atas_goal_request");
 _Static_assert(offsetof(atas_goal_request, stamp) == 0, "atas_goal_request.stamp");
 _Static_assert(offsetof(atas_goal_request, goal_id) == 24, "atas_goal_request.goal_id");
@@ -651,7 +658,9 @@ _Static_assert(offsetof(atas_goal_request, width_m) == 112, "atas_goal_request.w
 _Static_assert(offsetof(atas_goal_request, lift_m) == 120, "atas_goal_request.lift_m");
 _Static_assert(offsetof(atas_goal_request, hold_s) == 128, "atas_goal_request.hold_s");
 _Static_assert(offsetof(atas_goal_request, helper_width_m) == 136, "atas_goal_request.helper_width_m");
-_Static_assert(offsetof(atas_goal_request, task) == 144, "atas_goal_request.task");
+_Static_assert(offsetof(atas_goal_request, top_m) == 144, "atas_goal_request.top_m");
+_Static_assert(offsetof(atas_goal_request, max_force_n) == 152, "atas_goal_request.max_force_n");
+_Static_assert(offsetof(atas_goal_request, task) == 160, "atas_goal_request.task");
 
 // What the hand learnt about the object, SI units, zero where not (yet) known.
 typedef struct atas_grasp_figures {
@@ -1407,8 +1416,8 @@ typedef struct atas_order_record {
     // All settings.
     atas_settings_record settings;
 } atas_order_record;
-#define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v4"
-_Static_assert(sizeof(atas_order_record) == 4256, "atas_order_record");
+#define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v5"
+_Static_assert(sizeof(atas_order_record) == 4272, "atas_order_record");
 _Static_assert(_Alignof(atas_order_record) == 8, "atas_order_record");
 _Static_assert(offsetof(atas_order_record, kind) == 0, "atas_order_record.kind");
 _Static_assert(offsetof(atas_order_record, index) == 4, "atas_order_record.index");
@@ -1416,8 +1425,8 @@ _Static_assert(offsetof(atas_order_record, goal_id) == 8, "atas_order_record.goa
 _Static_assert(offsetof(atas_order_record, value) == 16, "atas_order_record.value");
 _Static_assert(offsetof(atas_order_record, reason) == 24, "atas_order_record.reason");
 _Static_assert(offsetof(atas_order_record, goal) == 56, "atas_order_record.goal");
-_Static_assert(offsetof(atas_order_record, task) == 232, "atas_order_record.task");
-_Static_assert(offsetof(atas_order_record, settings) == 3472, "atas_order_record.settings");
+_Static_assert(offsetof(atas_order_record, task) == 248, "atas_order_record.task");
+_Static_assert(offsetof(atas_order_record, settings) == 3488, "atas_order_record.settings");
 
 // What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
 // than one target, is told in several parts, one after the other.
@@ -1447,8 +1456,8 @@ typedef struct atas_tick_inputs {
     // The command that was published.
     atas_joint_command command;
 } atas_tick_inputs;
-#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v5"
-_Static_assert(sizeof(atas_tick_inputs) == 12368, "atas_tick_inputs");
+#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v6"
+_Static_assert(sizeof(atas_tick_inputs) == 12384, "atas_tick_inputs");
 _Static_assert(_Alignof(atas_tick_inputs) == 8, "atas_tick_inputs");
 _Static_assert(offsetof(atas_tick_inputs, stamp) == 0, "atas_tick_inputs.stamp");
 _Static_assert(offsetof(atas_tick_inputs, tick) == 24, "atas_tick_inputs.tick");
@@ -1461,7 +1470,7 @@ _Static_assert(offsetof(atas_tick_inputs, frames) == 56, "atas_tick_inputs.frame
 _Static_assert(offsetof(atas_tick_inputs, joints) == 6360, "atas_tick_inputs.joints");
 _Static_assert(offsetof(atas_tick_inputs, target) == 7448, "atas_tick_inputs.target");
 _Static_assert(offsetof(atas_tick_inputs, order) == 7536, "atas_tick_inputs.order");
-_Static_assert(offsetof(atas_tick_inputs, command) == 11792, "atas_tick_inputs.command");
+_Static_assert(offsetof(atas_tick_inputs, command) == 11808, "atas_tick_inputs.command");
 
 // One hand's sensor, as the controller is wired to it.
 typedef struct atas_hand_wiring_record {

@@ -100,7 +100,7 @@ impl GoalState {
 
 payload! {
     /// One goal. Frame: base of the robot (x forward, y left, z up, origin on the table top under the torso).
-    GoalRequest as "atas.GoalRequest.v2" {
+    GoalRequest as "atas.GoalRequest.v3" {
         /// `captured_ns` is when the client sent it.
         pub stamp: Stamp,
         /// Chosen by the client; repeated in every update.
@@ -129,6 +129,11 @@ payload! {
         pub hold_s: f64,
         /// Expected width of what the other hand holds, m; only used by ASSEMBLE: the bottle's.
         pub helper_width_m: f64,
+        /// How far the object reaches above where the fingertips close, m: the hand comes from above that. Zero if unknown.
+        pub top_m: f64,
+        /// What one side of the hand may press the object with at most, N: F_2, instead of what its stiffness allows. Zero if
+        /// unknown.
+        pub max_force_n: f64,
         /// Name of the task for `CUSTOM`.
         pub task: Text<32>,
     }
@@ -136,7 +141,7 @@ payload! {
 
 impl GoalRequest {
     /// Names of [`GoalRequest::values`], in order; a [`Reason`] about a goal refers to them by index.
-    pub const VALUE_NAMES: [&'static str; 12] = [
+    pub const VALUE_NAMES: [&'static str; 14] = [
         "from x",
         "from y",
         "from z",
@@ -149,11 +154,13 @@ impl GoalRequest {
         "lift",
         "hold",
         "helper width",
+        "top",
+        "maximum force",
     ];
 
     /// Every number of the goal, in the order of [`GoalRequest::VALUE_NAMES`], SI units.
     #[must_use]
-    pub fn values(&self) -> [f64; 12] {
+    pub fn values(&self) -> [f64; 14] {
         let [from_x, from_y, from_z] = self.from_m;
         let [to_x, to_y, to_z] = self.to_m;
         let (from_yaw, to_yaw) = (self.from_yaw_rad, self.to_yaw_rad);
@@ -170,6 +177,8 @@ impl GoalRequest {
             self.lift_m,
             self.hold_s,
             self.helper_width_m,
+            self.top_m,
+            self.max_force_n,
         ]
     }
 }

@@ -110,6 +110,8 @@ code! {
         TURNED_IN_HAND = 52, "turned-in-hand";
         /// The object slipped through the fingers on the way, and was held again.
         SLIPPED_IN_HAND = 53, "slipped-in-hand";
+        /// The object needs more force than the goal allows ([`crate::GoalRequest`]).
+        ABOVE_MAX_FORCE = 54, "above-max-force";
         /// The ways of the task are too long, or those of both hands together too many, to be checked.
         TASK_TOO_LONG = 60, "task-too-long";
         /// The robot has no such hand.

@@ -126,7 +126,7 @@ payload! {
 
 payload! {
     /// One order; only what its kind names is used, the rest is zero.
-    OrderRecord as "atas.OrderRecord.v4" {
+    OrderRecord as "atas.OrderRecord.v5" {
         /// What is ordered.
         pub kind: OrderKind,
         /// Index of a parameter or of a hand.
@@ -149,7 +149,7 @@ payload! {
 payload! {
     /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
     /// than one target, is told in several parts, one after the other.
-    TickInputs as "atas.TickInputs.v5" {
+    TickInputs as "atas.TickInputs.v6" {
         /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
         pub stamp: Stamp,
         /// Index of the tick; a gap means missed ticks.

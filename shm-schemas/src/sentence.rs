@@ -171,6 +171,12 @@ impl Reason {
                      held without crushing it"
                 )
             }
+            Cause::ABOVE_MAX_FORCE => {
+                write!(
+                    f,
+                    "needs more than {value:.2} N, and the goal allows {limit:.2} N (`--max-force`)"
+                )
+            }
             Cause::LOST_OBJECT => write!(
                 f,
                 "the object slipped out: normal force {value:.2} N, needs {limit:.2} N"

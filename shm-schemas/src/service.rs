@@ -9,7 +9,7 @@ pub const JOINT_STATE: &str = "atas/v2/joint-state";
 /// Publish-subscribe: [`crate::JointCommand`], one publisher (the daemon), every tick. A closed set of peers.
 pub const JOINT_COMMAND: &str = "atas/v1/joint-command";
 /// Request-response: [`crate::GoalRequest`] answered by a stream of [`crate::GoalUpdate`].
-pub const GOAL: &str = "atas/v2/goal";
+pub const GOAL: &str = "atas/v3/goal";
 /// Request-response: [`crate::ControlRequest`] answered by one [`crate::ControlReply`].
 pub const CONTROL: &str = "atas/v1/control";
 /// Publish-subscribe: [`crate::GraspTarget`], one publisher (the client of a goal `follow`), 1 to 1,000 Hz for each hand.
@@ -25,7 +25,7 @@ pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
 pub const RUN_HEADER: &str = "atas/v1/run-header";
 /// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
-pub const TICK_INPUTS: &str = "atas/v5/tick-inputs";
+pub const TICK_INPUTS: &str = "atas/v6/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.

@@ -2,7 +2,7 @@
 
 use atas_client::goal::{self, Target};
 use atas_client::scenes::Usual;
-use atas_console::arguments::{Assemble, Grasp, PickPlace, Place, Release, Screw, UserTask};
+use atas_console::arguments::{Assemble, Grasp, Known, PickPlace, Place, Release, Screw, UserTask};
 use atas_console::{Interrupt, Output};
 use shm_schemas::{GoalKind, GoalRequest, Hand, Text};
 
@@ -14,15 +14,15 @@ pub(crate) fn grasp(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let goal = GoalRequest {
-        kind: GoalKind::GRASP,
-        from_m: arguments.at,
-        from_yaw_rad: arguments.yaw.to_radians(),
+    let object = Target {
+        at_m: arguments.at,
+        yaw_rad: arguments.yaw.to_radians(),
         width_m: arguments.width * 1e-3,
-        lift_m: arguments.lift * 1e-3,
-        hold_s: arguments.hold,
-        ..GoalRequest::default()
+        ..Target::default()
     };
+    let object = with(object, &arguments.known);
+    let hand = arguments.sending.hand.into();
+    let goal = goal::grasp(&object, hand, arguments.lift * 1e-3, arguments.hold);
     send(goal, &arguments.sending, interrupt, output)
 }
 
@@ -53,6 +53,7 @@ pub(crate) fn pick_place(
         arguments.yaw,
         arguments.width,
     );
+    let from = with(from, &arguments.known);
     let to_m = place_m(&usual.place, arguments.to, from.at_m[2]);
     let to_yaw_rad = arguments.to_yaw.map_or(from.yaw_rad, f64::to_radians);
     let goal = GoalRequest {
@@ -113,6 +114,7 @@ pub(crate) fn task(
         arguments.yaw,
         arguments.width,
     );
+    let from = with(from, &arguments.known);
     let to_m = place_m(&usual.place, arguments.to, from.at_m[2]);
     let goal = GoalRequest {
         kind: GoalKind::CUSTOM,
@@ -137,6 +139,16 @@ fn target(
         at_m: place_m(usual, place, usual.at_m[2]),
         yaw_rad: yaw_deg.map_or(usual.yaw_rad, f64::to_radians),
         width_m: width_mm.map_or(usual.width_m, |width_mm| width_mm * 1e-3),
+        ..*usual
+    }
+}
+
+/// The same with what else the user knows.
+fn with(object: Target, known: &Known) -> Target {
+    Target {
+        top_m: known.top.map_or(0.0, |top_mm| top_mm * 1e-3),
+        max_force_n: known.max_force.unwrap_or(0.0),
+        ..object
     }
 }
 

@@ -21,6 +21,10 @@ pub struct Target {
     pub yaw_rad: f64,
     /// Expected width along that axis, m.
     pub width_m: f64,
+    /// How far it reaches above that place, m; zero if unknown.
+    pub top_m: f64,
+    /// What it may be pressed with at most, N; zero if unknown.
+    pub max_force_n: f64,
 }
 
 /// Grasp, lift and hold.
@@ -34,6 +38,8 @@ pub fn grasp(object: &Target, hand: Hand, lift_m: f64, hold_s: f64) -> GoalReque
         from_m: object.at_m,
         from_yaw_rad: object.yaw_rad,
         width_m: object.width_m,
+        top_m: object.top_m,
+        max_force_n: object.max_force_n,
         lift_m,
         hold_s,
         ..GoalRequest::default()

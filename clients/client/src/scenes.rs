@@ -54,6 +54,7 @@ impl Usual {
             at_m: [x_m, side * out_m + 0.0, z_m],
             yaw_rad,
             width_m,
+            ..Target::default()
         };
         match self {
             Self::PickPlace => Nominal {

@@ -44,7 +44,7 @@ pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
 pub use follows::Follow;
 pub use goals::{
-    Assemble, Grasp, HandName, PickPlace, Release, Screw, Sending, TurnName, UserTask, Zero,
+    Assemble, Grasp, HandName, Known, PickPlace, Release, Screw, Sending, TurnName, UserTask, Zero,
 };
 pub use plots::{Drawn, Plot, PlotRecorded};
 pub use records::{Record, RecordAction};

@@ -228,6 +228,8 @@ fn target(hint: &GraspHint) -> Target {
         at_m: hint.from_m,
         yaw_rad: hint.yaw_rad,
         width_m: hint.width_m,
+        top_m: (hint.height_m - hint.from_m[2]).max(0.0),
+        ..Target::default()
     }
 }
 

@@ -144,9 +144,10 @@ impl Bus {
 
     /// Grasps, lifts and holds what stands at `at` (m, from the robot's base: x forward, y left, z up).
     ///
-    /// `width` is the object's along the closing axis, m; `yaw` the direction of that axis, rad from x towards y. The goal goes
-    /// on when this process ends, unless `attached`.
-    #[pyo3(signature = (at, *, width, yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, hold = HOLD_S, attached = false))]
+    /// `width` is the object's along the closing axis, m; `yaw` the direction of that axis, rad from x towards y; `top` how far
+    /// the object reaches above `at`, m, and `max_force` what it may be pressed with at most, N, if that is known. The goal
+    /// goes on when this process ends, unless `attached`.
+    #[pyo3(signature = (at, *, width, yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, hold = HOLD_S, top = 0.0, max_force = 0.0, attached = false))]
     #[expect(clippy::too_many_arguments, reason = "Python's are named")]
     fn grasp(
         &self,
@@ -156,14 +157,17 @@ impl Bus {
         hand: &str,
         lift: f64,
         hold: f64,
+        top: f64,
+        max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let goal = goal::grasp(&target(at, yaw, width), hand_of(hand)?, lift, hold);
+        let object = known(target(at, yaw, width), top, max_force);
+        let goal = goal::grasp(&object, hand_of(hand)?, lift, hold);
         self.send(goal, attached)
     }
 
     /// Carries what stands at `at` to `to`: where the fingertips shall be when it stands there.
-    #[pyo3(signature = (at, to, *, width, yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, attached = false))]
+    #[pyo3(signature = (at, to, *, width, yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, top = 0.0, max_force = 0.0, attached = false))]
     #[expect(clippy::too_many_arguments, reason = "Python's are named")]
     fn pick_place(
         &self,
@@ -173,9 +177,12 @@ impl Bus {
         yaw: f64,
         hand: &str,
         lift: f64,
+        top: f64,
+        max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let goal = goal::pick_place(&target(at, yaw, width), hand_of(hand)?, to, lift);
+        let object = known(target(at, yaw, width), top, max_force);
+        let goal = goal::pick_place(&object, hand_of(hand)?, to, lift);
         self.send(goal, attached)
     }
 
@@ -200,7 +207,7 @@ impl Bus {
     }
 
     /// Pursues a task of the daemon's configuration by its name.
-    #[pyo3(signature = (name, at, *, width, to = [0.0; 3], yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, hold = HOLD_S, attached = false))]
+    #[pyo3(signature = (name, at, *, width, to = [0.0; 3], yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, hold = HOLD_S, top = 0.0, max_force = 0.0, attached = false))]
     #[expect(clippy::too_many_arguments, reason = "Python's are named")]
     fn task(
         &self,
@@ -212,13 +219,16 @@ impl Bus {
         hand: &str,
         lift: f64,
         hold: f64,
+        top: f64,
+        max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
+        let object = known(target(at, yaw, width), top, max_force);
         let goal = GoalRequest {
             kind: GoalKind::CUSTOM,
             task: Text::new(name),
             hold_s: hold,
-            ..goal::pick_place(&target(at, yaw, width), hand_of(hand)?, to, lift)
+            ..goal::pick_place(&object, hand_of(hand)?, to, lift)
         };
         self.send(goal, attached)
     }
@@ -327,6 +337,16 @@ fn target(at_m: [f64; 3], yaw_rad: f64, width_m: f64) -> Target {
         at_m,
         yaw_rad,
         width_m,
+        ..Target::default()
+    }
+}
+
+/// The same with what else is known of the object.
+fn known(object: Target, top_m: f64, max_force_n: f64) -> Target {
+    Target {
+        top_m,
+        max_force_n,
+        ..object
     }
 }
 

@@ -95,7 +95,7 @@ def test_a_peer_by_the_page_is_sensor_robot_and_client(programs: Programs) -> No
     world = Foreign(bus.folder)
     modes = [world.tick().mode for _ in range(100)]
     assert modes[-1] == atas.Mode.READY, modes[-5:]
-    goals = world.peer.client("atas/v2/goal")
+    goals = world.peer.client("atas/v3/goal")
     request = PAYLOADS["GoalRequest"]()
     request.stamp.captured_ns, request.goal_id = time.monotonic_ns(), epoch()
     request.kind, request.hand = atas.GoalKind.RELEASE, atas.Hand.RIGHT

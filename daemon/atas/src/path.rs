@@ -1,7 +1,8 @@
 //! Paths: how a hand gets from one pose to another.
 //!
 //! Every coordinate of the [`GraspFrame`] follows the same minimum-jerk profile s(τ) = τ³(10 − 15τ + 6τ²), so a path
-//! begins and ends at rest with bounded jerk, and its shape does not depend on its speed.
+//! begins and ends at rest with bounded jerk, and its shape does not depend on its speed. What stands on the table is not
+//! known, so a free way over it has two legs, each of this profile: it rises before it crosses, and sinks after it has crossed.
 
 use core::f64::consts::PI;
 use nalgebra::Vector3;
@@ -9,6 +10,8 @@ use robot_model::{GraspFrame, HandModel, VIRTUAL_FINGERS};
 
 /// Shortest path, s (ours): even a zero-length path gives the loop time to settle.
 const DURATION_MIN_S: f64 = 0.05;
+/// Rise, or way across, below which a path over is straight, m (ours: less than any gap that a hand keeps).
+const LEVEL_M: f64 = 0.001;
 
 /// Mean speeds that no coordinate of a path exceeds; the peak of a minimum-jerk profile is 1.875 times the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +29,9 @@ pub struct Speeds {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Path {
     from: GraspFrame,
+    /// Where the second leg begins, and when, s; a straight path has no first one.
+    corner: GraspFrame,
+    corner_s: f64,
     to: GraspFrame,
     duration_s: f64,
     moves_fingers: bool,
@@ -37,6 +43,8 @@ impl Path {
     pub fn stay(at: GraspFrame) -> Self {
         Self {
             from: at,
+            corner: at,
+            corner_s: 0.0,
             to: at,
             duration_s: 0.0,
             moves_fingers: false,
@@ -47,10 +55,35 @@ impl Path {
     #[must_use]
     pub fn free(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
         Self {
+            duration_s: duration_s(&from, &to, speeds),
             from,
             to,
-            duration_s: duration_s(&from, &to, speeds),
             moves_fingers: true,
+            ..Self::stay(from)
+        }
+    }
+
+    /// A free path that passes over whatever is not higher than its higher end: it rises first, or sinks last.
+    #[must_use]
+    pub fn over(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
+        let (rise_m, across_m) = {
+            let way_m = to.centre_m - from.centre_m;
+            (way_m.z, way_m.xy().norm())
+        };
+        if rise_m.abs() < LEVEL_M || across_m < LEVEL_M {
+            return Self::free(from, to, speeds);
+        }
+        let corner = if rise_m > 0.0 {
+            at_height(&from, to.centre_m.z)
+        } else {
+            at_height(&to, from.centre_m.z)
+        };
+        let corner_s = duration_s(&from, &corner, speeds);
+        Self {
+            corner,
+            corner_s,
+            duration_s: corner_s + duration_s(&corner, &to, speeds),
+            ..Self::free(from, to, speeds)
         }
     }
 
@@ -62,10 +95,8 @@ impl Path {
             ..to
         };
         Self {
-            from,
-            to,
-            duration_s: duration_s(&from, &to, speeds),
             moves_fingers: false,
+            ..Self::free(from, to, speeds)
         }
     }
 
@@ -81,6 +112,12 @@ impl Path {
         &self.to
     }
 
+    /// Where its legs end, in order; the first may be where it begins.
+    #[must_use]
+    pub fn ends(&self) -> [GraspFrame; 2] {
+        [self.corner, self.to]
+    }
+
     /// Whether the path includes the opening of the fingers.
     #[must_use]
     pub fn moves_fingers(&self) -> bool {
@@ -93,18 +130,30 @@ impl Path {
         if time_s >= self.duration_s {
             return self.to;
         }
-        let tau = time_s / self.duration_s;
-        self.between(tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau))
-    }
-
-    /// The pose at a share of the way, 0 to 1, whenever the hand is there.
-    #[must_use]
-    pub fn between(&self, share: f64) -> GraspFrame {
-        blend(&self.from, &self.to, share)
+        if time_s < self.corner_s {
+            return blend(&self.from, &self.corner, eased(time_s / self.corner_s));
+        }
+        let tau = (time_s - self.corner_s) / (self.duration_s - self.corner_s);
+        blend(&self.corner, &self.to, eased(tau))
     }
 }
 
-fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
+/// Share of a leg after this share of its time.
+fn eased(tau: f64) -> f64 {
+    tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau)
+}
+
+/// The same pose at another height, m.
+#[must_use]
+pub fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {
+    let mut frame = *frame;
+    frame.centre_m.z = height_m;
+    frame
+}
+
+/// The pose at a share of the straight way between two, 0 to 1.
+#[must_use]
+pub fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
     let mix = |a: f64, b: f64| a + (b - a) * s;
     let mix2 = |a: [f64; VIRTUAL_FINGERS], b: [f64; VIRTUAL_FINGERS]| {
         core::array::from_fn(|i| mix(a[i], b[i]))

@@ -3,9 +3,22 @@
 //! N/m, so it is called stiffness everywhere here.
 
 use crate::settings::Grasp;
+use shm_schemas::Cause;
 
 /// Share of F_2 that F_1 never exceeds, so that Module 1 and Module 3 never contradict each other.
 const F1_BELOW_F2: f64 = 0.8;
+
+/// What sets F_2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Bound {
+    /// What the fingers may ever press (`grasp.f2_max_n`).
+    Hand,
+    /// The object's stiffness.
+    Object,
+    /// The goal, whose client knows what the object bears.
+    Goal,
+}
 
 /// The two thresholds of the grasping force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,20 +28,54 @@ pub struct Thresholds {
     pub f1_n: f64,
     /// F_2: maximum grasping force, N.
     pub f2_n: f64,
+    /// What sets F_2.
+    pub bound: Bound,
 }
 
 impl Thresholds {
     /// For an object of known stiffness, N/m: F_2 compresses it by `compression_m`.
     #[must_use]
     pub fn for_stiffness(object_n_m: f64, settings: &Grasp) -> Self {
-        Self::with_f2(
-            between(
-                settings.compression_m * object_n_m,
-                settings.f2_min_n,
-                settings.f2_max_n,
-            ),
-            settings,
-        )
+        let f2_n = between(
+            settings.compression_m * object_n_m,
+            settings.f2_min_n,
+            settings.f2_max_n,
+        );
+        let bound = if f2_n < settings.f2_max_n {
+            Bound::Object
+        } else {
+            Bound::Hand
+        };
+        Self::with_f2(f2_n, bound, settings)
+    }
+
+    /// The same for an object of which the goal's client knows what it bears, N; zero if he does not.
+    #[must_use]
+    pub fn told(self, max_force_n: f64, settings: &Grasp) -> Self {
+        if max_force_n > 0.0 {
+            Self::with_f2(max_force_n.min(settings.f2_max_n), Bound::Goal, settings)
+        } else {
+            self
+        }
+    }
+
+    /// Most that the fingers may press an object with before F_2 is known, N.
+    #[must_use]
+    pub fn most_n(&self, settings: &Grasp) -> f64 {
+        match self.bound {
+            Bound::Goal => self.f2_n,
+            Bound::Hand | Bound::Object => settings.f2_max_n,
+        }
+    }
+
+    /// Why an object that needs more than F_2 is refused.
+    #[must_use]
+    pub fn exceeded(&self) -> Cause {
+        match self.bound {
+            Bound::Hand => Cause::TOO_HEAVY,
+            Bound::Object => Cause::TOO_SOFT,
+            Bound::Goal => Cause::ABOVE_MAX_FORCE,
+        }
     }
 
     /// For an object that is not yet known: as careful as for the softest.
@@ -37,7 +84,7 @@ impl Thresholds {
         Self::for_stiffness(0.0, settings)
     }
 
-    fn with_f2(f2_n: f64, settings: &Grasp) -> Self {
+    fn with_f2(f2_n: f64, bound: Bound, settings: &Grasp) -> Self {
         let f1_n = between(
             settings.f1_share * f2_n + settings.f1_base_n,
             settings.f1_min_n,
@@ -46,6 +93,7 @@ impl Thresholds {
         Self {
             f1_n: f1_n.min(F1_BELOW_F2 * f2_n),
             f2_n,
+            bound,
         }
     }
 }

@@ -68,6 +68,12 @@ impl Capsules {
 }
 
 impl Capsules {
+    /// Those that a frame moves.
+    pub(crate) fn moved_by(&self, frame: Option<usize>) -> impl Iterator<Item = &Capsule> {
+        let bodies = self.iter().zip(self.frames);
+        bodies.filter_map(move |(body, of)| (Some(of) == frame).then_some(body))
+    }
+
     /// The same bodies, each moved from its frame to the base frame.
     pub(crate) fn placed(&self, base_from_frame: &[Transform]) -> Self {
         let mut placed = self.clone();

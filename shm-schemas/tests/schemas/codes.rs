@@ -64,6 +64,8 @@ fn goal_values_come_in_the_order_of_their_names() {
         lift_m: 10.0,
         hold_s: 11.0,
         helper_width_m: 12.0,
+        top_m: 13.0,
+        max_force_n: 14.0,
         ..GoalRequest::default()
     };
     let named: Vec<_> = GoalRequest::VALUE_NAMES
@@ -79,7 +81,9 @@ fn goal_values_come_in_the_order_of_their_names() {
             ("width", 9.0),
             ("lift", 10.0),
             ("hold", 11.0),
-            ("helper width", 12.0)
+            ("helper width", 12.0),
+            ("top", 13.0),
+            ("maximum force", 14.0)
         ]
     );
 }

@@ -134,6 +134,10 @@ fn table() -> Vec<(Reason, &'static str)> {
              it",
         ),
         (
+            limit(Cause::ABOVE_MAX_FORCE, 2.013, 2.0, 0),
+            "needs more than 2.01 N, and the goal allows 2.00 N (`--max-force`)",
+        ),
+        (
             limit(Cause::GRIP_FOUND, 3.61, 4.33, 1),
             "the right hand was found gripping something with 3.61 N; it keeps it and presses with up to 4.33 N; `atas release \
              --hand right` lets go",

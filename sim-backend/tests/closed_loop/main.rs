@@ -11,4 +11,5 @@ mod restart;
 mod rig;
 mod screwing;
 mod skin;
+mod told;
 mod unlike;

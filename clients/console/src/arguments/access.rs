@@ -132,6 +132,7 @@ impl Command {
                 width: _,
                 lift: _,
                 hold: _,
+                known: _,
                 sending,
             }) => command(sending.bus()),
             Self::PickPlace(PickPlace {
@@ -141,6 +142,7 @@ impl Command {
                 to_yaw: _,
                 width: _,
                 lift: _,
+                known: _,
                 sending,
             }) => command(sending.bus()),
             Self::Screw(Screw {
@@ -170,6 +172,7 @@ impl Command {
                 lift: _,
                 hold: _,
                 turn: _,
+                known: _,
                 sending,
             }) => command(sending.bus()),
             Self::Release(Release { sending }) => command(sending.bus()),

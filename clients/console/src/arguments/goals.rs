@@ -28,6 +28,9 @@ pub struct Grasp {
     /// How far to lift, millimetres
     #[arg(long, value_name = "MM", default_value_t = LIFT_MM, value_parser = finite, allow_hyphen_values = true)]
     pub lift: f64,
+    /// What else is known of the object
+    #[command(flatten)]
+    pub known: Known,
     /// How long to hold before the goal counts as reached, seconds
     #[arg(long, value_name = "S", default_value_t = goal::HOLD_S, value_parser = finite, allow_hyphen_values = true)]
     pub hold: f64,
@@ -58,6 +61,9 @@ pub struct PickPlace {
     /// How far to lift over the higher of both places, millimetres
     #[arg(long, value_name = "MM", default_value_t = LIFT_MM, value_parser = finite, allow_hyphen_values = true)]
     pub lift: f64,
+    /// What else is known of the object
+    #[command(flatten)]
+    pub known: Known,
     /// How the goal is sent
     #[command(flatten)]
     pub sending: Sending,
@@ -136,6 +142,9 @@ pub struct UserTask {
     /// Expected width of what the other hand holds in a task for both hands, millimetres
     #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = finite, allow_hyphen_values = true)]
     pub helper_width: f64,
+    /// What else is known of the object
+    #[command(flatten)]
+    pub known: Known,
     /// How far a task that lifts lifts, millimetres
     #[arg(long, value_name = "MM", default_value_t = LIFT_MM, value_parser = finite, allow_hyphen_values = true)]
     pub lift: f64,
@@ -167,6 +176,18 @@ pub struct Zero {
     /// Which bus
     #[command(flatten)]
     pub bus: BusArgument,
+}
+
+/// What a user may know of an object beside its place and width.
+#[derive(Args, Clone, Debug)]
+pub struct Known {
+    /// How far the object reaches above where the fingertips close, millimetres: the hand comes from above that [default:
+    /// less than `motion.descend_m` without the fingertips]
+    #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
+    pub top: Option<f64>,
+    /// What the object may be pressed with at most, newtons: F_2 [default: what its stiffness allows]
+    #[arg(long, value_name = "N", value_parser = finite, allow_hyphen_values = true)]
+    pub max_force: Option<f64>,
 }
 
 /// How a goal is sent and followed.

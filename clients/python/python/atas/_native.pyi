@@ -78,6 +78,8 @@ class Bus:
         hand: str = "right",
         lift: float = ...,
         hold: float = ...,
+        top: float = 0.0,
+        max_force: float = 0.0,
         attached: bool = False,
     ) -> Goal: ...
     def pick_place(
@@ -89,6 +91,8 @@ class Bus:
         yaw: float = ...,
         hand: str = "right",
         lift: float = ...,
+        top: float = 0.0,
+        max_force: float = 0.0,
         attached: bool = False,
     ) -> Goal: ...
     def screw(
@@ -112,6 +116,8 @@ class Bus:
         hand: str = "right",
         lift: float = ...,
         hold: float = ...,
+        top: float = 0.0,
+        max_force: float = 0.0,
         attached: bool = False,
     ) -> Goal: ...
     def follow(self, hand: str = "right") -> Leader: ...

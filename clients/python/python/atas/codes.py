@@ -184,6 +184,7 @@ class Cause(IntEnum):
     GRIP_FOUND = 51
     TURNED_IN_HAND = 52
     SLIPPED_IN_HAND = 53
+    ABOVE_MAX_FORCE = 54
     TASK_TOO_LONG = 60
     NO_HAND = 61
     CANNOT_TURN = 62

@@ -12,13 +12,12 @@ use super::circumstances::Circumstances;
 use super::fields::{FROM_X, TO_X};
 use crate::goal::Goal;
 use crate::kinematics::frame_of;
-use crate::path::{Path, Speeds};
+use crate::path::{Path, at_height, blend};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
 use crate::tasks::{Motion, Step, Track, Transition, Waypoint};
 use core::cell::Cell;
 use core::ops::Range;
-use nalgebra::Vector3;
 use robot_model::{
     Capsules, GraspFrame, HandModel, HandVector, Nearest, Side, VIRTUAL_FINGERS, farthest_move_m,
     nearest,
@@ -41,13 +40,6 @@ const ITERATIONS_AT_REST: usize = 30;
 /// end, rad (ours: 5°, well within the cone of 33° that a dome feels).
 const OFF_PATH_M: f64 = 0.001;
 const OFF_AXIS_RAD: f64 = 0.087;
-
-/// Only the way matters here, not how long it takes.
-const UNHURRIED: Speeds = Speeds {
-    move_m_s: 1.0,
-    turn_rad_s: 1.0,
-    open_m_s: 1.0,
-};
 
 /// Follows the task of a goal whose numbers were checked.
 ///
@@ -229,7 +221,9 @@ impl<'a> Walk<'a> {
                 &Path::stay(self.at),
                 self.settings,
             );
-            self.go(*path.end(), visit)?;
+            for end in path.ends() {
+                self.go(end, visit)?;
+            }
             self.finish(&step, visit)?;
             self.next = index + 1;
             self.arrive();
@@ -293,13 +287,13 @@ impl<'a> Walk<'a> {
         to: GraspFrame,
         visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
-        let way = Path::free(self.at, to, &UNHURRIED);
+        let from = self.at;
         let samples = samples(&self.at, &to);
         let mut before = self.bodies();
         for sample in 1..=samples {
             let left = self.samples_left.get().checked_sub(1).ok_or(too_long())?;
             self.samples_left.set(left);
-            let frame = way.between(f64::from(sample) / f64::from(samples));
+            let frame = blend(&from, &to, f64::from(sample) / f64::from(samples));
             self.bend(&frame, sample == samples)?;
             let bodies = self.bodies();
             let about_m = farthest_move_m(&before, &bodies) / 2.0;
@@ -332,14 +326,6 @@ impl<'a> Walk<'a> {
 fn too_long() -> Reason {
     let most = f64::from(SAMPLES_MAX);
     Reason::limit(Cause::TASK_TOO_LONG, most, most)
-}
-
-fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {
-    let [x, y] = [frame.centre_m.x, frame.centre_m.y];
-    GraspFrame {
-        centre_m: Vector3::new(x, y, height_m),
-        ..*frame
-    }
 }
 
 /// How many samples a way needs.

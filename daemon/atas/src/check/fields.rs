@@ -8,3 +8,5 @@ pub(super) const WIDTH: usize = 8;
 pub(super) const LIFT: usize = 9;
 pub(super) const HOLD: usize = 10;
 pub(super) const HELPER_WIDTH: usize = 11;
+pub(super) const TOP: usize = 12;
+pub(super) const MAX_FORCE: usize = 13;

@@ -13,9 +13,10 @@ pub use circumstances::Circumstances;
 use crate::follow::{FollowSpace, across_the_middle};
 use crate::goal::Goal;
 use crate::kinematics::frame_of;
+use crate::planning::{OVER_TOP_M, descent_m};
 use clearance::check_paths;
 use core::f64::consts::TAU;
-use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, TO_X, TO_YAW, WIDTH};
+use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, MAX_FORCE, TO_X, TO_YAW, TOP, WIDTH};
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, Side};
 use shm_schemas::{Cause, GoalRequest, Reason};
@@ -23,6 +24,8 @@ use shm_schemas::{Cause, GoalRequest, Reason};
 /// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
 const LIFT_MAX_M: f64 = 0.15;
 const HOLD_MAX_S: f64 = 3600.0;
+/// Farthest that an object may reach above a grasp, m (ours: nothing that fingers stand beside is higher).
+const TOP_MAX_M: f64 = 0.5;
 
 /// Checks a goal without moving anything: codes, numbers, sensors, reach, clearance. Takes some
 /// milliseconds because it follows every path of the task, so call it off the tick.
@@ -49,6 +52,8 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
         check_range(request.to_yaw_rad, (-TAU, TAU), TO_YAW)?;
         check_range(request.lift_m, (0.0, LIFT_MAX_M), LIFT)?;
         check_range(request.hold_s, (0.0, HOLD_MAX_S), HOLD)?;
+        check_range(request.top_m, (0.0, TOP_MAX_M), TOP)?;
+        check_force(request.max_force_n, now)?;
         check_reach(&goal, now)?;
     }
     if goal.demands().both_hands {
@@ -97,6 +102,15 @@ fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(
     } else {
         Err(Reason::limit(Cause::OUT_OF_RANGE, value, limit).about(index))
     }
+}
+
+/// What the goal allows to press with must be enough to feel by, and what the hand can press.
+fn check_force(max_force_n: f64, now: &Circumstances<'_>) -> Result<(), Reason> {
+    let grasp = &now.settings.grasp;
+    if max_force_n == 0.0 {
+        return Ok(());
+    }
+    check_range(max_force_n, (grasp.keep_n, grasp.f2_max_n), MAX_FORCE)
 }
 
 /// Least and greatest opening that a hand may be asked for, m.
@@ -165,5 +179,34 @@ fn check_place(
             return Err(Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(index));
         }
     }
-    Ok(())
+    check_top(goal, now, Vector3::new(x, y, z), yaw_rad, open_m)
+}
+
+/// What the object reaches above its grasp must fit between the fingertips and what carries the fingers, and the hand must
+/// come from above it.
+fn check_top(
+    goal: &Goal,
+    now: &Circumstances<'_>,
+    centre_m: Vector3<f64>,
+    yaw_rad: f64,
+    open_m: f64,
+) -> Result<(), Reason> {
+    let (request, hand) = (goal.request(), now.robot.hand(goal.side()));
+    if request.top_m <= 0.0 {
+        return Ok(());
+    }
+    let posture = |centre_m: Vector3<f64>| {
+        let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
+        hand.posture_for(&GraspFrame::from_above(centre_m, yaw_rad, open_m))
+    };
+    if let Ok(grasp) = posture(centre_m) {
+        let pose = hand.forward(&grasp.q_rad);
+        let room_m = hand.lowest_of_palm_m(&pose) - centre_m.z - OVER_TOP_M;
+        check_range(request.top_m, (0.0, room_m), TOP)?;
+    }
+    let from_m = centre_m + Vector3::z() * descent_m(hand, request, now.settings);
+    match posture(from_m) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(Reason::limit(Cause::UNREACHABLE, from_m.z, 0.0).about(TOP)),
+    }
 }

@@ -12,7 +12,7 @@ use crate::kinematics::{HandCommand, HandServo, gap_m};
 use crate::modules::{self, Modules, Proposal, Selection, force_range_n, force_up_n};
 use crate::perception::{Percept, Perception};
 use crate::planning::{Waypoints, home};
-use crate::runner::{HandMotion, Outcome, Runner};
+use crate::runner::{HandMotion, Outcome, Runner, Wishes};
 use crate::safety::Grip;
 use crate::settings::Settings;
 use crate::tasks::Step;
@@ -309,7 +309,12 @@ impl HandControl {
         let now = *servo.frame();
         let (waypoints, width_m) = Waypoints::of(&self.model, &now, goal, settings);
         self.arbiter.rest();
-        let wishes = (width_m, request.hold_s);
+        let wishes = Wishes {
+            width_m,
+            hold_s: request.hold_s,
+            // The goal speaks of what the acting hand grasps.
+            max_force_n: if acts { request.max_force_n } else { 0.0 },
+        };
         if let Some(runner) = self.runner.as_mut().filter(|runner| runner.grips())
             && acts
             && goal.demands().takes_over

@@ -7,7 +7,7 @@
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::perception::Percept;
 use robot_model::VIRTUAL_FINGERS;
-use shm_schemas::{Cause, ModuleId, Reason};
+use shm_schemas::{ModuleId, Reason};
 
 /// Share of F_2 below which the module becomes inactive again (ours: wider than the force noise, so it does not flicker).
 pub(crate) const RELEASE_SHARE: f64 = 0.97;
@@ -56,15 +56,11 @@ impl Module for ForceLimit {
     }
 }
 
-/// Why an object that needs more than F_2 is refused: the hand may not press harder, or the object would give way.
+/// Why an object that needs more than F_2 is refused: the hand may not press harder, the object would give way, or the goal
+/// forbids it.
 pub(super) fn too_heavy(strongest_n: f64, context: &Context<'_>) -> Reason {
-    let f2_n = context.thresholds.f2_n;
-    let cause = if f2_n < context.settings.grasp.f2_max_n {
-        Cause::TOO_SOFT
-    } else {
-        Cause::TOO_HEAVY
-    };
-    Reason::limit(cause, strongest_n, f2_n)
+    let thresholds = context.thresholds;
+    Reason::limit(thresholds.exceeded(), strongest_n, thresholds.f2_n)
 }
 
 /// Whether the fingers press with more than F_2, with hysteresis.

@@ -34,7 +34,7 @@ impl Module for Probe {
         self.listen(percept, context);
         // An object that turns out rock-hard must not be pressed beyond F_2 while it is still being judged.
         let (_, strongest_n) = force_range_n(percept);
-        let pressing = !done && strongest_n < settings.f2_max_n;
+        let pressing = !done && strongest_n < context.thresholds.most_n(settings);
         Proposal {
             active: !done,
             closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; VIRTUAL_FINGERS],

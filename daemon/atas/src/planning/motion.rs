@@ -35,8 +35,8 @@ pub(crate) fn path_of(
         Motion::Stay | Motion::Lower | Motion::Square | Motion::Follow | Motion::Brake => {
             Path::stay(*now)
         }
-        Motion::Reach(waypoint) => Path::free(*now, waypoints.pose(waypoint, now), &free),
-        Motion::Withdraw => Path::free(*now, before.at(0.0), &free),
+        Motion::Reach(waypoint) => Path::over(*now, waypoints.pose(waypoint, now), &free),
+        Motion::Withdraw => Path::over(*now, before.at(0.0), &free),
         Motion::Carry(waypoint) => gripping(waypoint, speeds.lift_m_s),
         Motion::Convey(waypoint) => gripping(waypoint, settings.place.convey_m_s),
         Motion::Open => Path::free(*now, opened(now, OPEN_BY_M), &free),

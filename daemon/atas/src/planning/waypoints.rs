@@ -12,6 +12,9 @@ use shm_schemas::{GoalRequest, Turn};
 /// Lowest centre of a grasp, m (ours: the dome's radius and 3 mm of air).
 const LOWEST_M: f64 = 0.018;
 
+/// Air between fingertips and the top of what they come over, m (ours: what places and heights may be wrong by).
+pub(crate) const OVER_TOP_M: f64 = 0.010;
+
 /// Height of a grasp from the side, m; pitch of the hand below the horizontal and angle of the finger roots, rad (robot
 /// design: proved free of collisions with the hand that screws).
 const SIDE_HEIGHT_M: f64 = 0.045;
@@ -76,18 +79,19 @@ impl Waypoints {
             source.tangential_m = [start_m, -start_m];
         }
         let (to_m, to_yaw_rad) = goal.destination();
+        let descend_m = descent_m(hand, request, settings);
         let travel_m = goal.travel_height_m();
         let over_m = [to_m[0], to_m[1], travel_m];
         let lowest_m = (to_m[2] - settings.place.search_m).max(LOWEST_M);
         Self {
             tilted: home,
-            before: raised(&source, motion.descend_m),
+            before: raised(&source, descend_m),
             around: source,
             turn_start_m: start_m,
             source,
             over_target: from_above(hand, &source, over_m, to_yaw_rad, opening_m),
             home,
-            descend_m: motion.descend_m,
+            descend_m,
             lift_m: travel_m - request.from_m[2],
             lowering_m: (travel_m - lowest_m).max(0.0),
             expected_m: to_m[2],
@@ -179,6 +183,16 @@ impl Waypoints {
     pub fn expected_m(&self) -> f64 {
         self.expected_m
     }
+}
+
+/// How far above its grasp a hand comes from, m: over the object's top, as far as the goal tells it.
+#[must_use]
+pub(crate) fn descent_m(hand: &HandModel, goal: &GoalRequest, settings: &Settings) -> f64 {
+    if goal.top_m <= 0.0 {
+        return settings.motion.descend_m;
+    }
+    let dome_m = hand.dome_radius_m().iter().copied().fold(0.0, f64::max);
+    (goal.top_m + dome_m + OVER_TOP_M).max(settings.motion.descend_m)
 }
 
 /// Where an arm rests, for a hand that is at `now`: before its own shoulder, out of the other arm's way.

@@ -75,7 +75,7 @@ impl Runner {
     ) {
         modules.let_go();
         let lead = self.lead;
-        let (track, waypoints, wishes) = (self.track, self.waypoints, (self.width_m, self.hold_s));
+        let (track, waypoints, wishes) = (self.track, self.waypoints, self.wishes);
         *self = Self::start(track, waypoints, now, wishes, settings);
         self.receive_lead(lead);
     }

@@ -15,7 +15,7 @@ use crate::tasks::{
     BACK_OUT, BehaviourTable, KEEP, Motion, RAISE, STAND, STAND_LED, Step, Track, Transition,
     WITHDRAW,
 };
-use crate::thresholds::Thresholds;
+use crate::thresholds::{Bound, Thresholds};
 use nalgebra::{Matrix3, Vector3};
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{Cause, ModuleId, Reason};
@@ -67,6 +67,27 @@ pub enum Outcome {
     Failed(Reason),
 }
 
+/// What a goal says of what a hand shall hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Wishes {
+    /// Expected width along the closing axis, m.
+    pub width_m: f64,
+    /// How long to hold it, s.
+    pub hold_s: f64,
+    /// What it may be pressed with at most, N; zero if the goal does not say.
+    pub max_force_n: f64,
+}
+
+impl Wishes {
+    /// Of what was found in the hand.
+    const FOUND: Self = Self {
+        width_m: 0.0,
+        hold_s: f64::INFINITY,
+        max_force_n: 0.0,
+    };
+}
+
 /// One hand's task.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -77,8 +98,7 @@ pub struct Runner {
     step_s: f64,
     path: Path,
     waypoints: Waypoints,
-    hold_s: f64,
-    width_m: f64,
+    wishes: Wishes,
     thresholds: Thresholds,
     stiffness: Option<StiffnessFit>,
     all_touched: bool,
@@ -126,7 +146,7 @@ impl Runner {
         track: Track,
         waypoints: Waypoints,
         now: &GraspFrame,
-        (width_m, hold_s): (f64, f64),
+        wishes: Wishes,
         settings: &Settings,
     ) -> Self {
         let mut runner = Self {
@@ -136,9 +156,9 @@ impl Runner {
             step_s: 0.0,
             path: Path::stay(*now),
             waypoints,
-            hold_s,
-            width_m,
-            thresholds: Thresholds::unknown(&settings.grasp),
+            wishes,
+            thresholds: Thresholds::unknown(&settings.grasp)
+                .told(wishes.max_force_n, &settings.grasp),
             stiffness: None,
             all_touched: false,
             touched_at_m: 0.0,
@@ -184,12 +204,13 @@ impl Runner {
             thresholds: Thresholds {
                 f1_n: weakest_n,
                 f2_n: KEEP_FACTOR * strongest_n,
+                bound: Bound::Hand,
             },
             all_touched: true,
             lifted_from_m: Some(now.centre_m),
             holds: true,
             found: true,
-            ..Self::start(KEEP, waypoints, now, (0.0, f64::INFINITY), settings)
+            ..Self::start(KEEP, waypoints, now, Wishes::FOUND, settings)
         }
     }
 
@@ -385,13 +406,13 @@ impl Runner {
     /// been carried about, which feels as if the object fell.
     pub fn take_over(
         &mut self,
-        (track, waypoints, (width_m, hold_s)): (Track, Waypoints, (f64, f64)),
+        (track, waypoints, wishes): (Track, Waypoints, Wishes),
         now: &GraspFrame,
         settings: &Settings,
         modules: &mut Modules,
     ) {
         (self.track, self.waypoints) = (track, waypoints);
-        (self.width_m, self.hold_s) = (width_m, hold_s);
+        self.wishes = wishes;
         (self.table, self.retreat, self.ended) = (None, None, false);
         (self.reached, self.peer_reached) = (0, 0);
         self.in_hand = InHand::default();

@@ -26,7 +26,8 @@ impl Runner {
             Verdict::Stiffness(fit) => {
                 self.stiffness = Some(fit);
                 self.holds = true;
-                self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp);
+                self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp)
+                    .told(self.wishes.max_force_n, &settings.grasp);
             }
             Verdict::None | Verdict::Done | Verdict::Refuse(_) => {}
         }
@@ -67,7 +68,7 @@ impl Runner {
                 let (weakest_n, strongest_n) = force_range_n(percept);
                 weakest_n > self.thresholds.f1_n || strongest_n > self.thresholds.f2_n
             }
-            Transition::Held => self.step_s >= self.hold_s,
+            Transition::Held => self.step_s >= self.wishes.hold_s,
             Transition::Concluded => concluded,
             Transition::Met(point) => self.peer_reached >= point,
             Transition::GripWanted => self.wants_grip(percept, now),
@@ -146,7 +147,12 @@ impl Runner {
     fn in_hold(&self, reason: Reason) -> Reason {
         let held =
             self.step().transition == Transition::Held || self.step().motion == Motion::Square;
-        if held && matches!(reason.cause, Cause::TOO_HEAVY | Cause::TOO_SOFT) {
+        if held
+            && matches!(
+                reason.cause,
+                Cause::TOO_HEAVY | Cause::TOO_SOFT | Cause::ABOVE_MAX_FORCE
+            )
+        {
             Reason {
                 cause: Cause::OUT_OF_FORCE,
                 ..reason
@@ -193,7 +199,7 @@ impl Runner {
             return Some(reason);
         }
         if step.transition == Transition::AllTouched {
-            let deepest_m = (self.width_m / 2.0 - settings.motion.search_m).max(MEET_M);
+            let deepest_m = (self.wishes.width_m / 2.0 - settings.motion.search_m).max(MEET_M);
             let closed_m = now
                 .half_opening_m
                 .iter()

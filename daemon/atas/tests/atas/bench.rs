@@ -5,7 +5,7 @@ use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
 use atas_core::path::{Path, Speeds};
 use atas_core::perception::{FingerPercept, Percept};
 use atas_core::tasks::BehaviourTable;
-use atas_core::thresholds::Thresholds;
+use atas_core::thresholds::{Bound, Thresholds};
 use nalgebra::Vector3;
 use robot_model::GraspFrame;
 use shm_schemas::ModuleId;
@@ -72,6 +72,11 @@ impl Bench {
             thresholds: Thresholds {
                 f1_n: 0.5,
                 f2_n: 4.0,
+                bound: if self.settings.grasp.f2_max_n > 4.0 {
+                    Bound::Object
+                } else {
+                    Bound::Hand
+                },
             },
             least_n: self.least_n,
             all_touched: self.all_touched,

@@ -65,7 +65,7 @@ fn a_good_goal_names_its_hand() {
 #[test]
 fn every_bad_field_is_named() {
     type Change = fn(&mut GoalRequest);
-    let rows: [(Change, Cause, u32); 24] = [
+    let rows: [(Change, Cause, u32); 32] = [
         (|g| g.kind = GoalKind(0), Cause::UNKNOWN_GOAL, 0),
         (|g| g.kind = GoalKind(u32::MAX), Cause::UNKNOWN_GOAL, 0),
         (|g| g.kind = GoalKind::CUSTOM, Cause::UNKNOWN_TASK, 0),
@@ -94,6 +94,15 @@ fn every_bad_field_is_named() {
         ),
         (|g| g.width_m = 0.0, Cause::UNREACHABLE, 8),
         (|g| g.width_m = 0.2, Cause::UNREACHABLE, 8),
+        (|g| g.top_m = f64::NAN, Cause::NOT_FINITE, 12),
+        (|g| g.top_m = -0.01, Cause::OUT_OF_RANGE, 12),
+        (|g| g.top_m = 0.6, Cause::OUT_OF_RANGE, 12),
+        // Higher than the palm over the fingertips.
+        (|g| g.top_m = 0.15, Cause::OUT_OF_RANGE, 12),
+        (|g| g.max_force_n = f64::NAN, Cause::NOT_FINITE, 13),
+        (|g| g.max_force_n = -1.0, Cause::OUT_OF_RANGE, 13),
+        (|g| g.max_force_n = 0.1, Cause::OUT_OF_RANGE, 13),
+        (|g| g.max_force_n = 8.1, Cause::OUT_OF_RANGE, 13),
     ];
     for (change, cause, index) in rows {
         let mut goal = goal();

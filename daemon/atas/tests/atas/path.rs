@@ -80,6 +80,22 @@ proptest! {
         }
     }
 
+    /// Whatever stands below the higher end of a way over it is not touched.
+    #[test]
+    fn a_path_over_crosses_at_the_height_of_its_higher_end(from in any_frame(), to in any_frame()) {
+        let path = Path::over(from, to, &SPEEDS);
+        prop_assert_eq!((path.at(0.0), path.at(path.duration_s()), *path.end()), (from, to, to));
+        let highest_m = from.centre_m.z.max(to.centre_m.z);
+        let across_m = |a: &GraspFrame, b: &GraspFrame| (a.centre_m - b.centre_m).xy().norm();
+        let step_s = path.duration_s() / 400.0;
+        for i in 0..400 {
+            let (a, b) = (path.at(f64::from(i) * step_s), path.at(f64::from(i + 1) * step_s));
+            prop_assert!((b.centre_m - a.centre_m).norm() <= PEAK * SPEEDS.move_m_s * step_s * 1.001 + 1e-12);
+            let stands_over = across_m(&b, &from).min(across_m(&b, &to)) < 1e-12;
+            prop_assert!(stands_over || b.centre_m.z > highest_m - 0.001, "{} m below", highest_m - b.centre_m.z);
+        }
+    }
+
     #[test]
     fn a_gripping_path_leaves_the_fingers_alone(from in any_frame(), to in any_frame()) {
         let path = Path::gripping(from, to, &SPEEDS);

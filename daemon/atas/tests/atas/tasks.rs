@@ -6,8 +6,8 @@ use atas_core::tasks::{
     ASSEMBLE, BACK_OUT, FOLLOW, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND,
     STAND_LED, Step, Transition, WITHDRAW, Waypoint,
 };
-use atas_core::thresholds::Thresholds;
-use shm_schemas::ModuleId;
+use atas_core::thresholds::{Bound, Thresholds};
+use shm_schemas::{Cause, ModuleId};
 
 /// Modules that say where the hand goes.
 const MOVERS: [ModuleId; 4] = [
@@ -174,6 +174,28 @@ fn thresholds_follow_the_stiffness() {
     );
 }
 
+#[test]
+fn what_the_goal_allows_stands_for_what_stiffness_does() {
+    let grasp = Settings::default().grasp;
+    for (stiffness_n_m, told_n, f2_n, exceeded) in [
+        (100.0, 0.0, 0.7, Cause::TOO_SOFT),
+        (1e6, 0.0, 8.0, Cause::TOO_HEAVY),
+        (100.0, 4.0, 4.0, Cause::ABOVE_MAX_FORCE),
+        (1e6, 0.3, 0.3, Cause::ABOVE_MAX_FORCE),
+        (1e6, 50.0, 8.0, Cause::ABOVE_MAX_FORCE),
+        (1e6, f64::NAN, 8.0, Cause::TOO_HEAVY),
+    ] {
+        let thresholds = Thresholds::for_stiffness(stiffness_n_m, &grasp).told(told_n, &grasp);
+        let case = format!("{stiffness_n_m} N/m, told {told_n} N: {thresholds:?}");
+        assert_eq!(
+            (thresholds.f2_n, thresholds.exceeded()),
+            (f2_n, exceeded),
+            "{case}"
+        );
+        assert!(thresholds.f1_n <= 0.8 * f2_n, "{case}");
+    }
+}
+
 /// Modules 1 and 3 must never contradict each other, however the table is tuned.
 #[test]
 fn f1_stays_below_f2() {
@@ -195,7 +217,8 @@ fn f1_stays_below_f2() {
         Thresholds::unknown(&grasp),
         Thresholds {
             f1_n: 1.0,
-            f2_n: 5.0
+            f2_n: 5.0,
+            bound: Bound::Hand
         }
     );
 }

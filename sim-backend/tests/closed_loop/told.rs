@@ -1,0 +1,84 @@
+//! What a goal's client knows of an object beside its place and width: how high it reaches, and what it bears.
+
+use crate::rig::{Rig, goal, object};
+use robot_model::Side;
+use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, ObjectTruth};
+use sim_backend::{Object, Scene, Shape};
+
+/// A grasp as changed by what is told: how it ended, and the truth.
+fn grasped(object: Object, told: impl FnOnce(&mut GoalRequest)) -> (GoalState, Cause, ObjectTruth) {
+    let scene = Scene::grasp(object, Side::Right);
+    let mut goal = goal(GoalKind::GRASP, &scene, Side::Right);
+    told(&mut goal);
+    let mut rig = Rig::seeded(&scene, 1);
+    let end = rig.pursue(&goal);
+    (end.state, end.reason.cause, rig.object())
+}
+
+/// A wooden post of this height.
+fn post(height_m: f64) -> Object {
+    let mut post = object("wood");
+    let Shape::Box { half_m } = &mut post.shape else {
+        panic!("wood is a box");
+    };
+    half_m.z = height_m / 2.0;
+    post
+}
+
+/// Regression: the hand went to its place above the object by the straight way from where it rests, and hit a high one from the
+/// side.
+#[test]
+fn the_hand_comes_over_what_is_high() {
+    for height_m in [0.15, 0.18, 0.20] {
+        let (state, cause, truth) = grasped(post(height_m), |_| ());
+        let what = format!("{height_m} m: {state} {cause}");
+        assert_eq!(state, GoalState::SUCCEEDED, "{what}");
+        assert!(truth.lifted_m > 0.03 && truth.dropped == 0, "{what}");
+    }
+}
+
+/// An object that is grasped far below its top is hit from above unless the goal tells how far.
+#[test]
+fn a_deep_grasp_needs_to_know_the_top() {
+    let deep = |goal: &mut GoalRequest| goal.from_m[2] = 0.10;
+    let (_, cause, _) = grasped(post(0.17), deep);
+    assert_eq!(cause, Cause::OBSTRUCTED);
+    let (state, cause, truth) = grasped(post(0.17), |goal| {
+        deep(goal);
+        goal.top_m = 0.07;
+    });
+    assert_eq!((state, cause), (GoalState::SUCCEEDED, Cause::NONE));
+    assert!(truth.lifted_m > 0.03);
+}
+
+/// Regression: a soft ball that needs 1 N and bears 4 was refused, whatever its owner knew.
+#[test]
+fn a_goal_may_allow_what_stiffness_alone_would_not() {
+    let ball = || Object {
+        stiffness_n_m: 800.0,
+        mass_kg: 0.12,
+        friction: 0.6,
+        crush_n: 4.0,
+        ..object("sponge")
+    };
+    let (state, cause, _) = grasped(ball(), |_| ());
+    assert_eq!((state, cause), (GoalState::REFUSED, Cause::TOO_SOFT));
+    for (max_force_n, expected) in [
+        (3.5, (GoalState::SUCCEEDED, Cause::NONE)),
+        (0.8, (GoalState::REFUSED, Cause::ABOVE_MAX_FORCE)),
+    ] {
+        let (state, cause, truth) = grasped(ball(), |goal| goal.max_force_n = max_force_n);
+        assert_eq!((state, cause), expected, "told {max_force_n} N");
+        assert_eq!((truth.crushed, truth.dropped), (0, 0));
+        let most_n = truth.max_force_n;
+        assert!(most_n < 1.1 * max_force_n, "{most_n} N, told {max_force_n}");
+    }
+}
+
+/// What is known to bear little is pressed with no more than that, however hard it feels.
+#[test]
+fn a_goal_may_allow_less_than_stiffness_would() {
+    let (state, cause, truth) = grasped(object("wood"), |goal| goal.max_force_n = 1.5);
+    assert_eq!((state, cause), (GoalState::REFUSED, Cause::ABOVE_MAX_FORCE));
+    assert!(truth.max_force_n < 1.8, "{} N", truth.max_force_n);
+}
