@@ -4,7 +4,7 @@
 //! newtons per metre sees nanometres. A hand in free air only moves its joints.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
+use robot_model::{Capsules, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 
 use crate::contact::{Approach, Contact, Wrench};
 use crate::hold::Grip;
@@ -145,6 +145,11 @@ impl Hand {
     /// What it is simulated as.
     pub(crate) fn model(&self) -> &HandModel {
         &self.model
+    }
+
+    /// Its bodies where they are, base frame.
+    pub(crate) fn bodies(&self) -> Capsules {
+        self.model.capsules(&self.pose)
     }
 
     /// The fingertips' skins.

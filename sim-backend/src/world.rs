@@ -1,6 +1,6 @@
 //! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
 
-use robot_model::{HandVector, RobotModel, RobotVector, Side};
+use robot_model::{Capsules, HandVector, RobotModel, RobotVector, Side};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::{HandFrame, JointCommand, JointState, Orders, WorldTruth};
 
@@ -204,6 +204,14 @@ impl World {
             }
         }
         truth
+    }
+
+    /// The bodies of a hand and its arm where they truly are, base frame; none of a hand that the robot has not got. Hand 0 is
+    /// left.
+    #[must_use]
+    pub fn bodies(&self, hand: usize) -> Capsules {
+        let hand = self.hands.get(hand);
+        hand.map_or(Capsules::new(), Hand::bodies)
     }
 
     /// Share of a fingertip's normal force under skin that slides now, 0 to 1: 1 when it slips as a whole. Hand 0 is left.

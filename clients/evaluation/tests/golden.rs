@@ -1,14 +1,14 @@
-//! The README's table is the one that was measured, and some of the trials behind it come out the same today.
+//! The README's tables are those that were measured, and some of the trials behind them come out the same today.
 //!
-//! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads: a table, and of every
-//! series behind it the first trial and the one in the middle. A controller or a simulator that behaves otherwise fails
+//! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads, and `atas eval errors` with
+//! it: a table, and of every series behind it the first trial and the one in the middle. A controller or a simulator that behaves otherwise fails
 //! here, until its figures are measured and the README has them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use atas_evaluation::{GripPolicy, Plan, Task, TrialRow, seeds};
+use atas_evaluation::{Condition, GripPolicy, Plan, Task, TrialRow, seeds};
 use sim_backend::Object;
 
 /// A row by its columns.
@@ -47,28 +47,31 @@ fn written(rows: &[TrialRow]) -> Vec<Columns> {
 }
 
 #[test]
-fn the_table_of_the_readme_is_the_one_that_was_measured() {
+fn the_tables_of_the_readme_are_those_that_were_measured() {
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
     let readme = std::fs::read_to_string(readme).expect("readable");
-    let table = golden("all.md");
-    let missing = table
-        .lines()
-        .find(|line| !readme.lines().any(|other| other == *line));
-    assert_eq!(
-        missing, None,
-        "a line of golden/all.md is not in the README"
-    );
-    assert!(
-        readme.contains(&table),
-        "golden/all.md stands otherwise in the README"
-    );
+    for name in ["all.md", "errors.md"] {
+        let table = golden(name);
+        let missing = table
+            .lines()
+            .find(|line| !readme.lines().any(|other| other == *line));
+        assert_eq!(
+            missing, None,
+            "a line of golden/{name} is not in the README"
+        );
+        assert!(
+            readme.contains(&table),
+            "golden/{name} stands otherwise in the README"
+        );
+    }
 }
 
-/// Runs the first kept trial of a task again under its usual condition, with all policies.
-fn check(task: Task, kept: &[Columns], baselines: bool) {
-    let condition = task.conditions().swap_remove(0);
-    let of_task = kept.iter().find(|row| row["task"] == task.name());
-    let first = of_task.unwrap_or_else(|| panic!("golden/all.csv has {}", task.name()));
+/// Runs the first kept trial of a task under a condition again, with all policies.
+fn check(task: Task, condition: Condition, kept: &[Columns], baselines: bool) {
+    let asked =
+        |row: &&Columns| row["task"] == task.name() && row["errors"] == condition.errors.name;
+    let first = kept.iter().find(asked);
+    let first = first.unwrap_or_else(|| panic!("golden has {}", task.name()));
     let seed: u64 = first["seed"].parse().expect("a seed");
     assert_eq!(seeds::purpose(seed, 1), "judging");
     let baselines = match baselines {
@@ -95,7 +98,7 @@ fn check(task: Task, kept: &[Columns], baselines: bool) {
         assert_eq!(
             Some(&today),
             then,
-            "golden/all.csv was measured with something else"
+            "the golden file was measured with something else"
         );
     }
 }
@@ -105,6 +108,17 @@ fn trials_behind_the_table_come_out_as_they_were_measured() {
     let kept = columns(golden("all.csv").as_bytes());
     for task in Task::ALL {
         // A baseline's assembly takes longest.
-        check(task, &kept, task != Task::Assembly);
+        let usual = task.conditions().swap_remove(0);
+        check(task, usual, &kept, task != Task::Assembly);
+    }
+}
+
+#[test]
+fn trials_with_errors_come_out_as_they_were_measured() {
+    let kept = columns(golden("errors.csv").as_bytes());
+    for task in [Task::Grasp, Task::PickPlace, Task::Screw] {
+        for condition in task.error_conditions() {
+            check(task, condition, &kept, false);
+        }
     }
 }

@@ -3,6 +3,7 @@
 //! Success over the families of objects is the evaluation's affair (`atas eval`); here are the branches that it rarely takes.
 
 mod any_robot;
+mod apart;
 mod assembly;
 mod hold;
 mod interrupted;

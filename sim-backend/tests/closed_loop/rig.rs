@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
-use robot_model::{RobotModel, Side};
+use robot_model::{HandVector, RobotModel, Side, clearance_m, farthest_move_m};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, HandFrame,
@@ -245,6 +245,21 @@ impl Rig {
             self.world.pull(0, [0.0, 0.0, -pull_n]).expect("a pull");
             self.ticks(1);
         }
+    }
+
+    /// How far the bodies of each arm are from where its commands would have them, m.
+    pub(crate) fn strays_m(&self) -> [f64; 2] {
+        let q_rad = self.commanded_rad.expect("commands have come");
+        Side::BOTH.map(|side| {
+            let (hand, joints) = (self.robot.hand(side), self.robot.joint_range(side));
+            let pose = hand.forward(&HandVector::from_slice(&q_rad[joints]));
+            farthest_move_m(&hand.capsules(&pose), &self.world.bodies(side.index()))
+        })
+    }
+
+    /// The gap between both arms, m.
+    pub(crate) fn gap_m(&self) -> f64 {
+        clearance_m(&self.world.bodies(0), &self.world.bodies(1))
     }
 
     pub(crate) fn object(&self) -> ObjectTruth {

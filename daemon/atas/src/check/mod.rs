@@ -9,6 +9,7 @@ mod clearance;
 mod fields;
 
 pub use circumstances::Circumstances;
+pub use clearance::CLEARANCE_M;
 
 use crate::follow::{FollowSpace, across_the_middle};
 use crate::goal::Goal;

@@ -27,6 +27,8 @@ const LOAD_MIN_N: f64 = 0.05;
 /// Share of the moment that friction could carry from which on an object may have turned, and the share of its lever that
 /// then must be left (ours, measured on objects with their centre of mass up to 5 mm aside).
 const TURNING: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
+/// How long it must have felt so to be believed, s (ours: a swing of it is none).
+const TURNED_S: f64 = 0.3;
 /// Share of its weight below which an object is gone, and how long it must be, s (ours).
 const GONE_SHARE: f64 = 0.3;
 const GONE_S: f64 = 0.2;
@@ -42,6 +44,8 @@ pub(super) struct InHand {
     torsion: f64,
     lever_most_m: f64,
     torsion_most: f64,
+    /// How long it has felt as if it had turned, s.
+    turned_s: f64,
     /// Weight as it was before anything fell, N; 0 while unknown. How long it has been felt, s.
     weight_n: f64,
     weighed_s: f64,
@@ -92,6 +96,18 @@ impl InHand {
         self.torsion += (torsion - self.torsion) * share;
         self.lever_most_m = larger(self.lever_most_m, self.lever_m);
         self.torsion_most = larger(self.torsion_most, self.torsion);
+        self.turned_s = if self.has_turned() {
+            self.turned_s + step_s
+        } else {
+            0.0
+        };
+    }
+
+    fn has_turned(&self) -> bool {
+        let turned = |[torsion, left]: &[f64; 2]| {
+            self.torsion_most > *torsion && self.lever_m < left * self.lever_most_m
+        };
+        TURNING.iter().any(turned)
     }
 
     fn weigh(&mut self, down_n: f64, slides: bool, step_s: f64) {
@@ -129,11 +145,16 @@ impl InHand {
             let reason = Reason::limit(Cause::SLIPPED_IN_HAND, self.slid_m, SLIP_MAX_M);
             return Some(reason);
         }
-        let turned = |[torsion, left]: &[f64; 2]| {
-            self.torsion_most > *torsion && self.lever_m < left * self.lever_most_m
-        };
-        let reason = Reason::limit(Cause::TURNED_IN_HAND, self.lever_m, self.lever_most_m);
-        TURNING.iter().any(turned).then_some(reason)
+        self.has_turned().then(|| self.turn())
+    }
+
+    /// Why the object, which goes on turning in the hand, is to be carried no further.
+    pub(super) fn turned(&self) -> Option<Reason> {
+        (self.turned_s > TURNED_S).then(|| self.turn())
+    }
+
+    fn turn(&self) -> Reason {
+        Reason::limit(Cause::TURNED_IN_HAND, self.lever_m, self.lever_most_m)
     }
 }
 

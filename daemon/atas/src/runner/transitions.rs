@@ -184,6 +184,13 @@ impl Runner {
         Outcome::NextStep
     }
 
+    /// Why an object goes no further, and stays in the hand: one that swings there would be set down on its edge, wherever.
+    fn turns(&self) -> Option<Reason> {
+        let carries = matches!(self.step().motion, Motion::Carry(_) | Motion::Convey(_));
+        let goes_on = carries && self.retreat.is_none() && !self.found;
+        self.in_hand.turned().filter(|_| goes_on)
+    }
+
     /// What ends the task without success in this tick, if anything.
     fn failure(&self, percept: &Percept, now: &GraspFrame, settings: &Settings) -> Option<Reason> {
         let step = self.step();
@@ -196,6 +203,9 @@ impl Runner {
             ));
         }
         if let Some(reason) = self.in_hand.lost().filter(|_| self.holds) {
+            return Some(reason);
+        }
+        if let Some(reason) = self.turns() {
             return Some(reason);
         }
         if step.transition == Transition::AllTouched {

@@ -3,16 +3,13 @@
 
 use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
-use atas_core::check::{self, Circumstances};
+use atas_core::check::{self, CLEARANCE_M, Circumstances};
 use atas_core::planning;
 use atas_core::tasks::{GRASP, Motion, STEPS_MAX, Step, Task, Waypoint};
 use atas_core::{Order, Settings};
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandVector, RobotVector, Side, nearest};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
-
-/// What accepted goals keep between the arms, m.
-const CLEARANCE_M: f64 = 0.006;
 
 /// Everywhere that a task can lead the hand, without an object.
 fn tour() -> Task {

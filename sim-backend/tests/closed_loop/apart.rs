@@ -1,0 +1,42 @@
+//! The arms keep apart: what the check of a goal allows for is what arms really do.
+//!
+//! Before anything moves, the check follows the ways of both arms as planned, and keeps `CLEARANCE_M` of air between them. In
+//! motion every arm lags behind its command, and no arm is built exactly as its model: here both are measured.
+
+use crate::rig::{Rig, goal, object, seeds};
+use atas_core::check::CLEARANCE_M;
+use robot_model::Side;
+use shm_schemas::{GoalKind, GoalState};
+use sim_backend::{Errors, Scene};
+
+/// Ticks between two looks: an arm moves by less than a millimetre.
+const LOOK_TICKS: u64 = 4;
+
+#[test]
+fn two_arms_together_stray_by_less_than_the_clearance_that_is_planned() {
+    // What an arm may be wrong by: see `atas-sim errors`.
+    let errors = Errors {
+        link_m: Errors::ALL.link_m,
+        servo_stiffness: Errors::ALL.servo_stiffness,
+        ..Errors::NONE
+    };
+    for seed in seeds(3) {
+        let side = Side::BOTH[seed as usize % 2];
+        let scene = Scene::assembly(object("cap"), object("open-bottle"), side);
+        let scene = scene.varied(seed).with_errors(&errors, seed);
+        let mut rig = Rig::seeded(&scene, seed);
+        rig.begin(&goal(GoalKind::ASSEMBLE, &scene, side));
+        let (mut strays_m, mut gap_m) = ([0.0_f64; 2], f64::INFINITY);
+        while rig.end.is_none() {
+            rig.ticks(LOOK_TICKS);
+            let now_m = rig.strays_m();
+            strays_m = [0, 1].map(|hand| strays_m[hand].max(now_m[hand]));
+            gap_m = gap_m.min(rig.gap_m());
+        }
+        let state = rig.end.map(|end| end.state);
+        let what = format!("seed {seed}: strayed by {strays_m:?} m, least gap {gap_m} m");
+        assert_eq!(state, Some(GoalState::SUCCEEDED), "{what}");
+        assert!(strays_m[0] + strays_m[1] < CLEARANCE_M, "{what}");
+        assert!(gap_m > 0.0, "{what}");
+    }
+}
