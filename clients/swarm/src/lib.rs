@@ -45,4 +45,5 @@ pub mod sensors;
 pub mod stats;
 pub mod table;
 pub mod table_file;
+pub mod training;
 pub mod workers;

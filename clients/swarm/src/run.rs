@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::condition::{Condition, GOALS};
 use crate::evaluate::{Evaluator, GoalPoints, Individual};
 use crate::ga::{Population, Settings, SettingsError};
-use crate::genome::diversity;
-use crate::islands::{Archipelago, IslandSettings};
+use crate::genome::{Genome, diversity};
+use crate::islands::{Archipelago, Elites, IslandSettings};
 use crate::rng::SplitMix64;
+use crate::training::of_generation;
 use crate::workers::Workers;
 
 /// A generation in which the best fitness rose.
@@ -51,6 +52,8 @@ pub struct Run {
     /// Generations done; `None` before the random population is evaluated.
     generation: Option<u32>,
     rises: Vec<Rise>,
+    /// Where every generation has other trials: the best of all generations' best, by the trials of the choice.
+    chosen: Option<Individual>,
 }
 
 impl Run {
@@ -72,17 +75,24 @@ impl Run {
             archipelago,
             generation: None,
             rises: Vec::new(),
+            chosen: None,
         })
     }
 
     /// A run as it was after `generation`.
     #[must_use]
-    pub fn resume(seed: u64, archipelago: Archipelago, generation: u32, rises: Vec<Rise>) -> Self {
+    pub fn resume(
+        seed: u64,
+        archipelago: Archipelago,
+        generation: u32,
+        (rises, chosen): (Vec<Rise>, Option<Individual>),
+    ) -> Self {
         Self {
             seed,
             archipelago,
             generation: Some(generation),
             rises,
+            chosen,
         }
     }
 
@@ -107,7 +117,13 @@ impl Run {
     /// The best individual so far.
     #[must_use]
     pub fn best(&self) -> Option<&Individual> {
-        self.archipelago.best()
+        self.chosen.as_ref().or_else(|| self.archipelago.best())
+    }
+
+    /// See [`Run::best`]; `None` where every generation has the same trials.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Individual> {
+        self.chosen.as_ref()
     }
 
     /// What the individuals of all islands are like now; `None` before the random population is evaluated.
@@ -132,20 +148,36 @@ impl Run {
         })
     }
 
-    /// Trials that a generation takes at most.
-    fn trials(&self) -> usize {
-        GOALS * self.archipelago.size()
+    /// The generation to come.
+    fn next(&self) -> u32 {
+        self.generation.map_or(0, |generation| generation + 1)
     }
 
-    fn accept(&mut self, evaluated: Vec<Individual>) {
-        let generation = self.generation.map_or(0, |generation| generation + 1);
-        self.archipelago.select(evaluated, generation);
+    fn accept(&mut self, evaluated: Vec<Individual>, elites: Elites) {
+        let generation = self.next();
+        self.archipelago.select(evaluated, generation, elites);
         self.generation = Some(generation);
-        let Some(best) = self.archipelago.best() else {
-            return;
-        };
-        let fitness = best.fitness();
-        Rise::note(&mut self.rises, generation, fitness);
+        if let (Elites::Known, Some(best)) = (elites, self.archipelago.best()) {
+            let fitness = best.fitness();
+            Rise::note(&mut self.rises, generation, fitness);
+        }
+    }
+
+    /// The genome that the run would end with if it were found better than the chosen one.
+    fn candidate(&self) -> Option<Genome> {
+        let best = &self.archipelago.best()?.genome;
+        let known = self.chosen.as_ref().map(|chosen| &chosen.genome);
+        (known != Some(best)).then(|| best.clone())
+    }
+
+    /// Takes a candidate that is better than the one chosen before.
+    fn choose(&mut self, candidate: Individual) {
+        let fitness = candidate.fitness();
+        let before = self.chosen.as_ref().map(Individual::fitness);
+        if before.is_none_or(|before| fitness > before) {
+            self.chosen = Some(candidate);
+            Rise::note(&mut self.rises, self.generation.unwrap_or(0), fitness);
+        }
     }
 
     /// What the run came to.
@@ -238,32 +270,88 @@ pub fn evolve(
     generations: u32,
     mut watch: impl FnMut(&[Run]) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let workers = workers.into();
-    let mut evaluator = Evaluator::new(condition.clone(), workers.clone(), runs.len());
-    let unfinished = |run: &Run| {
-        run.generation
-            .is_none_or(|generation| generation < generations)
-    };
-    while runs.iter().any(unfinished) {
-        let trials = runs.iter().map(Run::trials).sum();
-        let before = workers.may_break_off(trials).then(|| runs.to_vec());
-        let propose = |run: &mut Run| match unfinished(run) {
-            true => run.archipelago.propose(),
-            false => Vec::new(),
-        };
-        let proposals = runs.iter_mut().map(propose).collect();
-        let Some(evaluated) = evaluator.evaluate(proposals) else {
+    let mut trials = Trials::new(condition, workers.into(), runs.len());
+    let open = |run: &Run| run.generation.is_none_or(|done| done < generations);
+    while runs.iter().any(open) {
+        let before = trials.may_break_off(runs).then(|| runs.to_vec());
+        if trials.generation(runs, open).is_none() {
             for (run, before) in runs.iter_mut().zip(before.into_iter().flatten()) {
                 *run = before;
             }
             return ControlFlow::Break(());
-        };
-        for (run, evaluated) in runs.iter_mut().zip(evaluated) {
-            if unfinished(run) {
-                run.accept(evaluated);
-            }
         }
         watch(runs)?;
     }
     ControlFlow::Continue(())
+}
+
+/// What runs are tried on: the same trials in every generation, or other ones, and then the trials of the choice beside them.
+struct Trials {
+    evaluator: Evaluator,
+    workers: Workers,
+    choice: Option<Evaluator>,
+    elites: Elites,
+}
+
+impl Trials {
+    fn new(condition: &Condition, workers: Workers, runs: usize) -> Self {
+        let evaluator = || Evaluator::new(condition.clone(), workers.clone(), runs);
+        let drawn = condition.training().is_some();
+        Self {
+            evaluator: evaluator(),
+            choice: drawn.then(evaluator),
+            elites: match drawn {
+                true => Elites::JudgedAgain,
+                false => Elites::Known,
+            },
+            workers,
+        }
+    }
+
+    /// Whether a generation has so many trials that it may be broken off.
+    fn may_break_off(&self, runs: &[Run]) -> bool {
+        let size = |run: &Run| run.archipelago.size();
+        let genomes = 2 * runs.iter().map(size).sum::<usize>();
+        let choice = self.choice.as_ref().map_or(0, Evaluator::trials_per_genome);
+        let of_generation = genomes * self.evaluator.trials_per_genome();
+        self.workers.may_break_off(of_generation) || self.workers.may_break_off(runs.len() * choice)
+    }
+
+    /// One generation of every open run; nothing if the workers were stopped before its end.
+    fn generation(&mut self, runs: &mut [Run], open: impl Fn(&Run) -> bool) -> Option<()> {
+        let elites = self.elites;
+        let mut proposals = Vec::with_capacity(runs.len());
+        for (index, run) in runs.iter_mut().enumerate() {
+            if open(run) && elites == Elites::JudgedAgain {
+                let sets = of_generation(self.evaluator.condition(), run.seed, run.next());
+                self.evaluator.try_on(index, sets);
+            }
+            proposals.push(match open(run) {
+                true => run.archipelago.propose(elites),
+                false => Vec::new(),
+            });
+        }
+        let evaluated = self.evaluator.evaluate(proposals)?;
+        for (run, evaluated) in runs.iter_mut().zip(evaluated) {
+            if open(run) {
+                run.accept(evaluated, elites);
+            }
+        }
+        self.choose(runs)
+    }
+
+    /// Tries the best of the generation on the trials of the choice.
+    fn choose(&mut self, runs: &mut [Run]) -> Option<()> {
+        let Some(choice) = &mut self.choice else {
+            return Some(());
+        };
+        let candidates = runs.iter().map(|run| run.candidate().into_iter().collect());
+        let judged = choice.evaluate(candidates.collect())?;
+        for (run, judged) in runs.iter_mut().zip(judged) {
+            judged
+                .into_iter()
+                .for_each(|candidate| run.choose(candidate));
+        }
+        Some(())
+    }
 }
