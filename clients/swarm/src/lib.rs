@@ -46,4 +46,5 @@ pub mod stats;
 pub mod table;
 pub mod table_file;
 pub mod training;
+pub mod variation;
 pub mod workers;

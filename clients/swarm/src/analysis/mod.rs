@@ -1,6 +1,7 @@
 //! What evolved teams do, and which of the paper's findings hold (paper III.c), with intervals.
 
 mod baseline;
+mod claim;
 mod comparison;
 mod facts;
 mod fig17;
@@ -10,6 +11,7 @@ mod trace;
 mod wandering;
 
 pub use baseline::{Baselines, baselines, hand_written};
+pub use claim::Claim;
 pub use comparison::{Comparison, comparisons};
 pub use facts::{AgentFacts, TrialFacts, facts};
 pub use fig17::{Case, examples};
