@@ -8,6 +8,7 @@ mod fig17;
 mod findings;
 mod held_out;
 mod trace;
+mod transfer;
 mod wandering;
 
 pub use baseline::{Baselines, baselines, hand_written};
@@ -18,6 +19,7 @@ pub use fig17::{Case, examples};
 pub use findings::{Findings, Order, Redundancy, Single, Verdict, findings};
 pub use held_out::{HeldOut, held_out};
 pub use trace::{Frame, Trace, trace};
+pub use transfer::{Transfer, UNSEEN_SETS, transfer, transfers};
 pub use wandering::{Wandering, pushing_frames, wandering};
 
 use field::{Engine, Layout, MAX_AGENTS, Responses, Trial};

@@ -14,6 +14,7 @@ mod progress;
 mod report;
 mod slurm;
 mod sweep;
+mod transfer;
 
 use std::io::{ErrorKind, Write};
 use std::ops::ControlFlow;
@@ -72,6 +73,8 @@ pub(crate) enum Command {
     Merge(experiment::MergeArgs),
     /// Say with statistics which findings of the paper an experiment shows; compare with baselines and held-out trials.
     Analyse(analyse::AnalyseArgs),
+    /// Say what tables keep of their fitness on starts and goals that they never saw.
+    Transfer(transfer::TransferArgs),
     /// Put the findings of several experiments side by side: presets, or fitness rules.
     Compare(analyse::CompareArgs),
     /// Write what every trial of an experiment shows, one row per trial.
@@ -104,6 +107,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Command::Agreement(args) => grasp::agreement(args, format),
         Command::Merge(args) => experiment::merge(args, format),
         Command::Analyse(args) => analyse::analyse(args, format),
+        Command::Transfer(args) => transfer::run(args, format),
         Command::Compare(args) => analyse::compare(args, format),
         Command::Export(args) => analyse::export(args, format),
         Command::Find(args) => analyse::find(args, format),

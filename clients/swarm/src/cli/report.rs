@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use ebts::analysis::{Claim, Comparison, Findings, Verdict};
+use ebts::analysis::{Claim, Comparison, Findings, Transfer, Verdict};
 use ebts::results::Summary;
 use ebts::stats::Estimate;
 
@@ -138,6 +138,29 @@ pub(super) fn comparisons(comparisons: &[Comparison]) -> String {
                 c.agents
             );
         }
+    }
+    text
+}
+
+/// What tables keep of their fitness on trials that they never saw.
+pub(super) fn transfers(transfers: &[Transfer]) -> String {
+    let mut text = String::from(
+        "fitness of 800   evolved |  on the     unseen  unseen  both    kept of what was\n\
+         agents  tables   on      |  preset's 8  goals  starts  unseen  evolved, on both\n",
+    );
+    for t in transfers {
+        let _ = writeln!(
+            text,
+            "{:>6}  {:>6}  {:>7.1}  |  {:>10.1}  {:>5.1}  {:>6.1}  {:>6.1}  {}",
+            t.agents,
+            t.tables,
+            t.training,
+            t.preset,
+            t.goals,
+            t.starts,
+            t.both,
+            interval(Some(t.kept)),
+        );
     }
     text
 }

@@ -4,6 +4,7 @@ mod experiments;
 mod interruption;
 mod program;
 mod tables;
+mod transfer;
 
 use std::collections::BTreeSet;
 use std::path::Path;
