@@ -41,6 +41,7 @@ pub mod replay;
 pub mod results;
 pub mod rng;
 pub mod run;
+pub mod search;
 pub mod sensors;
 pub mod stats;
 pub mod table;

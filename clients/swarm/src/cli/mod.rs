@@ -12,6 +12,7 @@ mod options;
 mod preset;
 mod progress;
 mod report;
+mod search;
 mod slurm;
 mod sweep;
 mod transfer;
@@ -65,6 +66,8 @@ pub(crate) enum Command {
     Experiment(experiment::ExperimentArgs),
     /// Repeat an experiment for every combination of some values of a preset.
     Sweep(sweep::SweepArgs),
+    /// Look for a preset on which chosen findings of the paper hold, with seeds that choose and others that judge.
+    Search(search::SearchArgs),
     /// Write scripts that run an experiment in shards on a cluster: Slurm, Kubernetes, GNU parallel.
     Slurm(slurm::SlurmArgs),
     /// Measure how often the reduced and the full grasp agree about hand-written rules.
@@ -103,6 +106,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Command::Evolve(args) => evolve::evolve(args, format),
         Command::Experiment(args) => experiment::experiment(args, format),
         Command::Sweep(args) => sweep::sweep(args, format),
+        Command::Search(args) => search::search(args, format),
         Command::Slurm(args) => slurm::slurm(args, format),
         Command::Agreement(args) => grasp::agreement(args, format),
         Command::Merge(args) => experiment::merge(args, format),

@@ -3,6 +3,7 @@
 mod experiments;
 mod interruption;
 mod program;
+mod search;
 mod tables;
 mod transfer;
 
