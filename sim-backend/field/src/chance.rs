@@ -3,7 +3,8 @@
 //! **In**: the noise of a preset, the state of a trial's stream. **Out**: what goes wrong for each agent. Whole numbers only,
 //! drawn whatever the agents do, so that every engine draws the same and a trial that is repeated repeats its noise.
 
-use crate::preset::Noise;
+use serde::{Deserialize, Serialize};
+
 use crate::responses::Wheels;
 use crate::trial::MAX_AGENTS;
 
@@ -13,6 +14,30 @@ pub(crate) const PARTS_LOG2: u32 = 10;
 pub(crate) const PART_BITS: u32 = (1 << PARTS_LOG2) - 1;
 /// Shifts of one step of a stream (Marsaglia 2003, "Xorshift RNGs").
 pub(crate) const XORSHIFT: [u32; 3] = [13, 17, 5];
+
+/// Chances in 1024 per frame, drawn from the trial's own stream. Whole numbers, so that every engine draws the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Noise {
+    /// Of each sensor: that it says the opposite. 512 makes it blind.
+    pub sensor_flips_per_1024: u16,
+    /// Of each wheel: that it slips and stands still for the frame. 1024 stops everybody.
+    pub wheel_slips_per_1024: u16,
+}
+
+impl Noise {
+    /// Nothing goes wrong.
+    pub const NONE: Self = Self {
+        sensor_flips_per_1024: 0,
+        wheel_slips_per_1024: 0,
+    };
+
+    /// Whether nothing ever goes wrong.
+    #[must_use]
+    pub fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+}
 
 /// The stream of one trial. Never 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,9 @@
 
 use thiserror::Error;
 
-use crate::preset::{Goals, Noise, Places, Preset, Push, Training};
+use crate::chance::Noise;
+use crate::preset::{Goals, Preset, Push};
+use crate::training::{Places, Training};
 
 /// Sets of trials per generation: beyond, a generation takes longer than it is worth (ours).
 const MAX_DRAWS: u8 = 64;

@@ -1,8 +1,9 @@
 //! What both simulators compute with, derived from a preset once, so that their bits agree.
 
 use crate::arithmetic::{greater, lesser};
+use crate::chance::Noise;
 use crate::heading::cos_sin;
-use crate::preset::{Contact, Noise, Preset};
+use crate::preset::{Contact, Preset};
 use crate::trial::MAX_AGENTS;
 
 /// An agent this much further than contact still faces the object for the count of pushing agents (ours).

@@ -67,7 +67,8 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::{Noise, Training};
+    use crate::chance::Noise;
+    use crate::training::Training;
 
     #[test]
     fn every_field_has_a_name_of_its_own() {

@@ -37,20 +37,21 @@ mod preset;
 mod responses;
 mod run;
 mod sight;
+mod training;
 mod trial;
 mod world;
 mod written;
 
+pub use chance::Noise;
 pub use check::PresetError;
 pub use engine::{Engine, EngineError};
 pub use fitness::{FitnessRule, accuracy, delivered, efficiency, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
-pub use preset::{
-    Contact, Corner, Goals, Noise, Photo, Places, Preset, Push, Start, Starts, Training,
-};
+pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
 pub use run::{TrialRun, run_trial};
+pub use training::{Places, Training};
 pub use trial::{
     EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
     TRIAL_FRAMES, Trial,

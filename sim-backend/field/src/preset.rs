@@ -4,16 +4,12 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
+use crate::chance::Noise;
+use crate::training::Training;
 use crate::trial::MAX_AGENTS;
 
 /// Half the side of the paper's field (III.b.3: 800 × 800 px).
 pub(crate) const HALF_SIDE_PX: f32 = 400.0;
-
-/// Nothing goes wrong.
-const NO_NOISE: Noise = Noise {
-    sensor_flips_per_1024: 0,
-    wheel_slips_per_1024: 0,
-};
 
 /// Every number of one field. Plain data: [`crate::Model::new`] checks it. In a file it has every key, or only those in
 /// which it differs from a preset that ships, named as `base`.
@@ -53,58 +49,6 @@ pub struct Preset {
     pub noise: Noise,
     /// What tables are evolved on; `None` for the eight goals from these starts, again and again (the paper).
     pub training: Option<Training>,
-}
-
-/// Chances in 1024 per frame, drawn from the trial's own stream. Whole numbers, so that every engine draws the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Noise {
-    /// Of each sensor: that it says the opposite. 512 makes it blind.
-    pub sensor_flips_per_1024: u16,
-    /// Of each wheel: that it slips and stands still for the frame. 1024 stops everybody.
-    pub wheel_slips_per_1024: u16,
-}
-
-impl Noise {
-    /// Whether nothing ever goes wrong.
-    #[must_use]
-    pub fn is_none(self) -> bool {
-        self == Self::default()
-    }
-}
-
-/// Trials drawn anew for every generation, so that tables learn the task and not eight goals (ours). It says how the field
-/// is used, not what it is: [`Preset::fingerprint`] leaves it out, and such tables drive the same robots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Training {
-    /// Where agents start.
-    pub starts: Places,
-    /// Where the goals are.
-    pub goals: Places,
-    /// Sets of eight goals per generation, 1 to 64. Fewer are sooner done, and reward luck.
-    pub draws: u8,
-}
-
-impl Default for Training {
-    /// Everything drawn; eight sets tell better tables from lucky ones (measured; see the swarm's README).
-    fn default() -> Self {
-        Self {
-            starts: Places::Drawn,
-            goals: Places::Drawn,
-            draws: 8,
-        }
-    }
-}
-
-/// Whether places are the preset's or drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Places {
-    /// Those of the preset.
-    Preset,
-    /// Starts: anywhere on the field where nothing touches, any heading. Goals: one in each eighth of the circle or square.
-    Drawn,
 }
 
 /// The part of an overlap by which pushing agents move the object; below 1 it is too heavy for them to keep their speed.
@@ -233,7 +177,7 @@ impl Preset {
         },
         contact: Contact::Blocking,
         half_side_px: HALF_SIDE_PX,
-        noise: NO_NOISE,
+        noise: Noise::NONE,
         training: None,
     };
 
@@ -263,7 +207,7 @@ impl Preset {
         },
         contact: Contact::Sliding,
         half_side_px: HALF_SIDE_PX,
-        noise: NO_NOISE,
+        noise: Noise::NONE,
         training: None,
     };
 
@@ -299,7 +243,7 @@ impl Preset {
         },
         contact: Contact::Blocking,
         half_side_px: HALF_SIDE_PX,
-        noise: NO_NOISE,
+        noise: Noise::NONE,
         training: None,
     };
 

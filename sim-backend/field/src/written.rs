@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-use crate::preset::{
-    Contact, Corner, Goals, HALF_SIDE_PX, Noise, Photo, Preset, Push, Start, Starts, Training,
-};
+use crate::chance::Noise;
+use crate::preset::{Contact, Corner, Goals, HALF_SIDE_PX, Photo, Preset, Push, Start, Starts};
+use crate::training::Training;
 use crate::trial::MAX_AGENTS;
 
 impl Serialize for Preset {

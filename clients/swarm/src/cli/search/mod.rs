@@ -1,6 +1,7 @@
 //! `ebts search`: looks for a preset on which chosen findings of the paper hold.
 
-use std::fmt::Write as _;
+mod words;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,20 +9,17 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use ebts::analysis::{Claim, findings};
-use ebts::error::Result;
+use ebts::error::{Error, Result};
 use ebts::experiment::{Plan, Shard};
 use ebts::files::write_atomically;
 use ebts::run::Record;
-use ebts::search::{
-    Candidate, Halving, Judged, Range, Score, Stage, Together, candidates, together,
-};
+use ebts::search::{Candidate, Halving, Range, Score, Stage, Together, candidates, together};
 use ebts::workers::{Workers, pool};
 use field::Preset;
 
 use super::experiment::{Stopwatch, conclude, run};
 use super::options::{EngineArgs, EvolutionArgs};
 use super::progress::style;
-use super::report::interval;
 use super::{Format, answer, preset, stop_flag};
 
 const EXAMPLES: &str = "Examples:
@@ -154,7 +152,7 @@ pub(super) fn search(args: SearchArgs, format: Format) -> Result<()> {
         best,
         together,
     };
-    answer(format, &searched, || describe(&searched))
+    answer(format, &searched, || words::describe(&searched))
 }
 
 impl Search<'_> {
@@ -244,14 +242,15 @@ impl Search<'_> {
     fn run(&self, plan: &Plan, folder: &Path) -> Result<Vec<Record>> {
         let threads = self.args.engine.threads();
         let hidden = ProgressBar::hidden();
-        let (records, _) = run(
-            plan,
-            Shard::WHOLE,
-            folder,
-            (&self.workers, threads),
-            &hidden,
-        )?;
-        Ok(records)
+        let workers = (&self.workers, threads);
+        match run(plan, Shard::WHOLE, folder, workers, &hidden) {
+            Err(Error::Interrupted(_)) => Err(Error::Interrupted(format!(
+                "interrupted at {}: runs that finished are stored, those under way are saved; run the same command again to \
+                 go on",
+                folder.display()
+            ))),
+            ended => ended.map(|(records, _)| records),
+        }
     }
 
     fn score(&self, plan: &Plan, records: &[Record]) -> Result<Score> {
@@ -262,76 +261,4 @@ impl Search<'_> {
     fn folder(&self, part: &str, candidate: &Candidate) -> PathBuf {
         self.args.out.join(part).join(candidate.label())
     }
-}
-
-fn describe(searched: &Searched) -> String {
-    let mut text = format!("search around preset {}\n\n", searched.preset);
-    text += "stage  presets  runs per team size, further seeds\n";
-    for stage in &searched.stages {
-        let last = stage.first_seed + stage.seeds - 1;
-        let _ = writeln!(
-            text,
-            "{:>5}  {:>7}  {:>4}, {} to {last}",
-            stage.number, stage.candidates, stage.seeds, stage.first_seed
-        );
-    }
-    let last = searched.verdict_first_seed + searched.verdict_seeds - 1;
-    let _ = writeln!(
-        text,
-        "verdict: {} runs per team size, seeds {} to {last}; chance: by the seeds that chose",
-        searched.verdict_seeds, searched.verdict_first_seed
-    );
-    for found in &searched.best {
-        let changes = match found.changes.as_str() {
-            "" => "the preset itself",
-            changes => changes,
-        };
-        let changes = changes.replace(' ', "\n  ");
-        let _ = writeln!(text, "\n{}\n  {changes}", found.file.display());
-        text += &claims(found);
-    }
-    text + &pairs(&searched.together)
-}
-
-/// Each finding of one preset, by the seeds that chose it and by those of the verdict.
-fn claims(found: &Found) -> String {
-    let mut text = format!("  {:<43} chance  verdict [95 %]\n", "finding");
-    let both = found.tuning.claims.iter().zip(&found.verdict.claims);
-    for (tuning, verdict) in both {
-        let said = verdict
-            .verdict
-            .map_or(String::new(), |said| said.to_string());
-        let Judged {
-            claim, estimate, ..
-        } = verdict;
-        let _ = writeln!(
-            text,
-            "  {:<43} {:>4.2} {:<18} {said}",
-            claim.sentence(),
-            tuning.chance,
-            interval(*estimate)
-        );
-    }
-    let all = if found.all_hold { "yes" } else { "NO" };
-    let _ = writeln!(
-        text,
-        "  all of them at 95 %: {all}; chance that all are true: {:.2} (chosen by: {:.2})",
-        found.verdict.chance_of_all, found.tuning.chance_of_all
-    );
-    text
-}
-
-/// Which findings exclude each other.
-fn pairs(together: &[Together]) -> String {
-    let mut text =
-        String::from("\npresets of stage 1 that show both of two findings, and each of them\n");
-    for pair in together {
-        let names = format!("{} and {}", pair.one, pair.other);
-        let _ = writeln!(
-            text,
-            "  {names:<43} {:>5} of {:>5}, {:>5}",
-            pair.show_both, pair.show_one, pair.show_other
-        );
-    }
-    text
 }
