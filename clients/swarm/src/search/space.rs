@@ -82,7 +82,7 @@ fn between(low: &str, high: &str) -> Option<Values> {
 
 /// A TOML value, or a word as a string.
 fn value(text: &str) -> Option<toml::Value> {
-    let text = text.trim();
+    let text = Some(text.trim()).filter(|text| !text.is_empty())?;
     let plain = format!("value = {text}").parse::<toml::Table>();
     let value = plain.or_else(|_| format!("value = {text:?}").parse::<toml::Table>());
     value.ok().and_then(|mut table| table.remove("value"))
