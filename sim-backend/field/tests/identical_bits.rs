@@ -180,7 +180,7 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
 /// A change of these numbers is a change of the model: every table ever evolved and every figure would be another.
 #[test]
 fn the_bits_are_the_ones_on_record() {
-    let record: [(&str, [u64; 4]); 8] = [
+    let record: [(&str, [u64; 4]); 9] = [
         (
             "R3",
             [
@@ -233,6 +233,15 @@ fn the_bits_are_the_ones_on_record() {
                 0x80aa_d9a2_8c96_30a3,
                 0xfd48_9db2_c861_f402,
                 0x3407_366e_37cf_54c7,
+            ],
+        ),
+        (
+            "LB4",
+            [
+                0x5edb_2686_616d_d3ef,
+                0xf980_16eb_9d19_99bd,
+                0x346b_1455_b657_73c0,
+                0xbbbf_7c58_a2fa_83bd,
             ],
         ),
         (
