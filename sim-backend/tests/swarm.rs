@@ -1,6 +1,8 @@
 //! The swarm's host without a bus: what it refuses, and what robots do that are told nothing or nonsense.
 
-use field::{Model, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wheels, run_trial};
+use field::{
+    Model, Noise, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wheels, run_trial,
+};
 use shm_schemas::{AgentSensors, ArenaTruth, WheelCommands};
 use sim_backend::swarm::{Answer, Swarm, SwarmError, SwarmSettings, TrialReport};
 
@@ -49,8 +51,23 @@ fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
 
 #[test]
 fn fields_side_by_side_are_the_trials_of_the_field() {
-    let mut swarm = swarm(3, 5, &[1, 7]);
-    let SwarmSettings { model, team, .. } = settings(3, 5, &[]);
+    for noise in [0, 100] {
+        side_by_side(Noise {
+            sensor_flips_per_1024: noise,
+            wheel_slips_per_1024: noise,
+        });
+    }
+}
+
+fn side_by_side(noise: Noise) {
+    let noisy = Preset { noise, ..Preset::N };
+    let model = Model::new(noisy).expect("valid");
+    let settings = SwarmSettings {
+        model: model.clone(),
+        ..settings(3, 5, &[1, 7])
+    };
+    let team = settings.team;
+    let mut swarm = Swarm::new(settings).expect("valid settings");
     let table = Responses::from_fn(|row| Wheels::from_motor_bits(output(row as u32)));
     for (goal, first) in [(1, 0), (7, 48)] {
         let report = trial(&mut swarm, |_| ());

@@ -13,6 +13,7 @@ use crate::genome::Genome;
 use crate::islands::{Archipelago, IslandSettings};
 use crate::rng::SplitMix64;
 use crate::run::{Rise, Run};
+use crate::training::of_generation;
 
 /// Version of the layout of the file.
 const FORMAT: &str = "ebts-checkpoint-1";
@@ -51,6 +52,8 @@ struct Content {
     seed: u64,
     generation: u32,
     rises: Vec<Rise>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    chosen: Option<Member>,
     routes: SplitMix64,
     populations: Vec<Island>,
 }
@@ -113,6 +116,7 @@ impl Checkpoint {
             seed: self.run.seed,
             generation,
             rises: self.run.rises().to_vec(),
+            chosen: self.run.chosen().map(member),
             routes: archipelago.routes().clone(),
             populations: archipelago.islands().iter().map(island).collect(),
         };
@@ -180,14 +184,27 @@ impl Content {
             .into_iter()
             .map(population)
             .collect::<Option<Vec<_>>>()?;
+        let sets = of_generation(&condition, self.seed, self.generation);
         let whole = |population: &Population| {
             let mut members = population.members().iter();
             let evaluated = |member: &Individual| {
-                member.points == Evaluator::points_of(&condition, &member.genome)
+                let points = Evaluator::points_on(&condition, sets.clone(), &member.genome);
+                member.points == points
             };
             members.len() == self.settings.population && members.all(evaluated)
         };
         if populations.len() != self.islands.islands || !populations.iter().all(whole) {
+            return None;
+        }
+        let chosen = match self.chosen {
+            Some(chosen) => Some(member(chosen)?),
+            None => None,
+        };
+        let true_points = |chosen: &Individual| {
+            condition.training().is_some()
+                && chosen.points == Evaluator::points_of(&condition, &chosen.genome)
+        };
+        if !chosen.iter().all(true_points) {
             return None;
         }
         let archipelago = Archipelago::resume(
@@ -201,7 +218,12 @@ impl Content {
             settings: self.settings,
             islands: self.islands,
             generations: self.generations,
-            run: Run::resume(self.seed, archipelago, self.generation, self.rises),
+            run: Run::resume(
+                self.seed,
+                archipelago,
+                self.generation,
+                (self.rises, chosen),
+            ),
         })
     }
 }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use field::{FitnessRule, Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize};
+use field::{FitnessRule, Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize, Training};
 
 use crate::error::{Error, Result};
 
 use crate::genome::Genome;
 use crate::sensors::SensorOrder;
 use crate::table::{Shape, Table};
+use crate::training;
 
 /// Goals of one evaluation (paper III.b.3).
 pub const GOALS: usize = 8;
@@ -62,13 +63,14 @@ impl Setup {
     /// # Errors
     /// The first value that is out of range.
     pub fn build(self) -> Result<Condition> {
-        Ok(Condition {
+        let condition = Condition {
             team: TeamSize::new(self.agents).map_err(Error::from_part)?,
             model: Arc::new(Model::new(self.preset).map_err(Error::from_part)?),
             sharing: self.sharing,
             sensors: self.sensors,
             fitness: self.fitness_rule,
-        })
+        };
+        training::check(&condition).map(|()| condition)
     }
 }
 
@@ -95,6 +97,12 @@ impl Condition {
             sensors: SensorOrder::default(),
             fitness,
         }
+    }
+
+    /// What is drawn for every generation; `None` if every generation has the preset's eight trials.
+    #[must_use]
+    pub fn training(&self) -> Option<Training> {
+        self.model.preset().training
     }
 
     /// Tables in one genome.
@@ -134,7 +142,8 @@ impl Condition {
         }
     }
 
-    /// The eight layouts of an evaluation, goal 1 first.
+    /// The preset's own eight layouts, goal 1 first: what tables are evolved on, unless trials are drawn (see
+    /// [`crate::training`]), and what is drawn and replayed of them.
     #[must_use]
     pub fn layouts(&self) -> [Layout; GOALS] {
         self.model

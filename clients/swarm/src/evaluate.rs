@@ -1,7 +1,7 @@
 //! From genomes to fitness: paper steps 2 and 7.
 //!
-//! Trials of several runs are simulated together, because full vectors are fast vectors. Each run has a memo: a trial whose
-//! goal was already simulated with tables that agree in every row that was read then cannot come out differently, and is not
+//! Trials of several runs are simulated together, because full vectors are fast vectors. Each run has a memo: a trial that
+//! was already simulated with tables that agree in every row that was read then cannot come out differently, and is not
 //! simulated again. Neither changes a bit of any fitness, nor do threads that share the trials of a large population.
 
 use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
@@ -9,6 +9,7 @@ use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
 use crate::condition::{Condition, GOALS};
 use crate::genome::Genome;
 use crate::memo::Memo;
+use crate::training::{Set, of_choice};
 use crate::workers::Workers;
 
 /// Points per goal, goal 1 first.
@@ -19,7 +20,7 @@ pub type GoalPoints = [f32; GOALS];
 pub struct Individual {
     /// The genotype.
     pub genome: Genome,
-    /// Points per goal.
+    /// Points per goal: the mean over the sets of trials.
     pub points: GoalPoints,
 }
 
@@ -36,35 +37,54 @@ impl Individual {
 pub struct Evaluator {
     condition: Condition,
     workers: Workers,
-    layouts: [field::Layout; GOALS],
-    memos: Vec<Memo<MAX_AGENTS>>,
+    tests: Vec<Test>,
     pending: Vec<Pending>,
     trials: Vec<Trial>,
     outcomes: Vec<Outcome>,
+}
+
+/// What the genomes of one run are tried on, and what is known of it.
+#[derive(Debug)]
+struct Test {
+    sets: Vec<Set>,
+    memo: Memo<MAX_AGENTS>,
+}
+
+impl Test {
+    fn on(sets: Vec<Set>) -> Self {
+        let memo = Memo::of(GOALS * sets.len());
+        Self { sets, memo }
+    }
+
+    /// Trials per genome.
+    fn places(&self) -> usize {
+        GOALS * self.sets.len()
+    }
 }
 
 /// A trial that has to be simulated.
 #[derive(Debug)]
 struct Pending {
     run: usize,
-    genome: usize,
-    goal: usize,
+    /// Among the run's points.
+    index: usize,
+    /// Of all sets of the run: set · 8 + goal.
+    place: usize,
     tables: Tables,
 }
 
 type Tables = [u128; MAX_AGENTS];
 
 impl Evaluator {
-    /// An evaluator of `runs` independent runs.
+    /// An evaluator of `runs` independent runs, on the trials that the points of a table come from.
     #[must_use]
     pub fn new(condition: Condition, workers: impl Into<Workers>, runs: usize) -> Self {
-        let layouts = condition.layouts();
-        let memos = (0..runs).map(|_| Memo::default()).collect();
+        let sets = of_choice(&condition);
+        let tests = (0..runs).map(|_| Test::on(sets.clone())).collect();
         Self {
             condition,
             workers: workers.into(),
-            layouts,
-            memos,
+            tests,
             pending: Vec::new(),
             trials: Vec::new(),
             outcomes: Vec::new(),
@@ -77,25 +97,88 @@ impl Evaluator {
         &self.condition
     }
 
+    /// Trials that a genome takes at most.
+    #[must_use]
+    pub fn trials_per_genome(&self) -> usize {
+        self.tests.first().map_or(0, Test::places)
+    }
+
+    /// Tries the genomes of a run on other trials from now on.
+    pub fn try_on(&mut self, run: usize, sets: Vec<Set>) {
+        self.tests[run] = Test::on(sets);
+    }
+
     /// Evaluates the genomes of every run, `batches[run]`; nothing if the workers were stopped before the end.
     pub fn evaluate(&mut self, batches: Vec<Vec<Genome>>) -> Option<Vec<Vec<Individual>>> {
-        let mut evaluated: Vec<Vec<Individual>> = batches
-            .into_iter()
-            .map(|batch| {
-                batch
-                    .into_iter()
-                    .map(|genome| Individual {
-                        genome,
-                        points: [0.0; GOALS],
-                    })
-                    .collect()
-            })
-            .collect();
-        for (run, batch) in evaluated.iter_mut().enumerate() {
-            for (genome, individual) in batch.iter_mut().enumerate() {
-                self.recall(run, genome, individual);
+        let mut points: Vec<Vec<f32>> = Vec::with_capacity(batches.len());
+        for (run, batch) in batches.iter().enumerate() {
+            points.push(vec![0.0; batch.len() * self.tests[run].places()]);
+            for (genome, bits) in batch.iter().enumerate() {
+                self.recall(run, genome, bits, &mut points[run]);
             }
         }
+        self.simulate(&mut points)?;
+        let judged = |(genome, points): (Genome, &[f32])| Individual {
+            genome,
+            points: mean_per_goal(points),
+        };
+        let of_run = |((batch, points), test): ((Vec<Genome>, Vec<f32>), &Test)| {
+            let each = points.chunks_exact(test.places());
+            batch.into_iter().zip(each).map(judged).collect()
+        };
+        let runs = batches.into_iter().zip(points).zip(&self.tests);
+        Some(runs.map(of_run).collect())
+    }
+
+    /// The points of one genome on its own.
+    #[must_use]
+    pub fn points_of(condition: &Condition, genome: &Genome) -> GoalPoints {
+        Self::points_on(condition, of_choice(condition), genome)
+    }
+
+    /// The points of one genome on these trials.
+    #[must_use]
+    pub fn points_on(condition: &Condition, sets: Vec<Set>, genome: &Genome) -> GoalPoints {
+        let mut evaluator = Self {
+            condition: condition.clone(),
+            workers: Engine::fastest().into(),
+            tests: vec![Test::on(sets)],
+            pending: Vec::new(),
+            trials: Vec::new(),
+            outcomes: Vec::new(),
+        };
+        let evaluated = evaluator.evaluate(vec![vec![genome.clone()]]);
+        evaluated.map_or([0.0; GOALS], |evaluated| evaluated[0][0].points)
+    }
+
+    /// Fills in the points that the memo knows, and queues a trial for each of the others.
+    fn recall(&mut self, run: usize, genome: usize, bits: &Genome, points: &mut [f32]) {
+        let responses = self.condition.responses(bits);
+        let tables = responses.map(Responses::bits);
+        let Test { sets, memo } = &self.tests[run];
+        let first = genome * self.tests[run].places();
+        for (place, &layout) in sets.as_flattened().iter().enumerate() {
+            let index = first + place;
+            match memo.recall(place, &tables) {
+                Some(known) => points[index] = known,
+                None => {
+                    self.pending.push(Pending {
+                        run,
+                        index,
+                        place,
+                        tables,
+                    });
+                    self.trials.push(Trial {
+                        layout,
+                        tables: responses,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Simulates what is queued, and remembers it.
+    fn simulate(&mut self, points: &mut [Vec<f32>]) -> Option<()> {
         let Condition { model, team, .. } = &self.condition;
         let whole = self
             .workers
@@ -106,42 +189,26 @@ impl Evaluator {
             return None;
         }
         for (pending, outcome) in self.pending.drain(..).zip(&self.outcomes) {
-            let points = self.condition.points(outcome);
-            evaluated[pending.run][pending.genome].points[pending.goal] = points;
+            let Pending {
+                run,
+                index,
+                place,
+                tables,
+            } = pending;
+            let earned = self.condition.points(outcome);
+            points[run][index] = earned;
             let mask = Responses::row_mask(outcome.rows_read);
-            self.memos[pending.run].learn(pending.goal, &pending.tables, mask, points);
+            self.tests[run].memo.learn(place, &tables, mask, earned);
         }
-        Some(evaluated)
+        Some(())
     }
+}
 
-    /// The points of one genome on its own.
-    #[must_use]
-    pub fn points_of(condition: &Condition, genome: &Genome) -> GoalPoints {
-        let mut evaluator = Self::new(condition.clone(), Engine::fastest(), 1);
-        let evaluated = evaluator.evaluate(vec![vec![genome.clone()]]);
-        evaluated.map_or([0.0; GOALS], |evaluated| evaluated[0][0].points)
-    }
-
-    /// Fills in the points that the memo knows, and queues a trial for each of the others.
-    fn recall(&mut self, run: usize, genome: usize, individual: &mut Individual) {
-        let responses = self.condition.responses(&individual.genome);
-        let tables = responses.map(Responses::bits);
-        for goal in 0..GOALS {
-            match self.memos[run].recall(goal, &tables) {
-                Some(points) => individual.points[goal] = points,
-                None => {
-                    self.pending.push(Pending {
-                        run,
-                        genome,
-                        goal,
-                        tables,
-                    });
-                    self.trials.push(Trial {
-                        layout: self.layouts[goal],
-                        tables: responses,
-                    });
-                }
-            }
-        }
-    }
+/// The mean over the sets, in their order; of one set its points, to the bit.
+fn mean_per_goal(points: &[f32]) -> GoalPoints {
+    let (sets, _) = points.as_chunks::<GOALS>();
+    std::array::from_fn(|goal| {
+        let sum = sets.iter().fold(0.0, |sum, set| sum + set[goal]);
+        sum / sets.len() as f32
+    })
 }

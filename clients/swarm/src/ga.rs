@@ -148,6 +148,15 @@ impl Population {
         (0..population / 2).flat_map(|_| self.pair(total)).collect()
     }
 
+    /// The genomes to evaluate next where every generation is judged on other trials: the elites, whose fitness was measured
+    /// on other ones, then as [`Population::propose`].
+    pub fn propose_with_elites(&mut self) -> Vec<Genome> {
+        let elites = self.members.iter().take(self.settings.elite);
+        let mut genomes: Vec<Genome> = elites.map(|elite| elite.genome.clone()).collect();
+        genomes.extend(self.propose());
+        genomes
+    }
+
     /// Steps 4–6: two parents by roulette, two complementary children, mutation.
     fn pair(&mut self, total: f64) -> [Genome; 2] {
         let (mother, father) = (self.roulette(total), self.roulette(total));
@@ -175,7 +184,17 @@ impl Population {
     /// Step 8: elites and children in descending order of fitness; ties keep the elite first, then the earlier child.
     pub fn select(&mut self, children: Vec<Individual>) {
         self.members.truncate(self.settings.elite);
-        self.members.extend(children);
+        self.keep_best(children);
+    }
+
+    /// Step 8 with the proposals of [`Population::propose_with_elites`]: the elites as they are judged now.
+    pub fn select_among(&mut self, judged: Vec<Individual>) {
+        self.members.clear();
+        self.keep_best(judged);
+    }
+
+    fn keep_best(&mut self, judged: Vec<Individual>) {
+        self.members.extend(judged);
         self.members
             .sort_by(|a, b| b.fitness().total_cmp(&a.fitness()));
         self.members.truncate(self.settings.population);

@@ -27,6 +27,15 @@ impl Default for IslandSettings {
     }
 }
 
+/// Whether the fitness of elites still holds in the next generation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Elites {
+    /// It does: every generation has the same trials.
+    Known,
+    /// Every generation has other trials.
+    JudgedAgain,
+}
+
 /// The populations of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Archipelago {
@@ -110,18 +119,24 @@ impl Archipelago {
     }
 
     /// The genomes of all islands to evaluate next, island by island.
-    pub fn propose(&mut self) -> Vec<Genome> {
-        self.islands
-            .iter_mut()
-            .flat_map(Population::propose)
-            .collect()
+    pub fn propose(&mut self, elites: Elites) -> Vec<Genome> {
+        let propose = match elites {
+            Elites::Known => Population::propose,
+            Elites::JudgedAgain => Population::propose_with_elites,
+        };
+        self.islands.iter_mut().flat_map(propose).collect()
     }
 
     /// Ends generation `generation` with the evaluated proposals, in the order of [`Archipelago::propose`].
-    pub fn select(&mut self, mut evaluated: Vec<Individual>, generation: u32) {
+    pub fn select(&mut self, evaluated: Vec<Individual>, generation: u32, elites: Elites) {
+        let select = match elites {
+            Elites::Known => Population::select,
+            Elites::JudgedAgain => Population::select_among,
+        };
+        let share = evaluated.len() / self.islands.len().max(1);
+        let mut evaluated = evaluated.into_iter();
         for island in &mut self.islands {
-            let rest = evaluated.split_off(self.population.min(evaluated.len()));
-            island.select(std::mem::replace(&mut evaluated, rest));
+            select(island, evaluated.by_ref().take(share).collect());
         }
         let IslandSettings {
             islands,

@@ -4,9 +4,9 @@
 //! provenance ([`table_file`]), and, over many seeds, what of the paper holds ([`experiment`], [`analysis`], [`plot`]).
 //!
 //! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
-//! select; [`evaluate`] turns genomes into fitness with the `field` crate's simulators, on as many threads as [`workers`]
+//! select; [`training`] says on which trials, [`evaluate`] turns genomes into fitness with the `field` crate's simulators, on as many threads as [`workers`]
 //! has; [`run`] puts these together for one seed; [`checkpoint`] and [`experiment`] keep runs on disk; [`analysis`] looks at
-//! what evolved, [`results`] and [`plot`] write it down; [`agents`] drives the robots of a field on the bus. The same algorithm
+//! what evolved, [`results`] and [`plot`] write it down; [`search`] looks for fields ([`variation`]) on which all of it holds; [`agents`] drives the robots of a field on the bus. The same algorithm
 //! evolves tables for other agents: a hand ([`grasp`]), and the base of a robot with hands ([`course`]).
 //!
 //! Invariants:
@@ -41,8 +41,11 @@ pub mod replay;
 pub mod results;
 pub mod rng;
 pub mod run;
+pub mod search;
 pub mod sensors;
 pub mod stats;
 pub mod table;
 pub mod table_file;
+pub mod training;
+pub mod variation;
 pub mod workers;

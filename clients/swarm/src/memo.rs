@@ -1,7 +1,8 @@
 //! What was tried already: a trial of a goal with tables that agree in every row that was read then cannot come out
 //! differently.
 //!
-//! A goal is whatever points are given for: a goal of the field, an object to grasp, a group of courses.
+//! A goal is whatever points are given for: a goal of the field, in every set of trials another; an object to grasp; a group
+//! of courses.
 
 use crate::condition::GOALS;
 
@@ -10,7 +11,7 @@ const MEMO_TRIALS: usize = 64;
 
 /// The last trials of every goal, each with the tables of `N` agents.
 #[derive(Debug)]
-pub(crate) struct Memo<const N: usize>([Ring<N>; GOALS]);
+pub(crate) struct Memo<const N: usize>(Vec<Ring<N>>);
 
 #[derive(Debug)]
 struct Ring<const N: usize> {
@@ -29,14 +30,20 @@ struct Known<const N: usize> {
 
 impl<const N: usize> Default for Memo<N> {
     fn default() -> Self {
-        Self(core::array::from_fn(|_| Ring {
-            known: Vec::new(),
-            oldest: 0,
-        }))
+        Self::of(GOALS)
     }
 }
 
 impl<const N: usize> Memo<N> {
+    /// A memo of so many goals that remembers nothing yet.
+    pub(crate) fn of(goals: usize) -> Self {
+        let empty = || Ring {
+            known: Vec::new(),
+            oldest: 0,
+        };
+        Self((0..goals).map(|_| empty()).collect())
+    }
+
     /// The points of a trial that is known to come out so.
     pub(crate) fn recall(&self, goal: usize, tables: &[u128; N]) -> Option<f32> {
         let agrees = |known: &&Known<N>| {

@@ -57,7 +57,7 @@ pub fn page(file: &TableFile) -> Result<String> {
         file.individual.fitness(),
         condition.fitness
     );
-    replay(condition, &title, &traces(file), &file.individual.points)
+    replay(condition, &title, &traces(file), &file.points_on_field())
 }
 
 /// Builds the page of any trials.

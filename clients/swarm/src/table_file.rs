@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
-use crate::evaluate::{GoalPoints, Individual};
+use crate::evaluate::{Evaluator, GoalPoints, Individual};
 use crate::files::{read_text, sha256, write_atomically};
 use crate::genome::Genome;
 use crate::run::Record;
@@ -108,6 +108,22 @@ impl TableFile {
                 points: record.points,
             },
         })
+    }
+
+    /// Points per goal in the preset's own eight trials: what evolution saw, unless it saw trials drawn anew.
+    #[must_use]
+    pub fn points_on_field(&self) -> GoalPoints {
+        let Self {
+            condition,
+            individual,
+            ..
+        } = self;
+        match condition.training() {
+            None => individual.points,
+            Some(_) => {
+                Evaluator::points_on(condition, vec![condition.layouts()], &individual.genome)
+            }
+        }
     }
 
     /// Reads a file and checks everything, the hash included.

@@ -12,9 +12,10 @@ use ebts::islands::IslandSettings;
 use ebts::rng::SplitMix64;
 use ebts::run::{Record, Run, evolve};
 use ebts::sensors::SensorOrder;
+use ebts::training::of_choice;
 use ebts::workers::Workers;
 use ebts::{genome::Genome, run};
-use field::{Engine, FitnessRule, Preset, Trial, run_trial};
+use field::{Engine, FitnessRule, Noise, Places, Preset, Training, Trial, run_trial};
 
 const GENERATIONS: u32 = 18;
 const ISLANDS: IslandSettings = IslandSettings {
@@ -22,7 +23,7 @@ const ISLANDS: IslandSettings = IslandSettings {
     migrate_every: 4,
 };
 
-/// Conditions that take every path: presets, team sizes, sharing, scoring, sensor order.
+/// Conditions that take every path: presets, team sizes, sharing, scoring, sensor order, noise, trials drawn anew.
 fn conditions() -> Vec<Condition> {
     let paper_team = |preset: Preset, agents| Setup {
         agents,
@@ -54,6 +55,29 @@ fn conditions() -> Vec<Condition> {
         sensors,
         ..paper_team(Preset::R3, 2)
     });
+    let noise = Noise {
+        sensor_flips_per_1024: 10,
+        wheel_slips_per_1024: 20,
+    };
+    let drawn = |starts, goals, draws| {
+        Some(Training {
+            starts,
+            goals,
+            draws,
+        })
+    };
+    for (agents, noise, training) in [
+        (2, noise, None),
+        (3, noise, drawn(Places::Drawn, Places::Drawn, 2)),
+        (1, Noise::default(), drawn(Places::Drawn, Places::Preset, 1)),
+    ] {
+        let preset = Preset {
+            noise,
+            training,
+            ..Preset::R3
+        };
+        setups.push(paper_team(preset, agents));
+    }
     setups
         .into_iter()
         .map(|setup| setup.build().expect("a valid setup"))
@@ -178,8 +202,10 @@ fn threads_and_stopping_half_way_change_no_bit() {
 #[test]
 fn the_memo_changes_no_points() {
     for condition in conditions() {
-        let mut rng = SplitMix64::stream(&[4]);
+        let (mut rng, mut sets) = (SplitMix64::stream(&[4]), of_choice(&condition));
+        sets.truncate(4);
         let mut evaluator = Evaluator::new(condition.clone(), Engine::fastest(), 1);
+        evaluator.try_on(0, sets.clone());
         let rate = ebts::rng::Probability::new(0.01).expect("a probability");
         let mut genome = Genome::random(condition.genome_bits(), &mut rng);
         for _ in 0..60 {
@@ -190,14 +216,15 @@ fn the_memo_changes_no_points() {
                 .remove(0)
                 .remove(1);
             let tables = condition.responses(&genome);
-            let direct = condition.layouts().map(|layout| {
-                condition.points(&run_trial(
-                    &condition.model,
-                    condition.team,
-                    &Trial { layout, tables },
-                ))
-            });
-            assert_eq!(evaluated.points, direct);
+            let points = |layout| {
+                let trial = Trial { layout, tables };
+                condition.points(&run_trial(&condition.model, condition.team, &trial))
+            };
+            let mean = |goal| {
+                let of_goal = sets.iter().map(|set| points(set[goal]));
+                of_goal.fold(0.0, |sum, points| sum + points) / sets.len() as f32
+            };
+            assert_eq!(evaluated.points, std::array::from_fn(mean));
         }
     }
 }

@@ -2,7 +2,14 @@
 
 use thiserror::Error;
 
+use crate::chance::Noise;
 use crate::preset::{Goals, Preset, Push};
+use crate::training::{Places, Training};
+
+/// Sets of trials per generation: beyond, a generation takes longer than it is worth (ours).
+const MAX_DRAWS: u8 = 64;
+/// A chance of one.
+const MOST_PARTS: u16 = 1024;
 
 /// A preset or a layout that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -108,6 +115,8 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
             "1 to half the field's side",
         ),
         push(p.push),
+        noise(p.noise),
+        training(p.training, p.noise),
     ];
     match rows.into_iter().find(|(_, _, good, _)| !good) {
         None => Ok(()),
@@ -135,9 +144,85 @@ fn push(push: Push) -> (&'static str, f32, bool, &'static str) {
     }
 }
 
+fn noise(noise: Noise) -> (&'static str, f32, bool, &'static str) {
+    let Noise {
+        sensor_flips_per_1024: flips,
+        wheel_slips_per_1024: slips,
+    } = noise;
+    let (key, parts) = if flips > MOST_PARTS {
+        ("noise.sensor_flips_per_1024", flips)
+    } else {
+        ("noise.wheel_slips_per_1024", slips)
+    };
+    (key, f32::from(parts), parts <= MOST_PARTS, "0 to 1024")
+}
+
+fn training(training: Option<Training>, noise: Noise) -> (&'static str, f32, bool, &'static str) {
+    let Some(Training {
+        starts,
+        goals,
+        draws,
+    }) = training
+    else {
+        return ("training", 0.0, true, "nothing");
+    };
+    let drawn = starts == Places::Drawn || goals == Places::Drawn || !noise.is_none();
+    let most = if drawn { MAX_DRAWS } else { 1 };
+    let needs = if drawn {
+        "1 to 64"
+    } else {
+        "1 while nothing is drawn, neither starts nor goals nor noise: all sets are the same then"
+    };
+    (
+        "training.draws",
+        f32::from(draws),
+        (1..=most).contains(&draws),
+        needs,
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn noise_and_draws_out_of_range_are_refused_by_name() {
+        let noise = |flips, slips| Noise {
+            sensor_flips_per_1024: flips,
+            wheel_slips_per_1024: slips,
+        };
+        let fixed = |draws| {
+            Some(Training {
+                starts: Places::Preset,
+                goals: Places::Preset,
+                draws,
+            })
+        };
+        let drawn = |draws| {
+            Some(Training {
+                draws,
+                ..Training::default()
+            })
+        };
+        let rows = [
+            (noise(1024, 1024), drawn(64), None),
+            (noise(1025, 0), None, Some("noise.sensor_flips_per_1024")),
+            (noise(0, 9999), None, Some("noise.wheel_slips_per_1024")),
+            (noise(0, 0), drawn(0), Some("training.draws")),
+            (noise(0, 0), drawn(65), Some("training.draws")),
+            (noise(0, 0), fixed(2), Some("training.draws")),
+            (noise(0, 1), fixed(2), None),
+        ];
+        for (noise, training, expected) in rows {
+            let preset = Preset {
+                noise,
+                training,
+                ..Preset::R3
+            };
+            let found = check(&preset).map_err(|e| e.key).err();
+            assert_eq!(found, expected, "{noise:?} {training:?}");
+        }
+    }
 
     #[test]
     fn bad_values_are_refused_by_name() {

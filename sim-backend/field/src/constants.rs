@@ -1,6 +1,7 @@
 //! What both simulators compute with, derived from a preset once, so that their bits agree.
 
 use crate::arithmetic::{greater, lesser};
+use crate::chance::Noise;
 use crate::heading::cos_sin;
 use crate::preset::{Contact, Preset};
 use crate::trial::MAX_AGENTS;
@@ -16,6 +17,7 @@ const CULL_MARGIN_PX: f32 = 1.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
     pub contact: Contact,
+    pub noise: Noise,
     /// Centres of agents stay inside ± this.
     pub agent_limit: f32,
     /// The object's centre stays inside ± this.
@@ -69,6 +71,7 @@ impl Constants {
         let near_wall = lesser(agent_limit - stride, p.half_side_px - p.ir_range_px);
         Self {
             contact: p.contact,
+            noise: p.noise,
             agent_limit,
             object_limit: p.half_side_px - p.object_radius_px,
             agent_radius_sq: sq(p.agent_radius_px),

@@ -6,7 +6,8 @@ use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
 
 impl Preset {
     /// Names the numbers of this field, whatever it is called: the first eight bytes of the SHA-256 over all of them, in the
-    /// order of a file, little-endian, words as their place in their list. Never 0.
+    /// order of a file, little-endian, words as their place in their list, noise only where there is some. Never 0. What
+    /// tables are evolved on is no part of the field.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Sha256::new();
@@ -51,6 +52,10 @@ impl Preset {
             Contact::Blocking => 1.0,
         });
         add(self.half_side_px);
+        if !self.noise.is_none() {
+            add(self.noise.sensor_flips_per_1024.into());
+            add(self.noise.wheel_slips_per_1024.into());
+        }
         let digest = hash.finalize();
         let first = digest
             .first_chunk()
@@ -62,6 +67,8 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Noise;
+    use crate::training::Training;
 
     #[test]
     fn every_field_has_a_name_of_its_own() {
@@ -70,11 +77,23 @@ mod tests {
         let mut other = Preset::R3;
         other.starts.corners = corners;
         names.push(other.fingerprint());
+        let noise = Noise {
+            wheel_slips_per_1024: 1,
+            ..Noise::default()
+        };
+        names.push(
+            Preset {
+                noise,
+                ..Preset::R3
+            }
+            .fingerprint(),
+        );
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), Preset::ALL.len() + 1);
+        assert_eq!(names.len(), Preset::ALL.len() + 2);
         let renamed = Preset {
             name: "mine".into(),
+            training: Some(Training::default()),
             ..Preset::R3
         };
         assert_eq!(renamed.fingerprint(), Preset::R3.fingerprint());

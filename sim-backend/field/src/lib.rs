@@ -18,10 +18,13 @@
 //!   where it provably changes nothing.
 //! * A [`Model`] holds only finite numbers inside their ranges: what is not, is refused by [`Model::new`].
 //!
-//! Deliberately absent: time, randomness, files, threads and learning. Lengths are in pixels (px), times in frames,
+//! * Noise is a part of a trial, drawn from a stream that the trial names, whatever the agents do.
+//!
+//! Deliberately absent: time, unseeded randomness, files, threads and learning. Lengths are in pixels (px), times in frames,
 //! headings in steps of 1/64 turn, counter-clockwise from +x; the paper's field is the square `[−400, 400]²` (III.b.3).
 
 mod arithmetic;
+mod chance;
 mod check;
 mod constants;
 mod engine;
@@ -34,10 +37,12 @@ mod preset;
 mod responses;
 mod run;
 mod sight;
+mod training;
 mod trial;
 mod world;
 mod written;
 
+pub use chance::Noise;
 pub use check::PresetError;
 pub use engine::{Engine, EngineError};
 pub use fitness::{FitnessRule, accuracy, delivered, efficiency, solved};
@@ -46,6 +51,7 @@ pub use model::{Model, TeamSize, TeamSizeError};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
 pub use run::{TrialRun, run_trial};
+pub use training::{Places, Training};
 pub use trial::{
     EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
     TRIAL_FRAMES, Trial,

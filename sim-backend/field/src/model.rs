@@ -98,13 +98,24 @@ impl Model {
         }
     }
 
+    /// A goal on the way from one of the 64 directions to the next: `part` is 0 to 1. On the square it stays on its side, on
+    /// the circle it cuts the corner by a thousandth of the radius.
+    #[must_use]
+    pub fn goal_beyond(&self, heading: u8, part: f32) -> Point {
+        let (from, to) = (
+            self.goal_towards(heading),
+            self.goal_towards(heading.wrapping_add(1)),
+        );
+        Point {
+            x_px: from.x_px + part * (to.x_px - from.x_px),
+            y_px: from.y_px + part * (to.y_px - from.y_px),
+        }
+    }
+
     /// The preset's starts with this goal.
     #[must_use]
     pub fn training_layout(&self, goal: Point) -> Layout {
-        Layout {
-            starts: self.starts,
-            goal,
-        }
+        Layout::new(self.starts, goal)
     }
 
     /// Any starts with any goal, for held-out trials.
@@ -141,7 +152,7 @@ impl Model {
                 )?;
             }
         }
-        Ok(Layout { starts, goal })
+        Ok(Layout::new(starts, goal))
     }
 
     fn within(&self, key: &'static str, value: f32, limit: f32) -> Result<(), PresetError> {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::chance::{Stream, seed};
 use crate::responses::Responses;
 
 /// Agents that one field holds (paper Fig. 13).
@@ -48,9 +49,33 @@ impl Pose {
 pub struct Layout {
     pub(crate) starts: [Pose; MAX_AGENTS],
     pub(crate) goal: Point,
+    /// Where the stream of the trial's noise begins.
+    pub(crate) noise: Stream,
 }
 
 impl Layout {
+    /// A layout whose noise its own numbers name: the same starts and goal have the same noise, wherever they are tried.
+    pub(crate) fn new(starts: [Pose; MAX_AGENTS], goal: Point) -> Self {
+        let poses = starts
+            .iter()
+            .flat_map(|pose| [pose.x_px, pose.y_px, pose.heading.into()]);
+        let numbers = poses.chain([goal.x_px, goal.y_px]);
+        Self {
+            starts,
+            goal,
+            noise: Stream(seed(numbers).max(1)),
+        }
+    }
+
+    /// The same with the noise of another stream.
+    #[must_use]
+    pub fn with_noise(self, seed: u32) -> Self {
+        Self {
+            noise: Stream(seed.max(1)),
+            ..self
+        }
+    }
+
     /// Where the agents stand at frame 0; agents beyond the team's size do not take part.
     #[must_use]
     pub fn starts(&self) -> &[Pose; MAX_AGENTS] {

@@ -4,6 +4,7 @@
 //! drives; bodies that overlap are separated and the object is pushed. [`Contact`] says how bodies meet.
 
 use crate::arithmetic::{clamp, greater};
+use crate::chance::{Stream, Upset};
 use crate::constants::{COINCIDENT_SQ, Constants};
 use crate::heading::cos_sin;
 use crate::model::{Model, TeamSize};
@@ -21,6 +22,10 @@ pub struct World {
     object: Point,
     goal: Point,
     touching: [bool; MAX_AGENTS],
+    /// What goes wrong in this frame.
+    upsets: [Upset; MAX_AGENTS],
+    /// From where the next frame's noise is drawn.
+    noise: Stream,
 }
 
 #[inline]
@@ -33,6 +38,7 @@ impl World {
     /// The field at frame 0, the object at the origin.
     #[must_use]
     pub fn new(model: &Model, team: TeamSize, layout: &Layout) -> Self {
+        let (upsets, noise) = layout.noise.frame(model.constants.noise, team.get());
         Self {
             constants: model.constants,
             team,
@@ -40,6 +46,8 @@ impl World {
             object: Point::default(),
             goal: layout.goal,
             touching: [false; MAX_AGENTS],
+            upsets,
+            noise,
         }
     }
 
@@ -91,7 +99,7 @@ impl World {
     pub fn sense(&self) -> [u8; MAX_AGENTS] {
         let mut rows = [0; MAX_AGENTS];
         for (i, row) in rows.iter_mut().enumerate().take(self.team.get()) {
-            *row = self.sense_agent(i);
+            *row = self.sense_agent(i) ^ self.upsets[i].flips;
         }
         rows
     }
@@ -99,6 +107,8 @@ impl World {
     /// One frame: every agent turns and drives at its wheel levels, then bodies meet.
     pub fn advance(&mut self, wheels: &[Wheels; MAX_AGENTS]) {
         self.touching = [false; MAX_AGENTS];
+        let wheels: [Wheels; MAX_AGENTS] =
+            std::array::from_fn(|i| self.upsets[i].turning(wheels[i]));
         match self.constants.contact {
             Contact::Sliding => {
                 for (i, wheels) in wheels.iter().enumerate().take(self.team.get()) {
@@ -115,6 +125,7 @@ impl World {
                 }
             }
         }
+        (self.upsets, self.noise) = self.noise.frame(self.constants.noise, self.team.get());
     }
 
     fn sense_agent(&self, i: usize) -> u8 {

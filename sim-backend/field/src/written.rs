@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
+use crate::chance::Noise;
 use crate::preset::{Contact, Corner, Goals, HALF_SIDE_PX, Photo, Preset, Push, Start, Starts};
+use crate::training::Training;
 use crate::trial::MAX_AGENTS;
 
 impl Serialize for Preset {
@@ -61,6 +63,12 @@ struct Written {
     /// Left out where it is the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     half_side_px: Option<f32>,
+    /// Left out where nothing goes wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<Noise>,
+    /// Left out where nothing is drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    training: Option<Training>,
 }
 
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
@@ -115,6 +123,8 @@ impl From<Preset> for Written {
             friction_per_stall_force,
             contact: Some(p.contact),
             half_side_px: (p.half_side_px != HALF_SIDE_PX).then_some(p.half_side_px),
+            noise: (!p.noise.is_none()).then_some(p.noise),
+            training: p.training,
         }
     }
 }
@@ -188,6 +198,8 @@ impl Written {
                 .half_side_px
                 .or(base.half_side_px)
                 .unwrap_or(HALF_SIDE_PX),
+            noise: file.noise.or(base.noise).unwrap_or_default(),
+            training: file.training.or(base.training),
         })
     }
 

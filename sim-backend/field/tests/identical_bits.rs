@@ -2,7 +2,8 @@
 //! the trials; and those bits are the ones on record.
 
 use field::{
-    Contact, Engine, Model, Outcome, Photo, Pose, Preset, Push, Responses, TeamSize, Trial, Wheels,
+    Contact, Engine, Model, Noise, Outcome, Photo, Pose, Preset, Push, Responses, TeamSize, Trial,
+    Wheels,
 };
 
 /// Numbers for tables and starts (SplitMix64).
@@ -46,8 +47,8 @@ impl Random {
     }
 }
 
-/// The shipped presets and four that leave their paths: narrow eyes, slow sliding in a crowd, and agents that reach further in
-/// a frame than they see, sliding and blocking.
+/// The shipped presets and those that leave their paths: narrow eyes, slow sliding in a crowd, agents that reach further in a
+/// frame than they see, sliding and blocking, and noise from seldom to always.
 fn presets() -> Vec<Preset> {
     let mut presets = Preset::ALL.to_vec();
     presets.push(Preset {
@@ -80,6 +81,20 @@ fn presets() -> Vec<Preset> {
             ..preset
         });
     }
+    for (flips, slips, preset) in [
+        (10, 0, Preset::R3),
+        (0, 51, Preset::N),
+        (300, 200, Preset::LB2),
+        (1024, 1024, Preset::N3),
+    ] {
+        presets.push(Preset {
+            noise: Noise {
+                sensor_flips_per_1024: flips,
+                wheel_slips_per_1024: slips,
+            },
+            ..preset
+        });
+    }
     presets
 }
 
@@ -96,7 +111,7 @@ fn trials(model: &Model, seed: u64) -> Vec<Trial> {
         }
         for _ in 0..round {
             trials.push(Trial {
-                layout: random.layout(model),
+                layout: random.layout(model).with_noise(round * 77),
                 tables,
             });
         }
@@ -165,7 +180,7 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
 /// A change of these numbers is a change of the model: every table ever evolved and every figure would be another.
 #[test]
 fn the_bits_are_the_ones_on_record() {
-    let record: [(&str, [u64; 4]); 7] = [
+    let record: [(&str, [u64; 4]); 9] = [
         (
             "R3",
             [
@@ -221,6 +236,15 @@ fn the_bits_are_the_ones_on_record() {
             ],
         ),
         (
+            "LB4",
+            [
+                0x5edb_2686_616d_d3ef,
+                0xf980_16eb_9d19_99bd,
+                0x346b_1455_b657_73c0,
+                0xbbbf_7c58_a2fa_83bd,
+            ],
+        ),
+        (
             "paper",
             [
                 0xe1bb_2dc8_09e5_0bba,
@@ -229,8 +253,24 @@ fn the_bits_are_the_ones_on_record() {
                 0xb1d6_927f_75bc_29ca,
             ],
         ),
+        (
+            "R3 with noise",
+            [
+                0xfb9e_6ab4_0a6b_a3da,
+                0x96b7_a3f5_3aa3_fc28,
+                0x7fa6_5876_e7fa_ee4a,
+                0x271d_323c_37ba_a38c,
+            ],
+        ),
     ];
-    let now = Preset::ALL.map(|preset| {
+    let noisy = Preset {
+        noise: Noise {
+            sensor_flips_per_1024: 10,
+            wheel_slips_per_1024: 20,
+        },
+        ..Preset::R3
+    };
+    let now = Preset::ALL.into_iter().chain([noisy]).map(|preset| {
         let model = Model::new(preset).expect("a shipped preset");
         let trials = trials(&model, 1);
         TeamSize::ALL.map(|team| fingerprint(&run(Engine::fastest(), &model, team, &trials)))

@@ -68,7 +68,7 @@ impl TrialFacts {
             agents: record.agents,
             seed: record.seed,
             goal: goal + 1,
-            points: record.points[goal],
+            points: condition.points(&trace.outcome),
             delivered: delivered(condition.model.preset(), condition.team, &trace.outcome),
             reached_frame: trace.outcome.reached_frame,
             distance_px: trace.outcome.evaluated.goal_px,

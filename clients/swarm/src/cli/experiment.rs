@@ -14,7 +14,7 @@ use ebts::files::{plain_name, write_atomically};
 use ebts::plot::fig14;
 use ebts::results::{Summary, write_results, write_summary};
 use ebts::run::Record;
-use ebts::workers::pool;
+use ebts::workers::{Workers, pool};
 use field::Preset;
 
 use super::options::{EngineArgs, EvolutionArgs};
@@ -122,7 +122,9 @@ pub(super) fn experiment(args: ExperimentArgs, format: Format) -> Result<()> {
         .out
         .clone()
         .unwrap_or_else(|| default_folder(&plan, shard));
-    let (records, before) = run(&plan, shard, &folder, &args.runs.engine)?;
+    let engine = &args.runs.engine;
+    let workers = (&engine.workers(stop_flag()?)?, engine.threads());
+    let (records, before) = run(&plan, shard, &folder, workers, &ProgressBar::new(0))?;
     let note = (before > 0)
         .then(|| format!("{before} of these runs were there already; the times are of the rest"));
     let threads = args.runs.engine.threads();
@@ -132,15 +134,10 @@ pub(super) fn experiment(args: ExperimentArgs, format: Format) -> Result<()> {
 
 impl RunsArgs {
     pub(super) fn plan(&self, preset: Preset) -> Result<Plan> {
-        let fitness_rule = self.evolution.fitness_rule(&preset);
         let plan = Plan {
             agents: self.agents.clone(),
             first_seed: self.first_seed,
-            sharing: self.evolution.sharing(),
-            sensors: self.evolution.sensors(),
-            settings: self.evolution.settings()?,
-            islands: self.evolution.islands(),
-            ..Plan::fig14(preset, fitness_rule, self.seeds, self.evolution.generations)
+            ..self.evolution.plan(preset, self.seeds)?
         };
         plan.conditions().map(|_| plan)
     }
@@ -151,13 +148,14 @@ pub(super) fn run(
     plan: &Plan,
     shard: Shard,
     folder: &Path,
-    engine: &EngineArgs,
+    (workers, threads): (&Workers, usize),
+    bar: &ProgressBar,
 ) -> Result<(Vec<Record>, usize)> {
     let jobs = shard.select(plan.jobs());
     let (mut store, records) = Store::open(folder, plan)?;
     let before = records.len();
-    let bar = ProgressBar::new(jobs.len() as u64 * u64::from(plan.generations))
-        .with_style(style("generation"));
+    bar.set_length(jobs.len() as u64 * u64::from(plan.generations));
+    bar.set_style(style("generation"));
     bar.set_position(before as u64 * u64::from(plan.generations));
     let progress = |progress| match progress {
         Progress::Generations(count) => bar.inc(count),
@@ -170,12 +168,11 @@ pub(super) fn run(
             job.agents, job.seed
         )),
     };
-    let workers = engine.workers(stop_flag()?)?;
     let records = experiment::execute(
         plan,
         &jobs,
         (&mut store, records),
-        (&workers, engine.threads()),
+        (workers, threads),
         progress,
     );
     bar.finish_and_clear();

@@ -281,7 +281,7 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
         title: format!("goal {}: {points:.0} points ({rule})", goal + 1),
         trace,
     };
-    let earned = traces.into_iter().zip(file.individual.points);
+    let earned = traces.into_iter().zip(file.points_on_field());
     let panels: Vec<Panel> = earned.enumerate().map(panel).collect();
     write_atomically(&paths, trajectories(&file.condition, &panels)?.as_bytes())?;
     Ok(Plotted {

@@ -12,8 +12,10 @@ mod options;
 mod preset;
 mod progress;
 mod report;
+mod search;
 mod slurm;
 mod sweep;
+mod transfer;
 
 use std::io::{ErrorKind, Write};
 use std::ops::ControlFlow;
@@ -64,6 +66,8 @@ pub(crate) enum Command {
     Experiment(experiment::ExperimentArgs),
     /// Repeat an experiment for every combination of some values of a preset.
     Sweep(sweep::SweepArgs),
+    /// Look for a preset on which chosen findings of the paper hold, with seeds that choose and others that judge.
+    Search(search::SearchArgs),
     /// Write scripts that run an experiment in shards on a cluster: Slurm, Kubernetes, GNU parallel.
     Slurm(slurm::SlurmArgs),
     /// Measure how often the reduced and the full grasp agree about hand-written rules.
@@ -72,6 +76,8 @@ pub(crate) enum Command {
     Merge(experiment::MergeArgs),
     /// Say with statistics which findings of the paper an experiment shows; compare with baselines and held-out trials.
     Analyse(analyse::AnalyseArgs),
+    /// Say what tables keep of their fitness on starts and goals that they never saw.
+    Transfer(transfer::TransferArgs),
     /// Put the findings of several experiments side by side: presets, or fitness rules.
     Compare(analyse::CompareArgs),
     /// Write what every trial of an experiment shows, one row per trial.
@@ -100,10 +106,12 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Command::Evolve(args) => evolve::evolve(args, format),
         Command::Experiment(args) => experiment::experiment(args, format),
         Command::Sweep(args) => sweep::sweep(args, format),
+        Command::Search(args) => search::search(args, format),
         Command::Slurm(args) => slurm::slurm(args, format),
         Command::Agreement(args) => grasp::agreement(args, format),
         Command::Merge(args) => experiment::merge(args, format),
         Command::Analyse(args) => analyse::analyse(args, format),
+        Command::Transfer(args) => transfer::run(args, format),
         Command::Compare(args) => analyse::compare(args, format),
         Command::Export(args) => analyse::export(args, format),
         Command::Find(args) => analyse::find(args, format),

@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 
 use ebts::condition::Sharing;
 use ebts::error::{Error, Result};
+use ebts::experiment::Plan;
 use ebts::files::read_text;
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
@@ -108,6 +109,18 @@ impl EvolutionArgs {
 
     pub(super) fn sensors(&self) -> SensorOrder {
         self.sensors
+    }
+
+    /// Fig. 14 with all of this on a preset.
+    pub(super) fn plan(&self, preset: Preset, seeds: u64) -> Result<Plan> {
+        let fitness_rule = self.fitness_rule(&preset);
+        Ok(Plan {
+            sharing: self.sharing(),
+            sensors: self.sensors(),
+            settings: self.settings()?,
+            islands: self.islands(),
+            ..Plan::fig14(preset, fitness_rule, seeds, self.generations)
+        })
     }
 }
 

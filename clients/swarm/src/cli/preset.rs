@@ -23,7 +23,7 @@ pub(crate) struct PresetArgs {
 }
 
 /// What every key means, in the order in which a file has them.
-const KEYS: [(&str, &str); 17] = [
+const KEYS: [(&str, &str); 19] = [
     ("name", "how people call it"),
     ("agent_radius_px", "1 to 100"),
     ("object_radius_px", "1 to 100"),
@@ -80,6 +80,14 @@ const KEYS: [(&str, &str); 17] = [
         "half_side_px",
         "half the side of the square field; 400 if left out",
     ),
+    (
+        "noise",
+        "chances in 1024 per frame: a sensor says the opposite; a wheel slips and stands still",
+    ),
+    (
+        "training",
+        "trials drawn for every generation: starts, goals: drawn or preset; draws: sets of eight goals",
+    ),
 ];
 
 #[derive(Serialize)]
@@ -135,7 +143,7 @@ fn list(format: Format) -> Result<()> {
 }
 
 /// A preset as a file, with what every key means.
-fn file(preset: &Preset) -> Result<String> {
+pub(super) fn file(preset: &Preset) -> Result<String> {
     let table = toml::Table::try_from(preset).map_err(Error::from_part)?;
     let mut text = String::new();
     for (key, meaning) in KEYS {
@@ -156,7 +164,15 @@ mod tests {
             half_side_px: 500.0,
             ..Preset::R3
         };
-        for preset in Preset::ALL.into_iter().chain([wide]) {
+        let drawn = Preset {
+            noise: field::Noise {
+                sensor_flips_per_1024: 10,
+                wheel_slips_per_1024: 20,
+            },
+            training: Some(field::Training::default()),
+            ..Preset::N
+        };
+        for preset in Preset::ALL.into_iter().chain([wide, drawn]) {
             let table = toml::Table::try_from(&preset).expect("a table");
             for key in table.keys() {
                 assert!(

@@ -2,13 +2,9 @@
 
 use std::fmt::Write as _;
 
-use ebts::analysis::{Comparison, Findings, Verdict};
+use ebts::analysis::{Claim, Comparison, Findings, Transfer, Verdict};
 use ebts::results::Summary;
 use ebts::stats::Estimate;
-
-/// The part of solved four-agent trials in which redundant agents have to keep out for the finding to hold (ours: the paper
-/// shows two examples and gives no rate).
-const KEEP_OUT_BORDER: f64 = 0.5;
 
 /// The table of Fig. 14.
 pub(super) fn summary(summary: &Summary) -> String {
@@ -33,91 +29,23 @@ pub(super) fn summary(summary: &Summary) -> String {
     text + "\n"
 }
 
-/// A finding of the paper: what it says, what was estimated, and where the border is.
-struct Row {
-    what: &'static str,
-    estimate: Option<Estimate>,
-    border: f64,
-}
-
-impl Row {
-    fn value(&self) -> String {
-        self.estimate
-            .map_or("not run".to_owned(), |Estimate { value, low, high }| {
-                format!("{value:.2} [{low:.2}, {high:.2}]")
-            })
-    }
-
-    fn verdict(&self) -> Option<Verdict> {
-        self.estimate
-            .map(|estimate| Verdict::above(self.border, estimate))
-    }
-}
-
-/// The paper's findings, in its order.
-fn rows(findings: &Findings) -> [Row; 8] {
-    let Findings {
-        ratio,
-        order,
-        single,
-        redundancy,
-        ..
-    } = findings;
-    let row = |what, estimate, border| Row {
-        what,
-        estimate,
-        border,
-    };
-    let (single, redundancy) = (single.as_ref(), redundancy.as_ref());
-    [
-        row("several reach 5 x one: smallest/one median", *ratio, 5.0),
-        row(
-            "P(a run of several >= 5 x a run of one)",
-            order.multi_ge_5x_single,
-            0.5,
-        ),
-        row(
-            "three beat four: P(run of 3 > run of 4)",
-            order.three_gt_four,
-            0.5,
-        ),
-        row(
-            "two beat four: P(run of 2 > run of 4)",
-            order.two_gt_four,
-            0.5,
-        ),
-        row(
-            "three are optimal: P(run of 3 > run of 2)",
-            order.three_gt_two,
-            0.5,
-        ),
-        row(
-            "one agent does not get away",
-            single.map(|single| single.trapped),
-            0.5,
-        ),
-        row(
-            "one agent circles (frames 91 to 270)",
-            single.map(|single| single.circling),
-            0.5,
-        ),
-        row(
-            "redundant agents keep out of solved trials",
-            redundancy.map(|redundancy| redundancy.keep_out),
-            KEEP_OUT_BORDER,
-        ),
-    ]
+/// An estimate with its interval.
+pub(super) fn interval(estimate: Option<Estimate>) -> String {
+    estimate.map_or("not run".to_owned(), |Estimate { value, low, high }| {
+        format!("{value:.2} [{low:.2}, {high:.2}]")
+    })
 }
 
 /// Every finding of the paper with its interval and verdict.
 pub(super) fn findings(findings: &Findings) -> String {
     let mut text =
         String::from("what the paper found, and what these runs say [95 % bootstrap interval]:\n");
-    for row in rows(findings) {
-        let verdict = row
-            .verdict()
+    for claim in Claim::ALL {
+        let verdict = claim
+            .verdict(findings)
             .map_or(String::new(), |verdict| verdict.to_string());
-        let _ = writeln!(text, "  {:<43} {:<19} {verdict}", row.what, row.value());
+        let value = interval(claim.estimate(findings));
+        let _ = writeln!(text, "  {:<43} {value:<19} {verdict}", claim.sentence());
     }
     if let Some(single) = &findings.single {
         let _ = writeln!(
@@ -166,23 +94,15 @@ pub(super) fn side_by_side(experiments: &[(Summary, Findings)]) -> String {
         let _ = write!(text, " {}, {} |", summary.preset, summary.fitness_rule);
     }
     text = text + "\n|---|" + &"---|".repeat(experiments.len()) + "\n";
-    let columns: Vec<[Row; 8]> = experiments
-        .iter()
-        .map(|(_, findings)| rows(findings))
-        .collect();
-    for index in 0..8 {
-        let _ = write!(
-            text,
-            "| {} |",
-            columns.first().map_or("", |rows| rows[index].what)
-        );
-        for rows in &columns {
-            let mark = match rows[index].verdict() {
+    for claim in Claim::ALL {
+        let _ = write!(text, "| {} |", claim.sentence());
+        for (_, findings) in experiments {
+            let mark = match claim.verdict(findings) {
                 Some(Verdict::DoesNotReproduce) => " **no**",
                 Some(Verdict::Undecided) => " undecided",
                 Some(Verdict::Reproduces) | None => "",
             };
-            let _ = write!(text, " {}{mark} |", rows[index].value());
+            let _ = write!(text, " {}{mark} |", interval(claim.estimate(findings)));
         }
         text.push('\n');
     }
@@ -218,6 +138,29 @@ pub(super) fn comparisons(comparisons: &[Comparison]) -> String {
                 c.agents
             );
         }
+    }
+    text
+}
+
+/// What tables keep of their fitness on trials that they never saw.
+pub(super) fn transfers(transfers: &[Transfer]) -> String {
+    let mut text = String::from(
+        "fitness of 800   evolved |  on the     unseen  unseen  both    kept of what was\n\
+         agents  tables   on      |  preset's 8  goals  starts  unseen  evolved, on both\n",
+    );
+    for t in transfers {
+        let _ = writeln!(
+            text,
+            "{:>6}  {:>6}  {:>7.1}  |  {:>10.1}  {:>5.1}  {:>6.1}  {:>6.1}  {}",
+            t.agents,
+            t.tables,
+            t.training,
+            t.preset,
+            t.goals,
+            t.starts,
+            t.both,
+            interval(Some(t.kept)),
+        );
     }
     text
 }

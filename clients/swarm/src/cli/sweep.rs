@@ -4,19 +4,20 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 use ebts::error::{Error, Result};
 use ebts::experiment::Shard;
 use ebts::files::plain_name;
 use ebts::results::Summary;
+use ebts::variation::varied;
 use ebts::workers::pool;
 use field::Preset;
 
 use super::experiment::{RunsArgs, Stopwatch, conclude, run};
-use super::options::checked;
 use super::report;
-use super::{Format, answer};
+use super::{Format, answer, stop_flag};
 
 const EXAMPLES: &str = "Examples:
   ebts sweep --preset LB2 --vary goal_radius_px=40,50 --seeds 15 --out sweep
@@ -43,9 +44,9 @@ pub(crate) struct SweepArgs {
 
 /// `key=value,value`, as in `starts.distance_px=300,325`.
 #[derive(Clone, Debug)]
-struct Vary {
-    key: String,
-    values: Vec<toml::Value>,
+pub(super) struct Vary {
+    pub(super) key: String,
+    pub(super) values: Vec<toml::Value>,
 }
 
 impl FromStr for Vary {
@@ -91,12 +92,19 @@ pub(super) fn sweep(args: SweepArgs, format: Format) -> Result<()> {
         .into_iter()
         .map(|preset| args.runs.plan(preset))
         .collect::<Result<Vec<_>>>()?;
+    let engine = &args.runs.engine;
+    let (workers, threads) = (engine.workers(stop_flag()?)?, engine.threads());
     let (mut shown, mut found) = (Vec::new(), Vec::new());
     for plan in &plans {
         let watch = Stopwatch::start();
         let folder = args.out.join(plain_name(&plan.preset.name));
-        let (records, _) = run(plan, Shard::WHOLE, &folder, &args.runs.engine)?;
-        let threads = args.runs.engine.threads();
+        let (records, _) = run(
+            plan,
+            Shard::WHOLE,
+            &folder,
+            (&workers, threads),
+            &ProgressBar::new(0),
+        )?;
         let (summary, findings) =
             pool(threads)?.install(|| conclude(&folder, plan, &records, &watch))?;
         found.push(Combination {
@@ -125,62 +133,9 @@ fn combinations(base: &Preset, vary: &[Vary]) -> Result<Vec<Preset>> {
             chosen.push((key.as_str(), &values[index % values.len()]));
             index /= values.len();
         }
-        combination(base, &chosen)
+        varied(base, &chosen)
     };
     (0..count).map(nth).collect()
-}
-
-fn combination(base: &Preset, chosen: &[(&str, &toml::Value)]) -> Result<Preset> {
-    let mut table = toml::Table::try_from(base).map_err(Error::from_part)?;
-    // Of two fitted numbers and one law, the one that is varied stays.
-    let varied = |key: &str| chosen.iter().any(|(varied, _)| *varied == key);
-    if varied("friction_per_stall_force") {
-        table.remove("solo_push");
-        table.remove("team_push");
-    } else if varied("solo_push") || varied("team_push") {
-        table.remove("friction_per_stall_force");
-    }
-    let mut name = base.name.to_string();
-    for (key, value) in chosen {
-        set(&mut table, key, value);
-        let short = ebts::table_file::inline(value).replace('"', "");
-        name += &format!(" {key}={short}");
-    }
-    table.insert("name".to_owned(), name.into());
-    let preset = toml::Value::Table(table).try_into();
-    let preset = preset.map_err(|error: toml::de::Error| {
-        Error::refused(
-            format_args!(
-                "vary {}",
-                chosen
-                    .iter()
-                    .map(|(key, _)| *key)
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            ),
-            error.message(),
-            "keys and values of a preset",
-            "see ebts preset NAME",
-        )
-    })?;
-    checked(preset)
-}
-
-/// Sets a key; a dot leads into a table.
-fn set(table: &mut toml::Table, key: &str, value: &toml::Value) {
-    match key.split_once('.') {
-        None => {
-            table.insert(key.to_owned(), value.clone());
-        }
-        Some((outer, inner)) => {
-            let entry = table
-                .entry(outer)
-                .or_insert_with(|| toml::Table::new().into());
-            if let toml::Value::Table(table) = entry {
-                set(table, inner, value);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::ga::Settings;
 use crate::islands::IslandSettings;
 use crate::run::Job;
 use crate::sensors::SensorOrder;
+use crate::training;
 
 /// The paper's Fig. 14 and its variations: team sizes × seeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,13 +73,14 @@ impl Plan {
         self.check()?;
         let model = Arc::new(Model::new(self.preset.clone()).map_err(Error::from_part)?);
         let condition = |&agents: &usize| {
-            Ok(Condition {
+            let condition = Condition {
                 model: Arc::clone(&model),
                 team: TeamSize::new(agents).map_err(Error::from_part)?,
                 sharing: self.sharing,
                 sensors: self.sensors,
                 fitness: self.fitness_rule,
-            })
+            };
+            training::check(&condition).map(|()| condition)
         };
         self.agents.iter().map(condition).collect()
     }

@@ -74,7 +74,7 @@ fn an_interrupted_run_goes_on_to_the_same_table() {
     assert!(refused(folder, &format!("{EVOLVE} --out cut.toml"), 3).contains("is there already"));
 }
 
-fn interrupt(process: u32) {
+pub(super) fn interrupt(process: u32) {
     let status = Command::new("kill")
         .args(["-INT", &process.to_string()])
         .status();

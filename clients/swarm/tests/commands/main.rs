@@ -3,7 +3,9 @@
 mod experiments;
 mod interruption;
 mod program;
+mod search;
 mod tables;
+mod transfer;
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -48,6 +48,8 @@ fn completions_manual_pages_and_help_are_there() {
         "evolve",
         "experiment",
         "sweep",
+        "search",
+        "transfer",
         "merge",
         "analyse",
         "compare",
@@ -113,6 +115,11 @@ fn tables_fit_into_80_columns() {
         run(folder, &format!("{SMALL} --out here")),
         run(folder, "analyse here --random-tables 1000"),
         run(folder, "find here"),
+        run(folder, "transfer here"),
+        run(
+            folder,
+            "search --vary goal_radius_px=40.0..60.0 --candidates 2 --best 1 --seeds 1 --generations 2 --verdict-seeds 2",
+        ),
         run(folder, "preset"),
         run(folder, "evolve --generations 20 --out t.toml"),
         run(folder, "show t.toml"),
@@ -131,7 +138,17 @@ fn tables_fit_into_80_columns() {
 fn what_makes_no_sense_is_refused_before_anything_is_written() {
     let folder = folder();
     let folder = folder.path();
-    std::fs::write(folder.join("bad.toml"), "name = \"bad\"\n").expect("a writable file");
+    let files = [
+        ("bad.toml", "name = \"bad\"\n"),
+        ("drawn.toml", "base = \"R3\"\ntraining = { draws = 65 }\n"),
+        (
+            "noisy.toml",
+            "base = \"R3\"\nnoise = { wheel_slips_per_1024 = 1025 }\n",
+        ),
+    ];
+    for (name, text) in files {
+        std::fs::write(folder.join(name), text).expect("a writable file");
+    }
     let rows = [
         ("evolve --agents 0", 3, "could not place 0 agents"),
         ("evolve --preset R9", 3, "neither a preset nor a file"),
@@ -143,6 +160,21 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
         ("experiment fig14 --agents 5", 3, "could not place 5 agents"),
         ("sweep --vary speed=1", 3, "unknown field `speed`"),
         ("sweep --vary goal_radius_px", 2, "goal_radius_px=40,50"),
+        ("search --vary goal_radius_px=9..1", 2, "40.0..60.0"),
+        ("search --vary speed=1.0..2.0", 3, "unknown field `speed`"),
+        (
+            "search --vary ir_angle_steps=6..9 --find flying",
+            2,
+            "needs one of five-times",
+        ),
+        (
+            "search --vary ir_angle_steps=6..9 --verdict-first-seed 1000001",
+            3,
+            "seeds outside 1000001",
+        ),
+        ("evolve --preset noisy.toml", 3, "0 to 1024"),
+        ("evolve --preset drawn.toml", 3, "training.draws was 65"),
+        ("transfer nothing", 3, "could not read nothing"),
         ("preset R9", 3, "neither a preset nor a file"),
         (
             "evolve --mutation-rate nan",
@@ -169,10 +201,11 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
             "{arguments}: {said:?} does not say {expected:?}"
         );
     }
-    let left: Vec<_> = std::fs::read_dir(folder)
+    let mut left: Vec<_> = std::fs::read_dir(folder)
         .expect("the folder")
         .filter_map(Result::ok)
         .map(|e| e.file_name())
         .collect();
-    assert_eq!(left, ["bad.toml"]);
+    left.sort();
+    assert_eq!(left, files.map(|(name, _)| name));
 }

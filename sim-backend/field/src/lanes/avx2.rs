@@ -1,7 +1,7 @@
 //! Eight lanes in AVX2 registers.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Sub};
 
 use super::{Ints, Lanes, Mask, Vector};
 use crate::heading::COSINE;
@@ -62,6 +62,7 @@ operator!(Div, div, F32x8, _mm256_div_ps);
 operator!(Add, add, I32x8, _mm256_add_epi32);
 operator!(BitAnd, bitand, I32x8, _mm256_and_si256);
 operator!(BitOr, bitor, I32x8, _mm256_or_si256);
+operator!(BitXor, bitxor, I32x8, _mm256_xor_si256);
 operator!(BitAnd, bitand, Mask8, _mm256_and_ps);
 operator!(BitOr, bitor, Mask8, _mm256_or_ps);
 
@@ -84,6 +85,10 @@ impl Ints for I32x8 {
     #[inline(always)]
     fn bit(self) -> Self {
         Self(avx2!(_mm256_sllv_epi32(_mm256_set1_epi32(1), self.0)))
+    }
+    #[inline(always)]
+    fn shl(self, count: Self) -> Self {
+        Self(avx2!(_mm256_sllv_epi32(self.0, count.0)))
     }
     #[inline(always)]
     fn shr(self, count: Self) -> Self {

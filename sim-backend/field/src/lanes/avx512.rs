@@ -1,7 +1,7 @@
 //! Sixteen lanes in AVX-512 registers.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Sub};
 
 use super::{Ints, Lanes, Mask, TURN, Vector};
 use crate::heading::COSINE;
@@ -62,6 +62,7 @@ operator!(Div, div, F32x16, _mm512_div_ps);
 operator!(Add, add, I32x16, _mm512_add_epi32);
 operator!(BitAnd, bitand, I32x16, _mm512_and_si512);
 operator!(BitOr, bitor, I32x16, _mm512_or_si512);
+operator!(BitXor, bitxor, I32x16, _mm512_xor_si512);
 
 impl BitAnd for Mask16 {
     type Output = Self;
@@ -98,6 +99,10 @@ impl Ints for I32x16 {
     #[inline(always)]
     fn bit(self) -> Self {
         Self(avx512!(_mm512_rolv_epi32(_mm512_set1_epi32(1), self.0)))
+    }
+    #[inline(always)]
+    fn shl(self, count: Self) -> Self {
+        Self(avx512!(_mm512_sllv_epi32(self.0, count.0)))
     }
     #[inline(always)]
     fn shr(self, count: Self) -> Self {

@@ -17,7 +17,7 @@ pub(crate) mod stream;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod twice;
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Sub};
 
 /// A value per lane.
 pub(crate) trait Vector: Copy {
@@ -37,8 +37,10 @@ pub(crate) trait Mask: Vector + BitAnd<Output = Self> + BitOr<Output = Self> {
 
 /// An integer per lane; arithmetic wraps.
 pub(crate) trait Ints:
-    Vector + Add<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self>
+    Vector + Add<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self>
 {
+    /// Each lane shifted left by its own count, below 32; zeros come in.
+    fn shl(self, count: Self) -> Self;
     /// Each lane shifted right by its own count, below 32; zeros come in.
     fn shr(self, count: Self) -> Self;
     /// 1 shifted left by each lane's count, below 32.

@@ -1,7 +1,7 @@
 //! Eight lanes in plain arrays, for every processor; the compiler vectorises what it can.
 
 use std::array::from_fn;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Sub};
 
 use super::{Ints, Lanes, Mask, TURN, Vector};
 use crate::arithmetic::clamp;
@@ -49,6 +49,7 @@ operator!(Div, div, Floats, |a, b| a / b);
 operator!(Add, add, Integers, |a, b| a.wrapping_add(b));
 operator!(BitAnd, bitand, Integers, |a, b| a & b);
 operator!(BitOr, bitor, Integers, |a, b| a | b);
+operator!(BitXor, bitxor, Integers, |a, b| a ^ b);
 operator!(BitAnd, bitand, Truths, |a, b| a & b);
 operator!(BitOr, bitor, Truths, |a, b| a | b);
 
@@ -74,6 +75,10 @@ impl Ints for Integers {
     #[inline(always)]
     fn bit(self) -> Self {
         Self(self.0.map(|count| 1 << (count & 31)))
+    }
+    #[inline(always)]
+    fn shl(self, count: Self) -> Self {
+        Self(from_fn(|k| self.0[k] << (count.0[k] & 31)))
     }
     #[inline(always)]
     fn shr(self, count: Self) -> Self {

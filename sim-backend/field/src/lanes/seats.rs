@@ -13,6 +13,8 @@ pub(super) struct Seats<const N: usize> {
     pub(super) heading: [[i32; WIDEST]; N],
     pub(super) goal_x: [f32; WIDEST],
     pub(super) goal_y: [f32; WIDEST],
+    /// Where the trial's stream of noise begins.
+    pub(super) noise: [i32; WIDEST],
     /// Per combination of the photo sensors, per agent: eight rows of the table.
     pub(super) words: [[[i32; WIDEST]; N]; 4],
 }
@@ -25,6 +27,7 @@ impl<const N: usize> Seats<N> {
             heading: [[0; WIDEST]; N],
             goal_x: [0.0; WIDEST],
             goal_y: [0.0; WIDEST],
+            noise: [0; WIDEST],
             words: [[[0; WIDEST]; N]; 4],
         }
     }
@@ -38,6 +41,7 @@ impl<const N: usize> Seats<N> {
                 self.words[photo][i][lane] = word;
             }
         }
+        self.noise[lane] = trial.layout.noise.0 as i32;
         (self.goal_x[lane], self.goal_y[lane]) = (trial.layout.goal.x_px, trial.layout.goal.y_px);
     }
 }

@@ -29,7 +29,7 @@ impl Report<'_> {
             "points in evolution",
             "outcome",
         ]);
-        for (trial, evolved) in self.trials.iter().zip(self.file.individual.points) {
+        for (trial, evolved) in self.trials.iter().zip(self.file.points_on_field()) {
             let outcome = &trial.outcomes[0];
             let mut cells: Vec<comfy_table::Cell> = vec![
                 trial.goal.into(),
@@ -85,7 +85,7 @@ impl Report<'_> {
 
     fn is_as_evolved(&self) -> bool {
         let points = self.trials.iter().map(|trial| trial.points[0]);
-        points.eq(self.file.individual.points)
+        points.eq(self.file.points_on_field())
     }
 
     fn fitness(&self) -> f32 {

@@ -28,6 +28,7 @@ macro_rules! each_agent {
     };
 }
 
+mod chance;
 mod drive;
 mod sense;
 
@@ -57,6 +58,8 @@ pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize> {
     frame: T::Ints,
     rows_read: T::Ints,
     reached_frame: T::Ints,
+    /// The stream of noise; nobody reads it without noise.
+    noise: T::Ints,
     /// What each agent may see or touch in this frame.
     near: Team<Near, N>,
     /// How many agents touch and face the object at the start of the frame.
@@ -104,6 +107,7 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
             frame: none,
             rows_read: none,
             reached_frame: none,
+            noise: none,
             near: [Near::default(); N],
             facing: none,
             object_moved: false,
@@ -132,6 +136,8 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
         self.frame = T::int_select(lanes, none, self.frame);
         self.rows_read = T::int_select(lanes, none, self.rows_read);
         self.reached_frame = T::int_select(lanes, none, self.reached_frame);
+        let noise = T::int_load(self.cpu, &seats.noise);
+        self.noise = T::int_select(lanes, noise, self.noise);
     }
 
     /// One frame of every field.
@@ -199,9 +205,12 @@ impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
         T::is_zero(self.frame + self.int(-(frame as i32))).bits()
     }
 
-    /// One bit per lane that is where it was `before`.
+    /// One bit per lane that is where it was `before`, and goes on from there as it did then.
     #[inline(always)]
     pub(in crate::lanes) fn back_at(&self, before: &Stance<T, N>) -> u32 {
+        if !self.c.noise.is_none() {
+            return 0;
+        }
         let mut same = self.object_x.eq(before.object_x) & self.object_y.eq(before.object_y);
         for i in 0..N {
             same = same & self.x[i].eq(before.x[i]) & self.y[i].eq(before.y[i]);

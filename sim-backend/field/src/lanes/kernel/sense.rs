@@ -176,9 +176,19 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
         (self.v(self.c.cone_sq) * distance_sq).lt_among(along * along, forward)
     }
 
-    /// Agent `i`'s response code in its lowest four bits; notes the row that was read.
+    /// Agent `i`'s response code in its lowest four bits, as its wheels carry it out; notes the row that was read.
     #[inline(always)]
     fn look_up(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
+        if self.c.noise.is_none() {
+            return self.respond(seats, i, ir, photo);
+        }
+        let (ir, photo) = self.mislead(ir, photo);
+        let code = self.respond(seats, i, ir, photo);
+        self.slip(code)
+    }
+
+    #[inline(always)]
+    fn respond(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
         let row = ir.shr(self.int(2)) | self.bit(photo[0], 8) | self.bit(photo[1], 16);
         self.rows_read = self.rows_read | row.bit();
         let lit_left = T::int_select(photo[0], self.word(seats, 1, i), self.word(seats, 0, i));

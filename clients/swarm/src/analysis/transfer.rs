@@ -1,0 +1,147 @@
+//! Transfer: what is left of a table's fitness where neither starts nor goals are those that it was evolved on.
+//!
+//! Unseen trials are drawn like those of [`field::Training`], whether or not the tables were evolved on drawn ones, from a
+//! stream of their own ([`crate::training::unseen`]).
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use field::{Engine, Places};
+
+use super::points_in;
+use crate::condition::Condition;
+use crate::error::Result;
+use crate::experiment::Plan;
+use crate::genome::Genome;
+use crate::run::Record;
+use crate::stats::{Estimate, bootstrap, mean};
+use crate::table_file::TableFile;
+use crate::training::{Set, unseen};
+
+/// Sets of eight unseen trials: the standard error of one table's fitness is then about 13 of 800 points (measured on R3).
+pub const UNSEEN_SETS: usize = 64;
+
+/// Fitness out of 800 of tables for one team size, the mean over them, and what is left of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Transfer {
+    /// Team size.
+    pub agents: usize,
+    /// Tables.
+    pub tables: usize,
+    /// As evolution had it.
+    pub training: f32,
+    /// The preset's starts and its eight goals.
+    pub preset: f32,
+    /// The preset's starts, unseen goals.
+    pub goals: f32,
+    /// Unseen starts, the preset's goals.
+    pub starts: f32,
+    /// Both unseen.
+    pub both: f32,
+    /// `both` over `training`; resampled over the tables, or, of one table, over the unseen sets.
+    pub kept: Estimate,
+}
+
+/// One table: what it is worth in training, and in every set of unseen trials.
+struct Table {
+    training: f32,
+    preset: f32,
+    goals: f32,
+    starts: f32,
+    both: Vec<f32>,
+}
+
+/// The unseen trials of a condition.
+struct Unseen {
+    goals: Vec<Set>,
+    starts: Vec<Set>,
+    both: Vec<Set>,
+}
+
+impl Unseen {
+    fn of(condition: &Condition) -> Self {
+        let sets = |starts, goals| unseen(condition, starts, goals, UNSEEN_SETS);
+        Self {
+            goals: sets(Places::Preset, Places::Drawn),
+            starts: sets(Places::Drawn, Places::Preset),
+            both: sets(Places::Drawn, Places::Drawn),
+        }
+    }
+
+    fn table(
+        &self,
+        (condition, engine): (&Condition, Engine),
+        genome: &Genome,
+        training: f32,
+    ) -> Table {
+        let responses = condition.responses(genome);
+        let in_set = |set: &Set| points_in(condition, engine, responses, set);
+        let of = |sets: &[Set]| -> f32 {
+            points_in(condition, engine, responses, sets.as_flattened()) / sets.len() as f32
+        };
+        Table {
+            training,
+            preset: in_set(&condition.layouts()),
+            goals: of(&self.goals),
+            starts: of(&self.starts),
+            both: self.both.iter().map(in_set).collect(),
+        }
+    }
+}
+
+/// What the tables of an experiment keep, team size by team size.
+///
+/// # Errors
+/// The plan is out of range.
+pub fn transfers(plan: &Plan, engine: Engine, records: &[Record]) -> Result<Vec<Transfer>> {
+    let conditions = plan.conditions()?;
+    let of_condition = |condition: &Condition| {
+        let unseen = Unseen::of(condition);
+        let agents = condition.team.get();
+        let runs = records.par_iter().filter(|run| run.agents == agents);
+        let table = |run: &Record| {
+            let genome = Genome::from_hex(condition.genome_bits(), &run.genome)?;
+            Some(unseen.table((condition, engine), &genome, run.fitness()))
+        };
+        let tables: Vec<Table> = runs.filter_map(table).collect();
+        let ratios: Vec<(f32, f32)> = tables
+            .iter()
+            .map(|table| (mean(&table.both), table.training))
+            .collect();
+        (!tables.is_empty()).then(|| summary(agents, &tables, bootstrap(&[&ratios], ratio)))
+    };
+    Ok(conditions.iter().filter_map(of_condition).collect())
+}
+
+/// What one table keeps.
+#[must_use]
+pub fn transfer(file: &TableFile, engine: Engine) -> Transfer {
+    let condition = &file.condition;
+    let (genome, training) = (&file.individual.genome, file.individual.fitness());
+    let table = Unseen::of(condition).table((condition, engine), genome, training);
+    let sets: Vec<(f32, f32)> = table.both.iter().map(|&both| (both, training)).collect();
+    let kept = bootstrap(&[&sets], ratio);
+    summary(condition.team.get(), &[table], kept)
+}
+
+/// The sum of the first over that of the second.
+fn ratio(groups: &[Vec<(f32, f32)>]) -> f64 {
+    let sum = |part: fn(&(f32, f32)) -> f32| -> f64 {
+        groups[0].iter().map(|pair| f64::from(part(pair))).sum()
+    };
+    sum(|pair| pair.0) / sum(|pair| pair.1).max(f64::MIN_POSITIVE)
+}
+
+fn summary(agents: usize, tables: &[Table], kept: Estimate) -> Transfer {
+    let of = |part: fn(&Table) -> f32| mean(&tables.iter().map(part).collect::<Vec<_>>());
+    Transfer {
+        agents,
+        tables: tables.len(),
+        training: of(|table| table.training),
+        preset: of(|table| table.preset),
+        goals: of(|table| table.goals),
+        starts: of(|table| table.starts),
+        both: of(|table| mean(&table.both)),
+        kept,
+    }
+}

@@ -1,0 +1,264 @@
+//! `ebts search`: looks for a preset on which chosen findings of the paper hold.
+
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use ebts::analysis::{Claim, findings};
+use ebts::error::{Error, Result};
+use ebts::experiment::{Plan, Shard};
+use ebts::files::write_atomically;
+use ebts::run::Record;
+use ebts::search::{Candidate, Halving, Range, Score, Stage, Together, candidates, together};
+use ebts::workers::{Workers, pool};
+use field::Preset;
+
+use super::experiment::{Stopwatch, conclude, run};
+use super::options::{EngineArgs, EvolutionArgs};
+use super::progress::style;
+use super::{Format, answer, preset, stop_flag};
+
+const EXAMPLES: &str = "Examples:
+  ebts search --preset LB3 --vary goal_radius_px=30.0..60.0 \\
+       --vary friction_per_stall_force=0.9..1.0 --candidates 60 --out search
+  ebts search --preset N3 --vary ir_angle_steps=6..14 \\
+       --vary contact=sliding,blocking --find three-beat-two,circles
+
+Findings: five-times, five-times-run-by-run, three-beat-four, two-beat-four,
+three-beat-two, trapped, circles, keep-out.
+
+The same command goes on where Ctrl-C or a power cut ended it. Every candidate
+is an experiment in the folder, for ebts analyse, compare, find.";
+
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct SearchArgs {
+    /// A key of the preset and a range of numbers, or its values; several times for several keys.
+    #[arg(long, required = true, value_name = "KEY=LOW..HIGH|KEY=V,...")]
+    vary: Vec<Range>,
+    /// Findings that are to hold together.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "five-times,three-beat-four,three-beat-two,circles,keep-out",
+        value_name = "FINDING,..."
+    )]
+    find: Vec<Claim>,
+    #[command(flatten)]
+    evolution: EvolutionArgs,
+    #[command(flatten)]
+    engine: EngineArgs,
+    /// Presets of the first stage; each further stage has a third of them on twice as many further seeds.
+    #[arg(long, default_value_t = 60)]
+    candidates: usize,
+    /// Presets that get a verdict.
+    #[arg(long, default_value_t = 3)]
+    best: usize,
+    /// Names the draw of the presets.
+    #[arg(long, default_value_t = 1)]
+    draw: u64,
+    /// Runs per team size in the first stage.
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    seeds: u64,
+    /// The first seed to choose with; the others follow it.
+    #[arg(long, default_value_t = 1_000_001, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
+    first_seed: u64,
+    /// Runs per team size of the verdict.
+    #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    verdict_seeds: u64,
+    /// The first seed of the verdict, with which nothing is chosen.
+    #[arg(long, default_value_t = 9_000_001, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
+    verdict_first_seed: u64,
+    /// Folder of the search; continued if it is there already.
+    #[arg(long, default_value = "search")]
+    out: PathBuf,
+}
+
+/// What the search came to.
+#[derive(Serialize)]
+struct Searched {
+    preset: String,
+    find: Vec<Claim>,
+    stages: Vec<Stage>,
+    verdict_first_seed: u64,
+    verdict_seeds: u64,
+    /// By the verdict, the likeliest first.
+    best: Vec<Found>,
+    /// Over the candidates of the first stage.
+    together: Vec<Together>,
+}
+
+#[derive(Serialize)]
+struct Found {
+    file: PathBuf,
+    /// The experiment of the verdict.
+    folder: PathBuf,
+    changes: String,
+    preset: Preset,
+    /// By the seeds that chose it: too good, as whatever is chosen.
+    tuning: Score,
+    /// By the seeds of the verdict.
+    verdict: Score,
+    all_hold: bool,
+}
+
+/// A candidate with what its runs said so far.
+struct Tried {
+    candidate: Candidate,
+    records: Vec<Record>,
+    score: Score,
+}
+
+/// A search under way.
+struct Search<'a> {
+    args: &'a SearchArgs,
+    halving: Halving,
+    workers: Workers,
+}
+
+pub(super) fn search(args: SearchArgs, format: Format) -> Result<()> {
+    let halving = Halving {
+        candidates: args.candidates,
+        best: args.best,
+        seeds: args.seeds,
+        first_seed: args.first_seed,
+        verdict_seeds: args.verdict_seeds,
+        verdict_first_seed: args.verdict_first_seed,
+    };
+    halving.check()?;
+    let base = args.evolution.preset()?;
+    let candidates = candidates(&base, &args.vary, args.candidates, args.draw)?;
+    let search = Search {
+        args: &args,
+        halving,
+        workers: args.engine.workers(stop_flag()?)?,
+    };
+    let (tried, together) = search.tune(candidates)?;
+    let mut best = tried
+        .into_iter()
+        .map(|tried| search.judge(tried))
+        .collect::<Result<Vec<_>>>()?;
+    best.sort_by(|a, b| b.verdict.chance_of_all.total_cmp(&a.verdict.chance_of_all));
+    let searched = Searched {
+        preset: base.name.to_string(),
+        find: args.find.clone(),
+        stages: halving.stages(),
+        verdict_first_seed: args.verdict_first_seed,
+        verdict_seeds: args.verdict_seeds,
+        best,
+        together,
+    };
+    answer(format, &searched, || words::describe(&searched))
+}
+
+impl Search<'_> {
+    /// All stages; the best of the last, and which findings came together in the first.
+    fn tune(&self, candidates: Vec<Candidate>) -> Result<(Vec<Tried>, Vec<Together>)> {
+        let mut tried: Vec<Tried> = candidates
+            .into_iter()
+            .map(|candidate| Tried {
+                candidate,
+                records: Vec::new(),
+                score: Score {
+                    claims: Vec::new(),
+                    chance_of_all: 0.0,
+                },
+            })
+            .collect();
+        let mut pairs = None;
+        for stage in self.halving.stages() {
+            tried.truncate(stage.candidates);
+            self.stage(&stage, &mut tried)?;
+            pairs.get_or_insert_with(|| {
+                together(&tried.iter().map(|tried| &tried.score).collect::<Vec<_>>())
+            });
+            tried.sort_by(|a, b| b.score.chance_of_all.total_cmp(&a.score.chance_of_all));
+        }
+        tried.truncate(self.halving.best);
+        Ok((tried, pairs.unwrap_or_default()))
+    }
+
+    /// Every candidate on the seeds of a stage.
+    fn stage(&self, stage: &Stage, tried: &mut [Tried]) -> Result<()> {
+        let bar = ProgressBar::new(tried.len() as u64).with_style(style("preset"));
+        let mut best = 0.0_f64;
+        for tried in tried {
+            bar.set_message(format!(
+                "stage {}, best chance of all {:.0} %",
+                stage.number,
+                100.0 * best
+            ));
+            let folder = self.folder(&format!("stage-{}", stage.number), &tried.candidate);
+            let seeds = (stage.first_seed, stage.seeds);
+            let plan = self.plan(&tried.candidate, seeds)?;
+            tried.records.extend(self.run(&plan, &folder)?);
+            tried.score = self.score(&plan, &tried.records)?;
+            best = best.max(tried.score.chance_of_all);
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+
+    /// The verdict over one candidate, with everything that an experiment has.
+    fn judge(&self, tried: Tried) -> Result<Found> {
+        let Tried {
+            candidate, score, ..
+        } = tried;
+        let watch = Stopwatch::start();
+        let folder = self.folder("verdict", &candidate);
+        let seeds = (self.args.verdict_first_seed, self.args.verdict_seeds);
+        let plan = self.plan(&candidate, seeds)?;
+        let records = self.run(&plan, &folder)?;
+        let (_, found) = pool(self.args.engine.threads())?
+            .install(|| conclude(&folder, &plan, &records, &watch))?;
+        let verdict = Score::new(&found, &self.args.find);
+        let file = self.args.out.join(format!("{}.toml", candidate.label()));
+        write_atomically(&file, preset::file(&candidate.preset)?.as_bytes())?;
+        Ok(Found {
+            file,
+            folder,
+            changes: candidate.changes,
+            preset: candidate.preset,
+            tuning: score,
+            all_hold: verdict.all_hold(),
+            verdict,
+        })
+    }
+
+    fn plan(&self, candidate: &Candidate, (first_seed, seeds): (u64, u64)) -> Result<Plan> {
+        let preset = candidate.preset.clone();
+        let plan = Plan {
+            first_seed,
+            ..self.args.evolution.plan(preset, seeds)?
+        };
+        plan.conditions().map(|_| plan)
+    }
+
+    fn run(&self, plan: &Plan, folder: &Path) -> Result<Vec<Record>> {
+        let threads = self.args.engine.threads();
+        let hidden = ProgressBar::hidden();
+        let workers = (&self.workers, threads);
+        match run(plan, Shard::WHOLE, folder, workers, &hidden) {
+            Err(Error::Interrupted(_)) => Err(Error::Interrupted(format!(
+                "interrupted at {}: runs that finished are stored, those under way are saved; run the same command again to \
+                 go on",
+                folder.display()
+            ))),
+            ended => ended.map(|(records, _)| records),
+        }
+    }
+
+    fn score(&self, plan: &Plan, records: &[Record]) -> Result<Score> {
+        let found = pool(self.args.engine.threads())?.install(|| findings(plan, records))?;
+        Ok(Score::new(&found, &self.args.find))
+    }
+
+    fn folder(&self, part: &str, candidate: &Candidate) -> PathBuf {
+        self.args.out.join(part).join(candidate.label())
+    }
+}

@@ -1,0 +1,82 @@
+//! What a search came to, in words and columns.
+
+use std::fmt::Write as _;
+
+use ebts::search::{Judged, Together};
+
+use super::{Found, Searched};
+use crate::cli::report::interval;
+
+/// All of it.
+pub(super) fn describe(searched: &Searched) -> String {
+    let mut text = format!("search around preset {}\n\n", searched.preset);
+    text += "stage  presets  runs per team size, further seeds\n";
+    for stage in &searched.stages {
+        let last = stage.first_seed + stage.seeds - 1;
+        let _ = writeln!(
+            text,
+            "{:>5}  {:>7}  {:>4}, {} to {last}",
+            stage.number, stage.candidates, stage.seeds, stage.first_seed
+        );
+    }
+    let last = searched.verdict_first_seed + searched.verdict_seeds - 1;
+    let _ = writeln!(
+        text,
+        "verdict: {} runs per team size, seeds {} to {last}\n\
+         chance: that a finding holds, by the seeds that chose",
+        searched.verdict_seeds, searched.verdict_first_seed
+    );
+    for found in &searched.best {
+        let changes = match found.changes.as_str() {
+            "" => "the preset itself",
+            changes => changes,
+        };
+        let changes = changes.replace(' ', "\n  ");
+        let _ = writeln!(text, "\n{}\n  {changes}", found.file.display());
+        text += &claims(found);
+    }
+    text + &pairs(&searched.together)
+}
+
+/// Each finding of one preset, by the seeds that chose it and by those of the verdict.
+fn claims(found: &Found) -> String {
+    let mut text = format!("  {:<43} chance  verdict [95 %]\n", "finding");
+    let both = found.tuning.claims.iter().zip(&found.verdict.claims);
+    for (tuning, verdict) in both {
+        let said = verdict
+            .verdict
+            .map_or(String::new(), |said| said.to_string());
+        let Judged {
+            claim, estimate, ..
+        } = verdict;
+        let _ = writeln!(
+            text,
+            "  {:<43} {:>4.2} {:<18} {said}",
+            claim.sentence(),
+            tuning.chance,
+            interval(*estimate)
+        );
+    }
+    let all = if found.all_hold { "yes" } else { "NO" };
+    let _ = writeln!(
+        text,
+        "  all of them at 95 %: {all}; chance that all are true: {:.2} (chosen by: {:.2})",
+        found.verdict.chance_of_all, found.tuning.chance_of_all
+    );
+    text
+}
+
+/// Which findings exclude each other.
+fn pairs(together: &[Together]) -> String {
+    let mut text =
+        String::from("\npresets of stage 1 that show both of two findings, and each of them\n");
+    for pair in together {
+        let names = format!("{} and {}", pair.one, pair.other);
+        let _ = writeln!(
+            text,
+            "  {names:<43} {:>5} of {:>5}, {:>5}",
+            pair.show_both, pair.show_one, pair.show_other
+        );
+    }
+    text
+}

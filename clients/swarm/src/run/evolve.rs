@@ -1,0 +1,105 @@
+//! Generations: runs of one condition side by side, so that their trials fill the SIMD lanes.
+
+use std::ops::ControlFlow;
+
+use super::Run;
+use crate::condition::Condition;
+use crate::evaluate::Evaluator;
+use crate::islands::Elites;
+use crate::training::of_generation;
+use crate::workers::Workers;
+
+/// Evolves runs of one condition side by side up to `generations`; `watch` sees them after every generation and may stop
+/// them. Runs stopped by it or by the workers' flag are whole: as they were after their last generation.
+pub fn evolve(
+    condition: &Condition,
+    workers: impl Into<Workers>,
+    runs: &mut [Run],
+    generations: u32,
+    mut watch: impl FnMut(&[Run]) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut trials = Trials::new(condition, workers.into(), runs.len());
+    let open = |run: &Run| run.generation.is_none_or(|done| done < generations);
+    while runs.iter().any(open) {
+        let before = trials.may_break_off(runs).then(|| runs.to_vec());
+        if trials.generation(runs, open).is_none() {
+            for (run, before) in runs.iter_mut().zip(before.into_iter().flatten()) {
+                *run = before;
+            }
+            return ControlFlow::Break(());
+        }
+        watch(runs)?;
+    }
+    ControlFlow::Continue(())
+}
+
+/// What runs are tried on: the same trials in every generation, or other ones, and then the trials of the choice beside them.
+struct Trials {
+    evaluator: Evaluator,
+    workers: Workers,
+    choice: Option<Evaluator>,
+    elites: Elites,
+}
+
+impl Trials {
+    fn new(condition: &Condition, workers: Workers, runs: usize) -> Self {
+        let evaluator = || Evaluator::new(condition.clone(), workers.clone(), runs);
+        let drawn = condition.training().is_some();
+        Self {
+            evaluator: evaluator(),
+            choice: drawn.then(evaluator),
+            elites: match drawn {
+                true => Elites::JudgedAgain,
+                false => Elites::Known,
+            },
+            workers,
+        }
+    }
+
+    /// Whether a generation has so many trials that it may be broken off.
+    fn may_break_off(&self, runs: &[Run]) -> bool {
+        let size = |run: &Run| run.archipelago.size();
+        let genomes = 2 * runs.iter().map(size).sum::<usize>();
+        let choice = self.choice.as_ref().map_or(0, Evaluator::trials_per_genome);
+        let of_generation = genomes * self.evaluator.trials_per_genome();
+        self.workers.may_break_off(of_generation) || self.workers.may_break_off(runs.len() * choice)
+    }
+
+    /// One generation of every open run; nothing if the workers were stopped before its end.
+    fn generation(&mut self, runs: &mut [Run], open: impl Fn(&Run) -> bool) -> Option<()> {
+        let elites = self.elites;
+        let mut proposals = Vec::with_capacity(runs.len());
+        for (index, run) in runs.iter_mut().enumerate() {
+            if open(run) && elites == Elites::JudgedAgain {
+                let sets = of_generation(self.evaluator.condition(), run.seed, run.next());
+                self.evaluator.try_on(index, sets);
+            }
+            proposals.push(match open(run) {
+                true => run.archipelago.propose(elites),
+                false => Vec::new(),
+            });
+        }
+        let evaluated = self.evaluator.evaluate(proposals)?;
+        for (run, evaluated) in runs.iter_mut().zip(evaluated) {
+            if open(run) {
+                run.accept(evaluated, elites);
+            }
+        }
+        self.choose(runs)
+    }
+
+    /// Tries the best of the generation on the trials of the choice.
+    fn choose(&mut self, runs: &mut [Run]) -> Option<()> {
+        let Some(choice) = &mut self.choice else {
+            return Some(());
+        };
+        let candidates = runs.iter().map(|run| run.candidate().into_iter().collect());
+        let judged = choice.evaluate(candidates.collect())?;
+        for (run, judged) in runs.iter_mut().zip(judged) {
+            judged
+                .into_iter()
+                .for_each(|candidate| run.choose(candidate));
+        }
+        Some(())
+    }
+}

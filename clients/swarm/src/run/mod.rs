@@ -1,0 +1,165 @@
+//! Runs: one seed each, evolved together in lock-step so that their trials fill the SIMD lanes.
+
+mod evolve;
+mod record;
+
+pub use evolve::evolve;
+pub use record::{Census, Job, Record, Rise};
+
+use crate::condition::Condition;
+use crate::evaluate::Individual;
+use crate::ga::{Population, Settings, SettingsError};
+use crate::genome::{Genome, diversity};
+use crate::islands::{Archipelago, Elites, IslandSettings};
+use crate::rng::SplitMix64;
+
+/// One run under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Names the random stream, together with the number of agents.
+    pub seed: u64,
+    archipelago: Archipelago,
+    /// Generations done; `None` before the random population is evaluated.
+    generation: Option<u32>,
+    rises: Vec<Rise>,
+    /// Where every generation has other trials: the best of all generations' best, by the trials of the choice.
+    chosen: Option<Individual>,
+}
+
+impl Run {
+    /// A run about to start.
+    ///
+    /// # Errors
+    /// See [`Settings::check`].
+    pub fn new(
+        condition: &Condition,
+        settings: Settings,
+        islands: IslandSettings,
+        seed: u64,
+    ) -> Result<Self, SettingsError> {
+        let agents = condition.team.get() as u64;
+        let stream = |island: usize| SplitMix64::stream(&[seed, agents, island as u64]);
+        let archipelago = Archipelago::new(settings, islands, condition.genome_bits(), stream)?;
+        Ok(Self {
+            seed,
+            archipelago,
+            generation: None,
+            rises: Vec::new(),
+            chosen: None,
+        })
+    }
+
+    /// A run as it was after `generation`.
+    #[must_use]
+    pub fn resume(
+        seed: u64,
+        archipelago: Archipelago,
+        generation: u32,
+        (rises, chosen): (Vec<Rise>, Option<Individual>),
+    ) -> Self {
+        Self {
+            seed,
+            archipelago,
+            generation: Some(generation),
+            rises,
+            chosen,
+        }
+    }
+
+    /// The generation that is done.
+    #[must_use]
+    pub fn generation(&self) -> Option<u32> {
+        self.generation
+    }
+
+    /// The populations.
+    #[must_use]
+    pub fn archipelago(&self) -> &Archipelago {
+        &self.archipelago
+    }
+
+    /// When the best fitness rose, and to what.
+    #[must_use]
+    pub fn rises(&self) -> &[Rise] {
+        &self.rises
+    }
+
+    /// The best individual so far.
+    #[must_use]
+    pub fn best(&self) -> Option<&Individual> {
+        self.chosen.as_ref().or_else(|| self.archipelago.best())
+    }
+
+    /// See [`Run::best`]; `None` where every generation has the same trials.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Individual> {
+        self.chosen.as_ref()
+    }
+
+    /// What the individuals of all islands are like now; `None` before the random population is evaluated.
+    #[must_use]
+    pub fn census(&self) -> Option<Census> {
+        let members = || {
+            self.archipelago
+                .islands()
+                .iter()
+                .flat_map(Population::members)
+        };
+        let generation = self.generation?;
+        let count = members().count();
+        let fitness = || members().map(|member| f64::from(member.fitness()));
+        let genomes = members().map(|member| &member.genome).collect::<Vec<_>>();
+        Some(Census {
+            generation,
+            best: fitness().fold(0.0, f64::max),
+            mean: fitness().sum::<f64>() / count as f64,
+            worst: fitness().fold(f64::MAX, f64::min),
+            diversity: diversity(&genomes),
+        })
+    }
+
+    /// The generation to come.
+    fn next(&self) -> u32 {
+        self.generation.map_or(0, |generation| generation + 1)
+    }
+
+    fn accept(&mut self, evaluated: Vec<Individual>, elites: Elites) {
+        let generation = self.next();
+        self.archipelago.select(evaluated, generation, elites);
+        self.generation = Some(generation);
+        if let (Elites::Known, Some(best)) = (elites, self.archipelago.best()) {
+            let fitness = best.fitness();
+            Rise::note(&mut self.rises, generation, fitness);
+        }
+    }
+
+    /// The genome that the run would end with if it were found better than the chosen one.
+    fn candidate(&self) -> Option<Genome> {
+        let best = &self.archipelago.best()?.genome;
+        let known = self.chosen.as_ref().map(|chosen| &chosen.genome);
+        (known != Some(best)).then(|| best.clone())
+    }
+
+    /// Takes a candidate that is better than the one chosen before.
+    fn choose(&mut self, candidate: Individual) {
+        let fitness = candidate.fitness();
+        let before = self.chosen.as_ref().map(Individual::fitness);
+        if before.is_none_or(|before| fitness > before) {
+            self.chosen = Some(candidate);
+            Rise::note(&mut self.rises, self.generation.unwrap_or(0), fitness);
+        }
+    }
+
+    /// What the run came to.
+    #[must_use]
+    pub fn record(&self, condition: &Condition) -> Option<Record> {
+        let best = self.best()?;
+        Some(Record {
+            agents: condition.team.get(),
+            seed: self.seed,
+            genome: best.genome.to_hex(),
+            points: best.points,
+            rises: self.rises.clone(),
+        })
+    }
+}

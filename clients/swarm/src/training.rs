@@ -1,0 +1,238 @@
+//! Which trials a table is judged on: the preset's eight goals, or sets of eight drawn for every generation.
+//!
+//! **In**: a condition, and who asks: a run in a generation, the choice of a run's table, the test of what it learned. **Out**:
+//! sets of eight layouts. Each asker has a stream of its own: no trial of one is a trial of another. Without
+//! [`field::Training`] everybody gets the preset's eight.
+
+use field::{Layout, MAX_AGENTS, Model, Places, Point, Pose, Training};
+
+use crate::condition::{Condition, GOALS};
+use crate::error::{Error, Result};
+use crate::rng::SplitMix64;
+
+/// Eight layouts, goal 1 first.
+pub type Set = [Layout; GOALS];
+
+/// Names of streams; the seed of a run follows the first.
+const GENERATION: u64 = 0x6765_6e65;
+const CHOICE: u64 = 0x6368_6f69;
+const UNSEEN: u64 = 0x756e_7365;
+
+/// Sets on which a run's table is chosen among the best of its generations: the standard error of its fitness is then about
+/// 13 of 800 points, and with eight draws a generation they take two fifths of a run's time (both measured on R3).
+const CHOICE_SETS: usize = 64;
+/// Attempts to place one agent before the field counts as too crowded.
+const ATTEMPTS: usize = 1000;
+
+/// The sets that all individuals of a run are judged on in this generation.
+#[must_use]
+pub fn of_generation(condition: &Condition, seed: u64, generation: u32) -> Vec<Set> {
+    let name = [GENERATION, seed, u64::from(generation)];
+    sets(condition, |training| training.draws.into(), &name)
+}
+
+/// The sets that decide which table a run ends with; the points of a table are those that it earns here.
+#[must_use]
+pub fn of_choice(condition: &Condition) -> Vec<Set> {
+    sets(condition, |_| CHOICE_SETS, &[CHOICE])
+}
+
+fn sets(condition: &Condition, count: impl Fn(Training) -> usize, name: &[u64]) -> Vec<Set> {
+    condition.training().map_or_else(
+        || vec![condition.layouts()],
+        |training| drawn(condition, training, count(training), name),
+    )
+}
+
+/// Sets that no table was evolved or chosen on.
+#[must_use]
+pub fn unseen(condition: &Condition, starts: Places, goals: Places, count: usize) -> Vec<Set> {
+    let training = Training {
+        starts,
+        goals,
+        ..Training::default()
+    };
+    drawn(condition, training, count, &[UNSEEN])
+}
+
+fn drawn(condition: &Condition, training: Training, count: usize, name: &[u64]) -> Vec<Set> {
+    let mut rng = SplitMix64::stream(name);
+    (0..count)
+        .map(|_| set(condition, training, &mut rng))
+        .collect()
+}
+
+/// Whether the field has room for starts anywhere.
+///
+/// # Errors
+/// It is too crowded to draw them.
+pub fn check(condition: &Condition) -> Result<()> {
+    let Some(Training {
+        starts: Places::Drawn,
+        ..
+    }) = condition.training()
+    else {
+        return Ok(());
+    };
+    let mut rng = SplitMix64::stream(&[CHOICE]);
+    let room = (0..GOALS).all(|_| starts(&condition.model, &mut rng).is_some());
+    room.then_some(()).ok_or_else(|| {
+        Error::refused(
+            "draw starts",
+            "the field was too crowded for four agents and the object",
+            "room where nothing touches",
+            "make half_side_px larger or the radii smaller",
+        )
+    })
+}
+
+/// One set of eight. A start that finds no place on a crowded field is the preset's.
+fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
+    let model = &condition.model;
+    let mut layout = |preset: Layout, eighth: usize| {
+        let (starts_at, goal_at) = (starts(model, rng), goal(model, eighth, rng));
+        let starts = match training.starts {
+            Places::Preset => *preset.starts(),
+            Places::Drawn => starts_at.unwrap_or(*preset.starts()),
+        };
+        let goal = match training.goals {
+            Places::Preset => preset.goal(),
+            Places::Drawn => goal_at,
+        };
+        // Starts and goals that are valid one by one are valid together.
+        let layout = model.layout(starts, goal).unwrap_or(preset);
+        layout.with_noise(rng.next_u64() as u32)
+    };
+    let mut eighth = 0..;
+    condition
+        .layouts()
+        .map(|preset| layout(preset, eighth.next().unwrap_or(0)))
+}
+
+/// Anywhere in an eighth of the circle or square, the preset's goal in its middle.
+fn goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
+    let steps = 8 * eighth + 60 + rng.below(8);
+    model.goal_beyond((steps % field::HEADINGS) as u8, rng.unit() as f32)
+}
+
+/// Four starts anywhere on the field that touch neither the object nor each other, any heading.
+fn starts(model: &Model, rng: &mut SplitMix64) -> Option<[Pose; MAX_AGENTS]> {
+    let preset = model.preset();
+    let limit = f64::from(preset.half_side_px - preset.agent_radius_px);
+    let touch = preset.agent_radius_px + preset.object_radius_px;
+    let pair = 2.0 * preset.agent_radius_px;
+    let apart = |a: &Pose, x: f32, y: f32, least: f32| {
+        let (dx, dy) = (a.x_px - x, a.y_px - y);
+        dx * dx + dy * dy >= least * least
+    };
+    let mut placed: Vec<Pose> = Vec::with_capacity(MAX_AGENTS);
+    for _ in 0..MAX_AGENTS {
+        let free = |pose: &Pose| {
+            apart(pose, 0.0, 0.0, touch)
+                && placed.iter().all(|p| apart(p, pose.x_px, pose.y_px, pair))
+        };
+        let mut anywhere = || {
+            let mut place = || (limit * (2.0 * rng.unit() - 1.0)) as f32;
+            let (x_px, y_px) = (place(), place());
+            let heading = rng.below(field::HEADINGS) as u8;
+            Pose {
+                x_px,
+                y_px,
+                heading,
+            }
+        };
+        let pose = (0..ATTEMPTS).map(|_| anywhere()).find(free)?;
+        placed.push(pose);
+    }
+    placed.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use field::{FitnessRule, Preset, TeamSize};
+
+    use super::*;
+
+    fn condition(preset: Preset) -> Condition {
+        let model = Model::new(preset).expect("a valid preset");
+        let team = TeamSize::new(3).expect("three agents");
+        Condition::new(Arc::new(model), team, FitnessRule::AntiAccident)
+    }
+
+    fn drawn(preset: Preset) -> Condition {
+        let training = Some(Training::default());
+        condition(Preset { training, ..preset })
+    }
+
+    #[test]
+    fn without_training_everybody_gets_the_presets_eight() {
+        let condition = condition(Preset::R3);
+        let eight = vec![condition.layouts()];
+        assert_eq!(of_generation(&condition, 7, 3), eight);
+        assert_eq!(of_choice(&condition), eight);
+    }
+
+    #[test]
+    fn every_asker_has_trials_of_its_own_and_the_same_again() {
+        let condition = drawn(Preset::N);
+        let both = |count| unseen(&condition, Places::Drawn, Places::Drawn, count);
+        let asked = || {
+            [
+                of_generation(&condition, 1, 0),
+                of_generation(&condition, 1, 1),
+                of_generation(&condition, 2, 0),
+                of_choice(&condition),
+                both(8),
+            ]
+        };
+        let sets = asked();
+        assert_eq!(sets, asked());
+        let layouts: Vec<Layout> = sets.concat().concat();
+        for (index, layout) in layouts.iter().enumerate() {
+            let others = &layouts[..index];
+            let seen = |other: &&Layout| {
+                other.starts()[0] == layout.starts()[0] || other.goal() == layout.goal()
+            };
+            assert_eq!(others.iter().find(seen), None, "{layout:?}");
+        }
+    }
+
+    /// Valid starts, and every goal in its own eighth, on the preset's circle or square.
+    #[test]
+    fn what_is_drawn_can_be_simulated() {
+        for preset in Preset::ALL {
+            let condition = drawn(preset);
+            check(&condition).expect("room for starts");
+            for set in of_choice(&condition) {
+                for (layout, preset) in set.iter().zip(condition.layouts()) {
+                    let model = &condition.model;
+                    assert!(model.layout(*layout.starts(), layout.goal()).is_ok());
+                    let (a, b) = (layout.goal(), preset.goal());
+                    let along = a.x_px * b.x_px + a.y_px * b.y_px;
+                    let size = |p: Point| (p.x_px * p.x_px + p.y_px * p.y_px).sqrt();
+                    assert!(along > 0.9 * size(a) * size(b), "{a:?} is not near {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_field_without_room_is_refused() {
+        let crowded = Preset {
+            agent_radius_px: 90.0,
+            object_radius_px: 20.0,
+            ir_range_px: 100.0,
+            half_side_px: 185.0,
+            starts: field::Starts {
+                distance_px: 95.0,
+                ..Preset::R3.starts
+            },
+            goals: field::Goals::CirclePx(100.0),
+            ..Preset::R3
+        };
+        let error = check(&drawn(crowded)).expect_err("no room");
+        assert!(error.to_string().contains("too crowded"), "{error}");
+    }
+}

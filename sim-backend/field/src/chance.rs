@@ -1,0 +1,152 @@
+//! Chance: which sensors say the opposite and which wheels slip in a frame.
+//!
+//! **In**: the noise of a preset, the state of a trial's stream. **Out**: what goes wrong for each agent. Whole numbers only,
+//! drawn whatever the agents do, so that every engine draws the same and a trial that is repeated repeats its noise.
+
+use serde::{Deserialize, Serialize};
+
+use crate::responses::Wheels;
+use crate::trial::MAX_AGENTS;
+
+/// Chances are counted in parts of this: ten bits of a random word each.
+pub(crate) const PARTS_LOG2: u32 = 10;
+/// The ten bits.
+pub(crate) const PART_BITS: u32 = (1 << PARTS_LOG2) - 1;
+/// Shifts of one step of a stream (Marsaglia 2003, "Xorshift RNGs").
+pub(crate) const XORSHIFT: [u32; 3] = [13, 17, 5];
+
+/// Chances in 1024 per frame, drawn from the trial's own stream. Whole numbers, so that every engine draws the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Noise {
+    /// Of each sensor: that it says the opposite. 512 makes it blind.
+    pub sensor_flips_per_1024: u16,
+    /// Of each wheel: that it slips and stands still for the frame. 1024 stops everybody.
+    pub wheel_slips_per_1024: u16,
+}
+
+impl Noise {
+    /// Nothing goes wrong.
+    pub const NONE: Self = Self {
+        sensor_flips_per_1024: 0,
+        wheel_slips_per_1024: 0,
+    };
+
+    /// Whether nothing ever goes wrong.
+    #[must_use]
+    pub fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+}
+
+/// The stream of one trial. Never 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stream(pub(crate) u32);
+
+/// What goes wrong for one agent in one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Upset {
+    /// Bits of the row that are the opposite of what the sensors should say.
+    pub(crate) flips: u8,
+    /// Left and right wheel: whether it stands still.
+    pub(crate) slips: [bool; 2],
+}
+
+impl Stream {
+    fn word(&mut self) -> u32 {
+        let [left, right, last] = XORSHIFT;
+        self.0 ^= self.0 << left;
+        self.0 ^= self.0 >> right;
+        self.0 ^= self.0 << last;
+        self.0
+    }
+
+    /// What goes wrong in a frame, agent by agent, and the stream of the next frame. Three words an agent: three IR sensors,
+    /// two photo sensors, two wheels.
+    pub(crate) fn frame(mut self, noise: Noise, agents: usize) -> ([Upset; MAX_AGENTS], Self) {
+        let mut upsets = [Upset::default(); MAX_AGENTS];
+        if noise.is_none() {
+            return (upsets, self);
+        }
+        let (flip, slip) = (noise.sensor_flips_per_1024, noise.wheel_slips_per_1024);
+        for upset in &mut upsets[..agents] {
+            let (ir, photo, wheels) = (self.word(), self.word(), self.word());
+            let flips = [
+                happens(ir, 0, flip),
+                happens(ir, 1, flip),
+                happens(ir, 2, flip),
+                happens(photo, 0, flip),
+                happens(photo, 1, flip),
+            ];
+            let row = |row, &flip: &bool| row << 1 | u8::from(flip);
+            *upset = Upset {
+                flips: flips.iter().rev().fold(0, row),
+                slips: [0, 1].map(|wheel| happens(wheels, wheel, slip)),
+            };
+        }
+        (upsets, self)
+    }
+}
+
+impl Upset {
+    /// The levels that the wheels really turn at.
+    pub(crate) fn turning(self, wheels: Wheels) -> Wheels {
+        let level = |level, slips: bool| if slips { 0 } else { level };
+        Wheels {
+            left: level(wheels.left, self.slips[0]),
+            right: level(wheels.right, self.slips[1]),
+        }
+    }
+}
+
+/// Whether the event drawn by the `place`-th ten bits of a word happens, at a chance of so many parts.
+fn happens(word: u32, place: u32, parts: u16) -> bool {
+    ((word >> (place * PARTS_LOG2)) & PART_BITS) + u32::from(parts) > PART_BITS
+}
+
+/// Names the stream of a layout by the bits of its numbers.
+pub(crate) fn seed(numbers: impl Iterator<Item = f32>) -> u32 {
+    // Multiplier and shifts of SplitMix64: neighbouring layouts get streams that have nothing in common.
+    let mix = |state: u64, number: f32| {
+        let z = (state ^ u64::from(number.to_bits())).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z ^ z >> 27
+    };
+    (numbers.fold(0, mix) >> 32) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_drawn_happens_as_often_as_it_should() {
+        const FRAMES: u32 = 20_000;
+        for parts in [0, 1, 51, 512, 1024] {
+            let noise = Noise {
+                sensor_flips_per_1024: parts,
+                wheel_slips_per_1024: parts,
+            };
+            let (mut stream, mut flips, mut slips) = (Stream(7), [0_u32; 5], [0_u32; 2]);
+            for _ in 0..FRAMES {
+                let (upsets, next) = stream.frame(noise, 2);
+                stream = next;
+                for (bit, count) in flips.iter_mut().enumerate() {
+                    *count += u32::from(upsets[1].flips >> bit & 1);
+                }
+                for (slip, count) in upsets[1].slips.iter().zip(&mut slips) {
+                    *count += u32::from(*slip);
+                }
+                assert_eq!(upsets[2], Upset::default(), "nobody there");
+            }
+            let expected = f64::from(parts) / 1024.0;
+            for count in flips.into_iter().chain(slips) {
+                let rate = f64::from(count) / f64::from(FRAMES);
+                assert!(
+                    (rate - expected).abs() < 0.015,
+                    "{parts} of 1024: {flips:?} {slips:?}"
+                );
+            }
+        }
+    }
+}
