@@ -72,10 +72,7 @@ fn what_goes_wrong_is_named_robot_by_robot_and_the_course_ends() {
         .iter()
         .map(|robot| robot.failure.as_deref())
         .collect();
-    assert_eq!(failures, [Some("left the field"); 2]);
-    assert_eq!(
-        report.failures["left the field"], 1,
-        "counted once per trial"
-    );
+    assert_eq!(failures, [Some("met another robot"); 2]);
+    assert_eq!(report.failures["met another robot"], 1, "once per trial");
     assert_eq!(report.objects["wood"], [2, 2]);
 }
