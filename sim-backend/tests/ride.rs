@@ -5,7 +5,7 @@ mod common;
 use common::Script;
 use robot_model::{RobotModel, Side};
 use shm_schemas::ObjectTruth;
-use sim_backend::course::{Base, Floor, Place, Wheels};
+use sim_backend::course::{Base, Floor, Pace, Place, Wheels};
 use sim_backend::{Object, Ride, Scene, Sensed, World};
 
 /// Ticks of a step of the base.
@@ -33,7 +33,7 @@ fn what_stands_in_the_field_stays_there_while_the_base_drives_about() {
     let drives = [(2, 2), (0, 2), (2, 1), (1, 1), (2, 0), (0, 0)];
     for (left, right) in drives {
         for _ in 0..400 {
-            base.step(Wheels { left, right });
+            base.step(Wheels { left, right }, Pace::Free);
             world.ride(&base.ride()).expect("a base moves like that");
             for _ in 0..STEP_TICKS {
                 world.sense(&mut sensed);

@@ -18,13 +18,13 @@ fn by_hand() -> Responses {
     })
 }
 
-fn run(robots: usize, trials: u64, reflexes: Reflexes) -> (HybridReport, Vec<HybridTrial>) {
+fn run(robots: usize, table: Responses) -> (HybridReport, Vec<HybridTrial>) {
     let plan = HybridPlan {
         robots,
-        trials,
+        trials: 1,
         first_seed: 2,
-        table: by_hand(),
-        reflexes,
+        table,
+        reflexes: Reflexes::On,
         objects: vec![Object::built_in("wood").expect("built in")],
         threads: 0,
         settings: atas_core::Settings::default(),
@@ -35,8 +35,8 @@ fn run(robots: usize, trials: u64, reflexes: Reflexes) -> (HybridReport, Vec<Hyb
 
 #[test]
 fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
-    let (report, trials) = run(1, 1, Reflexes::On);
-    assert_eq!((report.clone(), trials.clone()), run(1, 1, Reflexes::On));
+    let (report, trials) = run(1, by_hand());
+    assert_eq!((report.clone(), trials.clone()), run(1, by_hand()));
     assert_eq!(report.success, 1.0, "{:?}", trials[0].robots);
     let phases: Vec<&str> = trials[0].robots[0].phases.iter().map(|p| p.phase).collect();
     for phase in PHASES.iter().filter(|phase| phase.name != "give way") {
@@ -59,4 +59,20 @@ fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
         told["failures"].is_object() && told["drive"]["slip_mm"].is_array(),
         "{told}"
     );
+}
+
+/// Regression: a robot that waited for another one whose course was over did so for ever.
+#[test]
+fn what_goes_wrong_is_named_robot_by_robot_and_the_course_ends() {
+    let straight = Responses::from_fn(|_| Wheels { left: 2, right: 2 });
+    let (report, trials) = run(2, straight);
+    assert_eq!(report.success, 0.0);
+    let failures: Vec<Option<&str>> = trials[0]
+        .robots
+        .iter()
+        .map(|robot| robot.failure.as_deref())
+        .collect();
+    assert_eq!(failures, [Some("met another robot"); 2]);
+    assert_eq!(report.failures["met another robot"], 1, "once per trial");
+    assert_eq!(report.objects["wood"], [2, 2]);
 }

@@ -1,4 +1,4 @@
-//! A base on two wheels whose speeds change within limits of acceleration and jerk.
+//! A base on two wheels whose speeds change within limits of acceleration and jerk, at a [`Pace`].
 
 use core::f64::consts::PI;
 
@@ -18,6 +18,29 @@ const TRACK_M: f64 = 0.30;
 /// Greatest change of a wheel's speed, m/s², and of that change, m/s³.
 const ACCELERATION_M_S2: f64 = 0.8;
 const JERK_M_S3: f64 = 8.0;
+/// Share of all of these that a base allows itself while its robot carries (ours: at full pace, turns and bumps shake what needs
+/// most of the force that a hand may press with out of it).
+const CARRYING: f64 = 0.5;
+
+/// How fast a base may be, and how fast it may change that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// As fast as it can.
+    #[default]
+    Free,
+    /// Gently, because of what its robot carries.
+    Carrying,
+}
+
+impl Pace {
+    /// The share of every limit.
+    fn share(self) -> f64 {
+        match self {
+            Self::Free => 1.0,
+            Self::Carrying => CARRYING,
+        }
+    }
+}
 
 /// Where something is in the field, and where it looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,18 +79,21 @@ struct Wheel {
 }
 
 impl Wheel {
-    /// One step towards a speed; returns the speed at its beginning and the change over it.
-    fn drive(&mut self, target_m_s: f64) -> [f64; 2] {
+    /// One step towards a level at a pace; returns the speed at its beginning and the change over it.
+    fn drive(&mut self, level: u8, pace: Pace) -> [f64; 2] {
+        let target_m_s = f64::from(level.min(2)) * MEDIUM_M_S * pace.share();
         let (before_m_s, missing_m_s) = (self.speed_m_s, target_m_s - self.speed_m_s);
-        let jerk_step = JERK_M_S3 * STEP_S;
+        let jerk_m_s3 = JERK_M_S3 * pace.share();
+        let jerk_step = jerk_m_s3 * STEP_S;
         let nearly = missing_m_s.abs() <= jerk_step * STEP_S;
         if nearly && self.acceleration_m_s2.abs() <= 2.0 * jerk_step {
             (self.speed_m_s, self.acceleration_m_s2) = (target_m_s, 0.0);
             return [before_m_s, missing_m_s / STEP_S];
         }
         // The acceleration from which easing out by the jerk ends at the wanted speed.
-        let easing = (2.0 * JERK_M_S3 * missing_m_s.abs()).sqrt();
-        let wanted = easing.min(ACCELERATION_M_S2).copysign(missing_m_s);
+        let easing = (2.0 * jerk_m_s3 * missing_m_s.abs()).sqrt();
+        let most = ACCELERATION_M_S2 * pace.share();
+        let wanted = easing.min(most).copysign(missing_m_s);
         let change = (wanted - self.acceleration_m_s2).clamp(-jerk_step, jerk_step);
         self.acceleration_m_s2 += change;
         self.speed_m_s += self.acceleration_m_s2 * STEP_S;
@@ -96,12 +122,11 @@ impl Base {
         }
     }
 
-    /// One step towards these wheel levels.
-    pub fn step(&mut self, levels: Wheels) {
-        let speed = |level: u8| f64::from(level.min(2)) * MEDIUM_M_S;
+    /// One step towards these wheel levels, at a pace.
+    pub fn step(&mut self, levels: Wheels, pace: Pace) {
         let [left, right] = &mut self.wheels;
-        let left = left.drive(speed(levels.left));
-        let right = right.drive(speed(levels.right));
+        let left = left.drive(levels.left, pace);
+        let right = right.drive(levels.right, pace);
         let mean = |k: usize| (left[k] + right[k]) / 2.0;
         let turn = |k: usize| (right[k] - left[k]) / TRACK_M;
         let way_m = (mean(0) + mean(1) * STEP_S / 2.0) * STEP_S;
@@ -161,15 +186,19 @@ mod tests {
 
     #[test]
     fn a_wheel_comes_to_its_speed_and_stays_there() {
-        for level in [1, 2, 0] {
+        for (level, pace) in [1, 2, 0]
+            .map(|l| [(l, Pace::Free), (l, Pace::Carrying)])
+            .concat()
+        {
             let mut base = base();
             let levels = Wheels {
                 left: level,
                 right: level,
             };
-            (0..400).for_each(|_| base.step(levels));
-            assert_eq!(base.ride().speed_m_s, f64::from(level) * MEDIUM_M_S);
-            (0..400).for_each(|_| base.step(Wheels::STOP));
+            (0..400).for_each(|_| base.step(levels, pace));
+            let speed_m_s = f64::from(level) * MEDIUM_M_S * pace.share();
+            assert_eq!(base.ride().speed_m_s, speed_m_s);
+            (0..400).for_each(|_| base.step(Wheels::STOP, pace));
             assert!(base.stands() && base.ride() == Ride::STILL);
             assert_eq!(base.place().at_m[1], 0.0, "equal levels drive straight");
         }
@@ -178,17 +207,20 @@ mod tests {
     proptest! {
         /// Whatever a table says: limits of speed, acceleration and jerk hold, and the pose is the sum of the rides.
         #[test]
-        fn limits_hold_whatever_is_told(levels in proptest::collection::vec((0_u8..4, 0_u8..4), 1..40)) {
-            let (mut base, mut before) = (base(), Ride::STILL);
+        fn limits_hold_whatever_is_told(
+            levels in proptest::collection::vec((0_u8..4, 0_u8..4), 1..40),
+            pace in prop_oneof![Just(Pace::Free), Just(Pace::Carrying)],
+        ) {
+            let (mut base, mut before, share) = (base(), Ride::STILL, pace.share());
             for (left, right) in levels {
                 for _ in 0..20 {
-                    base.step(Wheels { left, right });
+                    base.step(Wheels { left, right }, pace);
                     let ride = base.ride();
-                    prop_assert!(ride.speed_m_s.abs() <= HIGH_M_S * 1.05);
-                    prop_assert!(ride.acceleration_m_s2.abs() <= ACCELERATION_M_S2 + 1e-9);
+                    prop_assert!(ride.speed_m_s.abs() <= share * HIGH_M_S * 1.05);
+                    prop_assert!(ride.acceleration_m_s2.abs() <= share * ACCELERATION_M_S2 + 1e-9);
                     let jerk = (ride.acceleration_m_s2 - before.acceleration_m_s2).abs() / STEP_S;
                     // A wheel that has all but reached its speed settles within one step.
-                    prop_assert!(jerk <= 3.0 * JERK_M_S3 + 1e-6, "{jerk} m/s³");
+                    prop_assert!(jerk <= 3.0 * share * JERK_M_S3 + 1e-6, "{jerk} m/s³");
                     prop_assert!(base.place().yaw_rad.abs() <= PI);
                     before = ride;
                 }

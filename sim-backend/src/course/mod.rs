@@ -3,11 +3,13 @@
 //! ```text
 //!  Layout ─▶ Course ──sense──▶ row of a behaviour table (three IR, two photo sensors, as on the swarm's field)
 //!              ▲  └──ride───▶ how the base moves: World::ride of the robot on it
-//!              └──steer── wheel levels ◀─ table, every 100 ms
+//!              └──steer── wheel levels ◀─ table, every 100 ms, and a pace
 //! ```
 //!
 //! * **In:** a [`Layout`], wheel levels (0 stop, 1 medium, 2 high: paper Table 1) once per frame. **Out:** rows, rides, and what
 //!   went wrong ([`Mishap`]).
+//! * **Right of way:** robots have it in turn, 30 s each; a robot knows how far the one that has it is ([`Course::to_first_m`]), and
+//!   whoever decides may let it stand meanwhile.
 //! * **Invariants:** deterministic, no clock, randomness only from the seed; a base keeps its limits of acceleration and jerk
 //!   whatever it is told; one that had a mishap brakes and stays.
 //! * **Absent on purpose:** the robot on the base with its hands (that is [`World`](crate::World)), whoever decides, slip of the wheels. A base
@@ -23,7 +25,7 @@ mod rovers;
 mod sight;
 
 pub use ::field::{Responses, Wheels};
-pub use base::{Base, HIGH_M_S, Place, STEP_S};
+pub use base::{Base, HIGH_M_S, Pace, Place, STEP_S};
 pub use floor::Floor;
 pub use layout::{CourseError, HALF_SIDE_M, LANES_MAX, Lane, Layout};
 pub use rovers::{Course, Light, Mishap};

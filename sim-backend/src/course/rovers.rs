@@ -4,7 +4,7 @@ use core::fmt;
 
 use field::Wheels;
 
-use super::base::{Base, Place};
+use super::base::{Base, Pace, Place};
 use super::floor::Floor;
 use super::layout::{HALF_SIDE_M, Layout, ROBOT_M};
 use super::sight::{Disc, row};
@@ -13,6 +13,14 @@ use crate::ride::Ride;
 /// Radius of the base itself, m, and of what stands on the floor.
 const BASE_M: f64 = 0.16;
 const OBJECT_M: f64 = 0.05;
+
+/// Radius of a robot that another one with its arms before it must get past, m (ours: on tuning courses fewest robots met; the sum of
+/// both radii, 0.9 m, leaves no way between a robot and a wall).
+const PASSING_M: f64 = 0.75;
+
+/// How long a robot has the right of way before the next one has it, steps: 30 s (ours: about the time of one way). With one
+/// that keeps it, two robots that are in each other's way would be so for ever.
+const TURN_STEPS: u64 = 6000;
 
 /// What a robot's photo sensors look for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +56,9 @@ impl fmt::Display for Mishap {
 struct Rover {
     base: Base,
     wheels: Wheels,
+    pace: Pace,
+    /// Its course is over: it stays where it is.
+    rests: bool,
     /// Where its object stands; `None` while a hand has it.
     object_m: Option<[f64; 2]>,
     goal_m: [f64; 2],
@@ -58,6 +69,8 @@ struct Rover {
 #[derive(Clone, Debug)]
 pub struct Course {
     rovers: Vec<Rover>,
+    /// Steps that were made.
+    steps: u64,
 }
 
 impl Course {
@@ -70,12 +83,15 @@ impl Course {
         let rovers = rovers.map(|(robot, lane)| Rover {
             base: Base::new(lane.start, floor(robot)),
             wheels: Wheels::STOP,
+            pace: Pace::Free,
+            rests: false,
             object_m: Some(lane.object.at_m),
             goal_m: lane.goal_m,
             mishap: None,
         });
         Self {
             rovers: rovers.collect(),
+            steps: 0,
         }
     }
 
@@ -90,11 +106,11 @@ impl Course {
     pub fn sense(&self, robot: usize, light: Light) -> u8 {
         let others = self.rovers.iter().enumerate().filter(|(k, _)| *k != robot);
         let discs = others.flat_map(|(_, other)| {
+            // Both as wide as what must get past them.
             let body = Disc {
                 at_m: other.base.place().at_m,
-                radius_m: ROBOT_M,
+                radius_m: PASSING_M,
             };
-            // As wide as the base that must get past it.
             let object = other.object_m.map(|at_m| Disc {
                 at_m,
                 radius_m: BASE_M + OBJECT_M,
@@ -121,21 +137,29 @@ impl Course {
         self.light_m(robot, light).map(|at_m| place.sees(at_m))
     }
 
-    /// Distance to the nearest robot of those before this one in the layout, between the middles of the bases, m.
+    /// Distance to the robot that has the right of way, between the middles of the bases, m; `None` for that robot itself, and
+    /// while that robot's course is over.
     #[must_use]
-    pub fn nearest_before_m(&self, robot: usize) -> Option<f64> {
-        let place = self.place(robot);
-        let distance_m = |other: &Rover| {
-            let [ahead_m, left_m] = place.sees(other.base.place().at_m);
-            libm::hypot(ahead_m, left_m)
-        };
-        let others = self.rovers[..robot].iter().map(distance_m);
-        others.min_by(f64::total_cmp)
+    pub fn to_first_m(&self, robot: usize) -> Option<f64> {
+        let first = (self.steps / TURN_STEPS) as usize % self.rovers.len();
+        let other = &self.rovers[first];
+        if first == robot || other.rests {
+            return None;
+        }
+        let [ahead_m, left_m] = self.place(robot).sees(other.base.place().at_m);
+        Some(libm::hypot(ahead_m, left_m))
     }
 
-    /// Says at which levels a robot's wheels shall turn from now on.
-    pub fn steer(&mut self, robot: usize, wheels: Wheels) {
-        self.rovers[robot].wheels = wheels;
+    /// Says at which levels a robot's wheels shall turn from now on, and at which pace.
+    pub fn steer(&mut self, robot: usize, wheels: Wheels, pace: Pace) {
+        let rover = &mut self.rovers[robot];
+        (rover.wheels, rover.pace) = (wheels, pace);
+    }
+
+    /// Says that a robot's course is over: it brakes and stays, and lets the others know, so that nobody waits for it to pass.
+    pub fn rest(&mut self, robot: usize) {
+        let rover = &mut self.rovers[robot];
+        (rover.wheels, rover.rests) = (Wheels::STOP, true);
     }
 
     /// Says where a robot's object stands, m, or that the hand has it.
@@ -145,12 +169,13 @@ impl Course {
 
     /// One step of [`STEP_S`](super::STEP_S).
     pub fn step(&mut self) {
+        self.steps += 1;
         for rover in &mut self.rovers {
             let wheels = match rover.mishap {
                 Some(_) => Wheels::STOP,
                 None => rover.wheels,
             };
-            rover.base.step(wheels);
+            rover.base.step(wheels, rover.pace);
         }
         for robot in 0..self.rovers.len() {
             let mishap = self.mishap_of(robot);
@@ -229,7 +254,7 @@ mod tests {
 
     fn ends(mut course: Course, expected: [Option<Mishap>; 2]) {
         for robot in 0..course.robots() {
-            course.steer(robot, AHEAD);
+            course.steer(robot, AHEAD, Pace::Free);
         }
         (0..4000).for_each(|_| course.step());
         for (robot, expected) in (0..course.robots()).zip(expected) {
@@ -256,6 +281,24 @@ mod tests {
         let pi = core::f64::consts::PI;
         let opposite = [([-1.5, 0.0], 0.0, [0.0, 1.9]), ([1.5, 0.0], pi, [1.8, 1.0])];
         ends(course(&opposite), [met, met]);
+    }
+
+    #[test]
+    fn robots_have_the_right_of_way_in_turn_until_they_rest() {
+        let mut course = course(&[
+            ([-1.5, 0.0], 0.0, [0.0, 1.9]),
+            ([1.5, 0.0], 0.0, [1.8, 1.0]),
+        ]);
+        let check = |course: &Course, expected: [Option<f64>; 2]| {
+            assert_eq!([0, 1].map(|robot| course.to_first_m(robot)), expected);
+        };
+        check(&course, [None, Some(3.0)]);
+        (0..TURN_STEPS).for_each(|_| course.step());
+        check(&course, [Some(3.0), None]);
+        course.rest(1);
+        check(&course, [None, None]);
+        (0..TURN_STEPS).for_each(|_| course.step());
+        check(&course, [None, Some(3.0)]);
     }
 
     #[test]

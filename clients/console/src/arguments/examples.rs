@@ -101,7 +101,7 @@ const HELPS: &[Help] = &[
             "atas eval hybrid --robots 1 --seeds 100",
             "atas eval hybrid --seeds 20 --frozen",
         ],
-        "one object: robots, trials, success, ci95, failures, drive{count, slip_mm, slipped, grip_change_n, shake}, simulated_s",
+        "one object: robots, trials, success, ci95, failures, failed_seeds, objects, drive{count, slip_mm, slipped, grip_change_n, shake}, simulated_s",
     ),
     Help("eval tune", &["atas eval tune grasp --trials 32"], REPORT),
     Help(

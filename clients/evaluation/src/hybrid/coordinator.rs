@@ -2,7 +2,7 @@
 //!
 //! Adding a phase is adding a line. Nothing here moves anything or looks at anything: [`Signs`] are what was seen and felt.
 
-use sim_backend::course::{EYES_M, Light};
+use sim_backend::course::{EYES_M, Light, Pace};
 
 /// Where a light must be for the base to stop, base frame: metres ahead, and to each side of the eyes. Braking from high speed
 /// takes 0.1 m.
@@ -16,8 +16,8 @@ const REACH: Spot = Spot {
     beside_m: 0.13,
 };
 
-/// Distance of a robot that goes first from which on this one stands, and from which on it drives again, between the middles
-/// of their bases, m: two robots with their arms before them touch at 0.9 m.
+/// Distance of the robot that has the right of way from which on this one stands, and from which on it drives again, between the
+/// middles of their bases, m: two robots with their arms before them touch at 0.9 m.
 const CROWDED_M: f64 = 1.6;
 const FREE_M: f64 = 1.8;
 
@@ -78,7 +78,7 @@ pub struct Signs {
     pub hand: HandState,
     /// Every finger of the hand presses.
     pub holds: bool,
-    /// Distance of the nearest robot that goes first, m; `None` if there is none.
+    /// Distance of the robot that has the right of way, m; `None` if this one has it.
     pub first_m: Option<f64>,
 }
 
@@ -97,9 +97,9 @@ enum Sign {
     GaveUp,
     /// The hand holds nothing.
     Lost,
-    /// A robot that goes first is near.
+    /// The robot that has the right of way is near.
     Crowded,
-    /// None is.
+    /// It is not.
     Free,
 }
 
@@ -144,6 +144,17 @@ pub struct Phase {
     /// Longest time in this phase, all its visits together, s (ours: several times what it takes), and what then follows.
     limit_s: f64,
     late: Then,
+}
+
+impl Phase {
+    /// How fast the base may be: gently once the hand has the object, which is when the goal is what counts.
+    #[must_use]
+    pub fn pace(&self) -> Pace {
+        match self.light {
+            Light::Object => Pace::Free,
+            Light::Goal => Pace::Carrying,
+        }
+    }
 }
 
 const SEARCH: usize = 0;
@@ -232,16 +243,16 @@ pub static PHASES: [Phase; 8] = [
         say: Say::Nobody,
         light: Light::Object,
         ends: &[(Sign::Free, Then::Phase(SEARCH))],
-        limit_s: 40.0,
-        late: Then::Phase(SEARCH),
+        limit_s: 180.0,
+        late: Then::Fail("not let past"),
     },
     Phase {
         name: "give way",
         say: Say::Nobody,
         light: Light::Goal,
         ends: &[LOST, (Sign::Free, Then::Phase(CARRY))],
-        limit_s: 40.0,
-        late: Then::Phase(CARRY),
+        limit_s: 180.0,
+        late: Then::Fail("not let past"),
     },
 ];
 
@@ -283,9 +294,10 @@ impl Coordinator {
         let phase = self.phase();
         let spent_s = &mut self.spent_s[self.phase];
         *spent_s += passed_s;
+        // Time counts before any sign: two phases whose signs lead to one another would go on for ever.
         let late = (*spent_s > phase.limit_s).then_some(phase.late);
         let sign = phase.ends.iter().find(|(sign, _)| signs.show(*sign));
-        match sign.map(|(_, then)| *then).or(late) {
+        match late.or(sign.map(|(_, then)| *then)) {
             Some(Then::Phase(next)) => {
                 self.phase = next;
                 return true;
@@ -377,9 +389,18 @@ mod tests {
             ..far
         };
         walk(&[met, met, far], &["search", "give way", "search"], None);
-        let mut waits = vec![met; 401];
-        waits.push(far);
-        walk(&waits, &["search", "give way", "search"], None);
+        walk(
+            &[met; 1900],
+            &["search", "give way"],
+            Some(Ended::Failed("not let past")),
+        );
+        // Signs that lead from one phase to another and back hold nothing up for ever.
+        let turns: Vec<Signs> = (0..4000).map(|k| [met, far][k % 2]).collect();
+        let mut coordinator = Coordinator::default();
+        turns.iter().for_each(|signs| {
+            coordinator.look(signs, 0.1);
+        });
+        assert!(matches!(coordinator.ended(), Some(Ended::Failed(_))));
         let lost = [ahead, near, done(HandState::Done), empty];
         walk(&lost, &names[..4], Some(Ended::Failed("lost on the way")));
     }

@@ -7,11 +7,12 @@
 //! ```
 //!
 //! The course: search the object of light, come within reach (table), grasp and lift (modules), carry it to the goal of light
-//! (table), set it down there (modules). The [`Coordinator`] is a table, too: of phases, and of signs that end them.
+//! (table), set it down there (modules). The [`Coordinator`] is a table, too: of phases, and of signs that end them. While the
+//! hand has the object, the base drives at half its pace, and the hand gives no force back.
 //!
 //! * **In:** a [`HybridPlan`]. **Out:** a [`HybridReport`]. A trial is judged as pick and place is, and by how the grip fared on
 //!   the way.
-//! * **Invariants:** a function of the plan, whatever the number of threads. The base's accelerations load the grip; nothing
+//! * **Invariants:** a function of the plan, whatever the number of threads. Every trial ends: each phase has a limit of time. The base's accelerations load the grip; nothing
 //!   else passes between both sides but what the coordinator sees and feels. What goes wrong is named and counted, and the
 //!   robot stands.
 //! * **Absent on purpose:** a camera. Where an object within reach stands is told with the errors of every other evaluation: ±2 mm and

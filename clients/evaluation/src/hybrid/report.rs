@@ -57,6 +57,8 @@ pub struct HybridReport {
     pub failures: BTreeMap<String, u64>,
     /// Their seeds.
     pub failed_seeds: Vec<u64>,
+    /// Object by object: how many robots had it to fetch, and how many of these failed.
+    pub objects: BTreeMap<String, [u64; 2]>,
     /// How the grip fared on the way.
     pub drive: DriveReport,
     /// Median simulated time, s.
@@ -191,8 +193,14 @@ impl HybridPlan {
         }
         let all = trials.len() as u64;
         let successes = all - failed().count() as u64;
-        let robots = trials.iter().flat_map(|trial| &trial.robots);
-        let drives: Vec<DriveFigures> = robots.filter_map(|robot| robot.drive).collect();
+        let robots = || trials.iter().flat_map(|trial| &trial.robots);
+        let drives: Vec<DriveFigures> = robots().filter_map(|robot| robot.drive).collect();
+        let mut objects = BTreeMap::new();
+        for robot in robots() {
+            let [fetched, lost]: &mut [u64; 2] = objects.entry(robot.object.clone()).or_default();
+            *fetched += 1;
+            *lost += u64::from(robot.failure.is_some());
+        }
         let times: Vec<f64> = trials.iter().map(|trial| trial.simulated_s).collect();
         HybridReport {
             task: "hybrid",
@@ -203,6 +211,7 @@ impl HybridPlan {
             ci95: wilson(successes, all),
             failures,
             failed_seeds: failed().map(|trial| trial.seed).collect(),
+            objects,
             drive: DriveReport::of(&drives),
             simulated_s: median(times).unwrap_or(0.0),
             first_seed: self.first_seed,

@@ -4,7 +4,7 @@ use anyhow::Context;
 use atas_client::GoalProgress;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use atas_core::modules::Selection;
-use atas_core::tasks::{GRASP, Name, Step, Task, Track, Transition};
+use atas_core::tasks::{GRASP, Name, PICK_PLACE, Step, Task, Track, Transition};
 use atas_core::{Order, Outputs, Settings};
 use robot_model::{RobotModel, VIRTUAL_FINGERS};
 use shm_schemas::{GoalKind, GoalRequest, GoalState, ModuleId, Reason, Text, WorldTruth};
@@ -25,8 +25,8 @@ const ERROR_M: f64 = 0.002;
 const ERROR_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
 /// Normal force of a finger that presses, N (as for the grasp).
 const PRESSED_N: f32 = 0.03;
-/// The task that grasps and then feels nothing more.
-const FROZEN: &str = "frozen-grasp";
+/// The task that grasps and lifts.
+const FETCH: &str = "fetch";
 
 /// One robot.
 pub(super) struct Robot {
@@ -39,7 +39,6 @@ pub(super) struct Robot {
     known: GraspHint,
     /// What it saw of it when it was within reach.
     seen: Option<GraspHint>,
-    reflexes: Reflexes,
     goal: Option<GoalRequest>,
     order: Option<Order>,
     pub(super) progress: GoalProgress,
@@ -63,9 +62,7 @@ impl Robot {
         placed.position_m = lane.start.sees(lane.object.at_m);
         placed.yaw_rad = lane.object.yaw_rad - lane.start.yaw_rad;
         let mut run = Box::new(OfflineRun::new(model, &scene, seed, *settings)?);
-        if reflexes == Reflexes::Frozen {
-            run.teach(Some(frozen_grasp()));
-        }
+        run.teach(Some(fetch(reflexes)));
         Ok(Self {
             index,
             run,
@@ -73,7 +70,6 @@ impl Robot {
             camera: Random::new(seed, CAMERA),
             known,
             seen: None,
-            reflexes,
             goal: None,
             order: None,
             progress: GoalProgress::default(),
@@ -96,7 +92,7 @@ impl Robot {
             stands: course.stands(self.index),
             hand: self.hand,
             holds: self.holds,
-            first_m: course.nearest_before_m(self.index),
+            first_m: course.to_first_m(self.index),
         };
         if course.mishap(self.index).is_some() {
             self.coordinator.fail("mishap");
@@ -105,14 +101,17 @@ impl Robot {
         if began {
             self.begin(&truth, course);
         }
-        let say = self.coordinator.phase().say;
-        let light = self.coordinator.phase().light;
-        let drives = say == Say::Table && self.coordinator.ended().is_none();
+        if self.coordinator.ended().is_some() {
+            course.rest(self.index);
+            return began;
+        }
+        let phase = self.coordinator.phase();
+        let drives = phase.say == Say::Table;
         let wheels = match drives {
-            true => table.get(course.sense(self.index, light)),
+            true => table.get(course.sense(self.index, phase.light)),
             false => Wheels::STOP,
         };
-        course.steer(self.index, wheels);
+        course.steer(self.index, wheels, phase.pace());
         began
     }
 
@@ -123,13 +122,10 @@ impl Robot {
                 let seen = self.look_at(truth);
                 self.seen = Some(seen);
                 let goal = grasp_goal(&seen, SIDE, LIFT_M, HOLD_S);
-                self.pursue(match self.reflexes {
-                    Reflexes::On => goal,
-                    Reflexes::Frozen => GoalRequest {
-                        kind: GoalKind::CUSTOM,
-                        task: Text::new(FROZEN),
-                        ..goal
-                    },
+                self.pursue(GoalRequest {
+                    kind: GoalKind::CUSTOM,
+                    task: Text::new(FETCH),
+                    ..goal
                 });
             }
             Say::Hand(HandTask::SetDown) => {
@@ -243,18 +239,29 @@ fn half_turned(yaw_rad: f64) -> f64 {
     yaw_rad - PI * ((yaw_rad - FRAC_PI_2) / PI).round()
 }
 
-/// The built-in grasp, whose fingers stand still once the object was lifted.
-fn frozen_grasp() -> Task {
-    let frozen = |step: &Step| match step.transition {
-        Transition::Held => Step {
-            modules: Selection::of(&[ModuleId::FORCE_LIMIT]),
-            ..*step
-        },
-        _ => *step,
+/// The built-in grasp for a robot that drives off with what it has: lifted as for conveying, and held by modules that give no
+/// force back, because what a drive will ask for is not felt before it.
+fn fetch(reflexes: Reflexes) -> Task {
+    let hold: &[ModuleId] = match reflexes {
+        Reflexes::On => &[
+            ModuleId::FIRST_TOUCH,
+            ModuleId::PROBE,
+            ModuleId::SLIP,
+            ModuleId::FORCE_LIMIT,
+        ],
+        Reflexes::Frozen => &[ModuleId::FORCE_LIMIT],
     };
-    let steps: Vec<Step> = GRASP.acting.iter().map(frozen).collect();
+    let step = |(step, conveyed): (&Step, &Step)| Step {
+        modules: match step.transition {
+            Transition::Held => Selection::of(hold),
+            _ => conveyed.modules,
+        },
+        ..*step
+    };
+    let steps = GRASP.acting.iter().zip(PICK_PLACE.acting.iter());
+    let steps: Vec<Step> = steps.map(step).collect();
     Task {
-        name: Name::new(FROZEN),
+        name: Name::new(FETCH),
         // It has as many steps as before.
         acting: Track::checked(&steps).unwrap_or(GRASP.acting),
         ..GRASP

@@ -57,6 +57,11 @@ fn print(report: &HybridReport, output: &mut Output) -> anyhow::Result<()> {
         Cell::new(otherwise.join(", ")),
     ]);
     output.table(lines)?;
+    let objects = report.objects.iter();
+    let objects: Vec<String> = objects
+        .map(|(object, [robots, failed])| format!("{object} {failed} of {robots}"))
+        .collect();
+    output.line(format!("failed: {}", objects.join(", ")))?;
     let drive = &report.drive;
     let [median_mm, most_mm] = drive.slip_mm;
     let [up_n, down_n] = drive.grip_change_n;

@@ -7,7 +7,7 @@ use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Light, Responses
 const GRASP_FRAMES: u32 = 130;
 const SET_DOWN_FRAMES: u32 = 90;
 /// Frames after which a rehearsal ends, whatever its robots do (ours: three times what a good table takes for both ways).
-pub const FRAMES_MAX: u32 = 1800;
+pub const FRAMES_MAX: u32 = 2400;
 
 /// What became of one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,7 +69,7 @@ impl Rover {
     /// One frame; the row that was read, as a bit.
     fn frame(&mut self, course: &mut Course, robot: usize, table: Responses, frame: u32) -> u32 {
         if self.coordinator.ended().is_some() {
-            course.steer(robot, Wheels::STOP);
+            course.rest(robot);
             return 0;
         }
         self.driven.frames = frame;
@@ -79,7 +79,7 @@ impl Rover {
             stands: course.stands(robot),
             hand: self.work(),
             holds: self.holds,
-            first_m: course.nearest_before_m(robot),
+            first_m: course.to_first_m(robot),
         };
         if course.mishap(robot).is_some() {
             self.driven.mishap = true;
@@ -95,13 +95,14 @@ impl Rover {
             course.set_object(robot, stands_at.map(|seen_m| place.point_m(seen_m)));
         }
         self.measure(course, robot);
-        let light = self.coordinator.phase().light;
-        if self.coordinator.phase().say != Say::Table || self.coordinator.ended().is_some() {
-            course.steer(robot, Wheels::STOP);
+        let phase = self.coordinator.phase();
+        let (light, pace) = (phase.light, phase.pace());
+        if phase.say != Say::Table || self.coordinator.ended().is_some() {
+            course.steer(robot, Wheels::STOP, pace);
             return 0;
         }
         let row = course.sense(robot, light);
-        course.steer(robot, table.get(row));
+        course.steer(robot, table.get(row), pace);
         1 << row
     }
 
