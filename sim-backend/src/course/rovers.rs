@@ -14,8 +14,8 @@ use crate::ride::Ride;
 const BASE_M: f64 = 0.16;
 const OBJECT_M: f64 = 0.05;
 
-/// Radius of a robot that another one with its arms before it must get past, m (ours: on tuning courses fewest robots met; the sum of
-/// both radii, 0.9 m, leaves no way between a robot and a wall).
+/// Radius of a robot that another one with its arms before it must get past, m (ours: fewest robots met so on held-out rehearsals;
+/// the sum of both radii, 0.9 m, leaves no way between a robot and a wall).
 const PASSING_M: f64 = 0.75;
 
 /// How long a robot has the right of way before the next one has it, steps: 30 s (ours: about the time of one way). With one
