@@ -6,12 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use field::{FitnessRule, Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize, Training};
 
-use crate::error::{Error, Result};
-
 use crate::genome::Genome;
 use crate::sensors::SensorOrder;
 use crate::table::{Shape, Table};
-use crate::training;
 
 /// Goals of one evaluation (paper III.b.3).
 pub const GOALS: usize = 8;
@@ -55,23 +52,6 @@ pub struct Setup {
     pub fitness_rule: FitnessRule,
     /// The field.
     pub preset: Preset,
-}
-
-impl Setup {
-    /// Checks everything.
-    ///
-    /// # Errors
-    /// The first value that is out of range.
-    pub fn build(self) -> Result<Condition> {
-        let condition = Condition {
-            team: TeamSize::new(self.agents).map_err(Error::from_part)?,
-            model: Arc::new(Model::new(self.preset).map_err(Error::from_part)?),
-            sharing: self.sharing,
-            sensors: self.sensors,
-            fitness: self.fitness_rule,
-        };
-        training::check(&condition).map(|()| condition)
-    }
 }
 
 impl From<&Condition> for Setup {

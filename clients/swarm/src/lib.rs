@@ -43,6 +43,7 @@ pub mod rng;
 pub mod run;
 pub mod search;
 pub mod sensors;
+mod setup;
 pub mod stats;
 pub mod table;
 pub mod table_file;

@@ -6,7 +6,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::responses::Wheels;
-use crate::trial::MAX_AGENTS;
 
 /// Chances are counted in parts of this: ten bits of a random word each.
 pub(crate) const PARTS_LOG2: u32 = 10;
@@ -63,8 +62,12 @@ impl Stream {
 
     /// What goes wrong in a frame, agent by agent, and the stream of the next frame. Three words an agent: three IR sensors,
     /// two photo sensors, two wheels.
-    pub(crate) fn frame(mut self, noise: Noise, agents: usize) -> ([Upset; MAX_AGENTS], Self) {
-        let mut upsets = [Upset::default(); MAX_AGENTS];
+    pub(crate) fn frame<const MOST: usize>(
+        mut self,
+        noise: Noise,
+        agents: usize,
+    ) -> ([Upset; MOST], Self) {
+        let mut upsets = [Upset::default(); MOST];
         if noise.is_none() {
             return (upsets, self);
         }
@@ -129,7 +132,7 @@ mod tests {
             };
             let (mut stream, mut flips, mut slips) = (Stream(7), [0_u32; 5], [0_u32; 2]);
             for _ in 0..FRAMES {
-                let (upsets, next) = stream.frame(noise, 2);
+                let (upsets, next) = stream.frame::<4>(noise, 2);
                 stream = next;
                 for (bit, count) in flips.iter_mut().enumerate() {
                     *count += u32::from(upsets[1].flips >> bit & 1);

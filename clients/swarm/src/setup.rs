@@ -1,0 +1,27 @@
+//! From a condition as files keep it ([`Setup`]) to one that runs, checked whole: its field, and whether the trials that it asks for
+//! can be drawn there.
+
+use std::sync::Arc;
+
+use field::{Model, TeamSize};
+
+use crate::condition::{Condition, Setup};
+use crate::error::{Error, Result};
+use crate::training;
+
+impl Setup {
+    /// Checks everything.
+    ///
+    /// # Errors
+    /// The first value that is out of range.
+    pub fn build(self) -> Result<Condition> {
+        let condition = Condition {
+            team: TeamSize::new(self.agents).map_err(Error::from_part)?,
+            model: Arc::new(Model::new(self.preset).map_err(Error::from_part)?),
+            sharing: self.sharing,
+            sensors: self.sensors,
+            fitness: self.fitness_rule,
+        };
+        training::check(&condition).map(|()| condition)
+    }
+}
