@@ -153,13 +153,14 @@ impl HandModel {
         if count > 0.0 { sum_m / count } else { sum_m }
     }
 
-    /// Height of the lowest point of the bodies that carry the fingers, base frame, m; infinite without such bodies.
+    /// Height of the lowest point of the middle lines of the bodies that carry the fingers, base frame, m; infinite without
+    /// such bodies. Without their radius: a capsule about a flat palm reaches far below it.
     #[must_use]
     pub fn lowest_of_palm_m(&self, pose: &HandPose) -> f64 {
         let capsules = self.capsules(pose);
         let of_palm = capsules.moved_by(self.palm.frame);
         of_palm.fold(f64::INFINITY, |lowest_m, body| {
-            lowest_m.min(body.a_m.z.min(body.b_m.z) - body.radius_m)
+            lowest_m.min(body.a_m.z.min(body.b_m.z))
         })
     }
 

@@ -98,7 +98,7 @@ fn every_bad_field_is_named() {
         (|g| g.top_m = -0.01, Cause::OUT_OF_RANGE, 12),
         (|g| g.top_m = 0.6, Cause::OUT_OF_RANGE, 12),
         // Higher than the palm over the fingertips.
-        (|g| g.top_m = 0.15, Cause::OUT_OF_RANGE, 12),
+        (|g| g.top_m = 0.3, Cause::OUT_OF_RANGE, 12),
         (|g| g.max_force_n = f64::NAN, Cause::NOT_FINITE, 13),
         (|g| g.max_force_n = -1.0, Cause::OUT_OF_RANGE, 13),
         (|g| g.max_force_n = 0.1, Cause::OUT_OF_RANGE, 13),
