@@ -145,11 +145,8 @@ fn target(
 
 /// The same with what else the user knows.
 fn with(object: Target, known: &Known) -> Target {
-    Target {
-        top_m: known.top.map_or(0.0, |top_mm| top_mm * 1e-3),
-        max_force_n: known.max_force.unwrap_or(0.0),
-        ..object
-    }
+    let top_m = known.top.map_or(0.0, |top_mm| top_mm * 1e-3);
+    object.knowing(top_m, known.max_force.unwrap_or(0.0))
 }
 
 /// Where the user said, at this height if he did not say how high; else the usual place.

@@ -27,6 +27,18 @@ pub struct Target {
     pub max_force_n: f64,
 }
 
+impl Target {
+    /// The same with what else is known of it; see the fields.
+    #[must_use]
+    pub fn knowing(self, top_m: f64, max_force_n: f64) -> Self {
+        Self {
+            top_m,
+            max_force_n,
+            ..self
+        }
+    }
+}
+
 /// Grasp, lift and hold.
 #[must_use]
 pub fn grasp(object: &Target, hand: Hand, lift_m: f64, hold_s: f64) -> GoalRequest {

@@ -228,9 +228,9 @@ fn target(hint: &GraspHint) -> Target {
         at_m: hint.from_m,
         yaw_rad: hint.yaw_rad,
         width_m: hint.width_m,
-        top_m: (hint.height_m - hint.from_m[2]).max(0.0),
         ..Target::default()
     }
+    .knowing((hint.height_m - hint.from_m[2]).max(0.0), 0.0)
 }
 
 /// The goal that a client would send for an object it expects at a place.

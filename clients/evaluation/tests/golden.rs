@@ -1,8 +1,8 @@
 //! The README's tables are those that were measured, and some of the trials behind them come out the same today.
 //!
 //! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads, and `atas eval errors` with
-//! it: a table, and of every series behind it the first trial and the one in the middle. A controller or a simulator that behaves otherwise fails
-//! here, until its figures are measured and the README has them.
+//! it: a table, and of every series behind it the first trial and the one in the middle. A controller or a simulator that
+//! behaves otherwise fails here, until its figures are measured and the README has them.
 
 use std::collections::BTreeMap;
 use std::path::Path;

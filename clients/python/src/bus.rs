@@ -161,7 +161,7 @@ impl Bus {
         max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let object = known(target(at, yaw, width), top, max_force);
+        let object = target(at, yaw, width).knowing(top, max_force);
         let goal = goal::grasp(&object, hand_of(hand)?, lift, hold);
         self.send(goal, attached)
     }
@@ -181,7 +181,7 @@ impl Bus {
         max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let object = known(target(at, yaw, width), top, max_force);
+        let object = target(at, yaw, width).knowing(top, max_force);
         let goal = goal::pick_place(&object, hand_of(hand)?, to, lift);
         self.send(goal, attached)
     }
@@ -223,7 +223,7 @@ impl Bus {
         max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let object = known(target(at, yaw, width), top, max_force);
+        let object = target(at, yaw, width).knowing(top, max_force);
         let goal = GoalRequest {
             kind: GoalKind::CUSTOM,
             task: Text::new(name),
@@ -338,15 +338,6 @@ fn target(at_m: [f64; 3], yaw_rad: f64, width_m: f64) -> Target {
         yaw_rad,
         width_m,
         ..Target::default()
-    }
-}
-
-/// The same with what else is known of the object.
-fn known(object: Target, top_m: f64, max_force_n: f64) -> Target {
-    Target {
-        top_m,
-        max_force_n,
-        ..object
     }
 }
 

@@ -66,14 +66,12 @@ impl Path {
     /// A free path that passes over whatever is not higher than its higher end: it rises first, or sinks last.
     #[must_use]
     pub fn over(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
-        let (rise_m, across_m) = {
-            let way_m = to.centre_m - from.centre_m;
-            (way_m.z, way_m.xy().norm())
-        };
-        if rise_m.abs() < LEVEL_M || across_m < LEVEL_M {
-            return Self::free(from, to, speeds);
+        let way_m = to.centre_m - from.centre_m;
+        let straight = Self::free(from, to, speeds);
+        if way_m.z.abs() < LEVEL_M || way_m.xy().norm() < LEVEL_M {
+            return straight;
         }
-        let corner = if rise_m > 0.0 {
+        let corner = if way_m.z > 0.0 {
             at_height(&from, to.centre_m.z)
         } else {
             at_height(&to, from.centre_m.z)
@@ -83,7 +81,7 @@ impl Path {
             corner,
             corner_s,
             duration_s: corner_s + duration_s(&corner, &to, speeds),
-            ..Self::free(from, to, speeds)
+            ..straight
         }
     }
 

@@ -182,7 +182,7 @@ pub struct Zero {
 #[derive(Args, Clone, Debug)]
 pub struct Known {
     /// How far the object reaches above where the fingertips close, millimetres: the hand comes from above that [default:
-    /// less than `motion.descend_m` without the fingertips]
+    /// not known, taken for less than `motion.descend_m`]
     #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
     pub top: Option<f64>,
     /// What the object may be pressed with at most, newtons: F_2 [default: what its stiffness allows]

@@ -12,9 +12,9 @@
 //!
 //! * **In:** a [`HybridPlan`]. **Out:** a [`HybridReport`]. A trial is judged as pick and place is, and by how the grip fared on
 //!   the way.
-//! * **Invariants:** a function of the plan, whatever the number of threads. Every trial ends: each phase has a limit of time. The base's accelerations load the grip; nothing
-//!   else passes between both sides but what the coordinator sees and feels. What goes wrong is named and counted, and the
-//!   robot stands.
+//! * **Invariants:** a function of the plan, whatever the number of threads. Every trial ends: each phase has a limit of time. The
+//!   base's accelerations load the grip; nothing else passes between both sides but what the coordinator sees and feels. What
+//!   goes wrong is named and counted, and the robot stands.
 //! * **Absent on purpose:** a camera. Where an object within reach stands is told with the errors of every other evaluation: ±2 mm and
 //!   ±5°. A base that has stopped stands where it believes; arms of two robots meet only as the discs that [`sim_backend::course`] knows.
 

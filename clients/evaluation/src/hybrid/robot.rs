@@ -4,7 +4,7 @@ use anyhow::Context;
 use atas_client::GoalProgress;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use atas_core::modules::Selection;
-use atas_core::tasks::{GRASP, Name, PICK_PLACE, Step, Task, Track, Transition};
+use atas_core::tasks::{GRASP, Name, PICK_PLACE, SECURE, Step, Task, Track, Transition};
 use atas_core::{Order, Outputs, Settings};
 use robot_model::{RobotModel, VIRTUAL_FINGERS};
 use shm_schemas::{GoalKind, GoalRequest, GoalState, ModuleId, Reason, Text, WorldTruth};
@@ -242,18 +242,13 @@ fn half_turned(yaw_rad: f64) -> f64 {
 /// The built-in grasp for a robot that drives off with what it has: lifted as for conveying, and held by modules that give no
 /// force back, because what a drive will ask for is not felt before it.
 fn fetch(reflexes: Reflexes) -> Task {
-    let hold: &[ModuleId] = match reflexes {
-        Reflexes::On => &[
-            ModuleId::FIRST_TOUCH,
-            ModuleId::PROBE,
-            ModuleId::SLIP,
-            ModuleId::FORCE_LIMIT,
-        ],
-        Reflexes::Frozen => &[ModuleId::FORCE_LIMIT],
+    let hold = match reflexes {
+        Reflexes::On => SECURE,
+        Reflexes::Frozen => Selection::of(&[ModuleId::FORCE_LIMIT]),
     };
     let step = |(step, conveyed): (&Step, &Step)| Step {
         modules: match step.transition {
-            Transition::Held => Selection::of(hold),
+            Transition::Held => hold,
             _ => conveyed.modules,
         },
         ..*step

@@ -171,43 +171,23 @@ fn check_place(
         // Every opening of the box has a posture.
         open_m = width_m;
     }
-    for height_m in [z, travel_m] {
+    let posture = |height_m: f64, index: usize| {
         let centre_m = Vector3::new(x, y, height_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
         let frame = GraspFrame::from_above(centre_m, yaw_rad, open_m);
-        if let Err(error) = hand.posture_for(&frame) {
+        hand.posture_for(&frame).map_err(|error| {
             let error_m = error.best.tip_error_m;
-            return Err(Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(index));
-        }
-    }
-    check_top(goal, now, Vector3::new(x, y, z), yaw_rad, open_m)
-}
-
-/// What the object reaches above its grasp must fit between the fingertips and what carries the fingers, and the hand must
-/// come from above it.
-fn check_top(
-    goal: &Goal,
-    now: &Circumstances<'_>,
-    centre_m: Vector3<f64>,
-    yaw_rad: f64,
-    open_m: f64,
-) -> Result<(), Reason> {
-    let (request, hand) = (goal.request(), now.robot.hand(goal.side()));
-    if request.top_m <= 0.0 {
-        return Ok(());
-    }
-    let posture = |centre_m: Vector3<f64>| {
-        let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
-        hand.posture_for(&GraspFrame::from_above(centre_m, yaw_rad, open_m))
+            Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(index)
+        })
     };
-    if let Ok(grasp) = posture(centre_m) {
-        let pose = hand.forward(&grasp.q_rad);
-        let room_m = hand.lowest_of_palm_m(&pose) - centre_m.z - OVER_TOP_M;
-        check_range(request.top_m, (0.0, room_m), TOP)?;
+    let grasp = posture(z, index)?;
+    posture(travel_m, index)?;
+    let top_m = goal.request().top_m;
+    if top_m > 0.0 {
+        // What rises above the grasp must fit under what carries the fingers, and the hand must come from above it.
+        let room_m = hand.lowest_of_palm_m(&hand.forward(&grasp.q_rad)) - z - OVER_TOP_M;
+        check_range(top_m, (0.0, room_m), TOP)?;
+        posture(z + descent_m(hand, goal.request(), now.settings), TOP)?;
     }
-    let from_m = centre_m + Vector3::z() * descent_m(hand, request, now.settings);
-    match posture(from_m) {
-        Ok(_) => Ok(()),
-        Err(_) => Err(Reason::limit(Cause::UNREACHABLE, from_m.z, 0.0).about(TOP)),
-    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! The poses that a goal's steps refer to by name.
 
 use crate::goal::Goal;
-use crate::path::reachable_yaw_rad;
+use crate::path::{at_height, reachable_yaw_rad};
 use crate::settings::Settings;
 use crate::tasks::Waypoint;
 use core::f64::consts::FRAC_PI_2;
@@ -247,8 +247,5 @@ fn from_above(
 }
 
 fn raised(frame: &GraspFrame, by_m: f64) -> GraspFrame {
-    GraspFrame {
-        centre_m: frame.centre_m + Vector3::z() * by_m,
-        ..*frame
-    }
+    at_height(frame, frame.centre_m.z + by_m)
 }

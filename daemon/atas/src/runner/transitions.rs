@@ -147,12 +147,7 @@ impl Runner {
     fn in_hold(&self, reason: Reason) -> Reason {
         let held =
             self.step().transition == Transition::Held || self.step().motion == Motion::Square;
-        if held
-            && matches!(
-                reason.cause,
-                Cause::TOO_HEAVY | Cause::TOO_SOFT | Cause::ABOVE_MAX_FORCE
-            )
-        {
+        if held && reason.cause == self.thresholds.exceeded() {
             Reason {
                 cause: Cause::OUT_OF_FORCE,
                 ..reason

@@ -17,7 +17,7 @@ pub(super) const GRIP: Selection = Selection::of(&[
 ]);
 const LOWER: Selection = Selection::of(&[ModuleId::CARRY, ModuleId::FORCE_LIMIT]);
 /// The modules that hold an object: modules 1, 2, 3, and the probe, which goes on listening.
-pub(super) const SECURE: Selection = Selection::of(&[
+pub const SECURE: Selection = Selection::of(&[
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,

@@ -38,7 +38,7 @@ pub use assemble::ASSEMBLE;
 pub use built_in::{BUILT_IN, named, of};
 pub use demands::Demands;
 pub use follow::{FOLLOW, FOLLOW_BOTH, STAND_LED};
-pub use grasp::{BACK_OUT, GRASP, KEEP, RELEASE, STAND, WITHDRAW};
+pub use grasp::{BACK_OUT, GRASP, KEEP, RELEASE, SECURE, STAND, WITHDRAW};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE, SET_DOWN};
 pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};
