@@ -31,7 +31,7 @@ pub enum Cancelled {
 }
 
 impl Pursuit<'_> {
-    /// Sends the goal and follows it to its end. `each` is called after every look, with the progress so far.
+    /// Sends the goal, once the daemon is armed, and follows it to its end. `each` is called after every look, with the progress so far.
     ///
     /// # Errors
     /// The daemon is not there, goes away or does not confirm; and what `each` says.
@@ -40,12 +40,13 @@ impl Pursuit<'_> {
         goal: &GoalRequest,
         mut each: impl FnMut(&GoalProgress) -> Result<(), E>,
     ) -> Result<(GoalProgress, Option<Cancelled>), E> {
+        let begin = Instant::now();
+        self.session.wait_until_armed(self.stop)?;
         let request = GoalRequest {
             stamp: self.session.stamp(),
             goal_id: writer_epoch(),
             ..*goal
         };
-        let begin = Instant::now();
         let client = self
             .session
             .bus()

@@ -1,11 +1,12 @@
 //! This process's place on the bus of a daemon.
 
 use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use shm_bus::{Bus, BusName, Realtime, Subscriber, now_ns, writer_epoch};
 use shm_schemas::{
-    ControlOp, ControlOutcome, ControlReply, ControlRequest, Stamp, Status, Text, service,
+    ControlOp, ControlOutcome, ControlReply, ControlRequest, Mode, Stamp, Status, Text, service,
 };
 
 use crate::ClientError;
@@ -16,6 +17,8 @@ pub const POLL: Duration = Duration::from_millis(5);
 const SIGN_OF_LIFE: Duration = Duration::from_millis(800);
 /// How long the daemon may take to answer a request (ours: it looks 50 times a second).
 const ANSWER: Duration = Duration::from_millis(900);
+/// How long a goal waits for a daemon that begins or re-arms (ours: on a busy machine the first frames take a tenth of it).
+const ARMING: Duration = Duration::from_secs(2);
 
 /// This process's place on the bus of a daemon.
 pub struct Session {
@@ -85,6 +88,24 @@ impl Session {
         Ok((statuses, status))
     }
 
+    /// Waits while the daemon begins or re-arms after a hold, in which it takes no goal, so that what starts or recovers it may send
+    /// one at once. Where that lasts, or `stop` is set, the daemon shall say itself why it takes none.
+    ///
+    /// # Errors
+    /// [`ClientError::NoDaemon`] if no status comes.
+    pub fn wait_until_armed(&self, stop: &AtomicBool) -> Result<(), ClientError> {
+        let (mut statuses, mut status) = self.watch_status()?;
+        let begin = Instant::now();
+        while matches!(status.mode, Mode::INIT | Mode::HOLD)
+            && begin.elapsed() < ARMING
+            && !stop.load(Ordering::Relaxed)
+        {
+            std::thread::sleep(POLL);
+            statuses.newest(&mut status)?;
+        }
+        Ok(())
+    }
+
     fn no_daemon(&self) -> ClientError {
         ClientError::NoDaemon {
             bus: self.bus.name().as_str().to_owned(),
@@ -122,5 +143,54 @@ impl Session {
             ControlOutcome::DONE => Ok(reply),
             outcome => Err(ClientError::Refused(format!("{outcome}: {}", reply.text))),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_bus::FreshBus;
+
+    /// Waits beside a daemon that reports these modes one after the other, the last one for ever; which it had got to.
+    fn waited(modes: &[Mode], stop: bool) -> Mode {
+        let name = FreshBus::new("armed");
+        let bus = Bus::open(&name, "atasd", Realtime::No).expect("a bus");
+        let statuses = bus
+            .publisher::<Status>(service::STATUS)
+            .expect("a publisher");
+        let client = BusName::clone(&name);
+        let waiting = std::thread::spawn(move || {
+            let session = Session::existing(&client).expect("a session");
+            session.wait_until_armed(&AtomicBool::new(stop))
+        });
+        let mut reported = modes.iter().copied();
+        let mut mode = Mode::default();
+        while !waiting.is_finished() {
+            mode = reported.next().unwrap_or(mode);
+            let status = Status {
+                mode,
+                ..Status::default()
+            };
+            statuses.send(&status).expect("sent");
+            std::thread::sleep(4 * POLL);
+        }
+        waiting.join().expect("it ran").expect("a status");
+        mode
+    }
+
+    #[test]
+    fn a_daemon_that_begins_or_re_arms_is_waited_for_and_no_other() {
+        let check = |modes: &[Mode], stop: bool, expected: Mode| {
+            assert_eq!(waited(modes, stop), expected, "{modes:?}, stop {stop}");
+        };
+        const BEGINS: [Mode; 60] = [Mode::INIT; 60];
+        let then = |mode| [&BEGINS[..], &[Mode::HOLD, mode]].concat();
+        check(&then(Mode::READY), false, Mode::READY);
+        check(&then(Mode::RUN), false, Mode::RUN);
+        check(&then(Mode::SAFE_STOP), false, Mode::SAFE_STOP);
+        // It does not come to be ready: that is its own to say. Told to stop: nothing is waited for.
+        check(&BEGINS, false, Mode::INIT);
+        check(&then(Mode::READY), true, Mode::INIT);
+        check(&[Mode::FAULT], false, Mode::FAULT);
     }
 }
