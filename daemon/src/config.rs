@@ -200,7 +200,7 @@ impl Default for Robot {
 impl Default for HandSensor {
     fn default() -> Self {
         Self {
-            layout: LayoutChoice::Named("dome-41".to_owned()),
+            layout: LayoutChoice::of_robot(),
             fingers: 0,
             rate_hz: 1000.0,
             required: true,
@@ -296,7 +296,7 @@ impl HandSensor {
             fingers => fingers,
         };
         Ok(HandWiring {
-            layout: self.layout.resolve().ok_or_else(unsound)?,
+            layout: self.layout.resolve(hand).ok_or_else(unsound)?,
             fingers,
             required: self.required && hand.is_present(),
             rate_hz: self.rate_hz,

@@ -179,7 +179,7 @@ payload! {
 
 payload! {
     /// One hand's sensor, as the controller is wired to it.
-    HandWiringRecord as "atas.HandWiringRecord.v1" {
+    HandWiringRecord as "atas.HandWiringRecord.v2" {
         /// Fingers that carry sensors.
         pub fingers: u32,
         /// 1 if the robot must hold when this hand is silent.
@@ -196,8 +196,8 @@ payload! {
         pub tangent1: [[f64; 3]; ELEMENTS],
         /// [`crate::Layout::tangent2`].
         pub tangent2: [[f64; 3]; ELEMENTS],
-        /// [`crate::Layout::radius_m`].
-        pub radius_m: f64,
+        /// [`crate::Layout::position_m`].
+        pub position_m: [[f64; 3]; ELEMENTS],
         /// [`crate::Layout::element_area_m2`].
         pub element_area_m2: f64,
     }
@@ -205,7 +205,7 @@ payload! {
 
 payload! {
     /// How a run began: what the controller was made from.
-    RunHeader as "atas.RunHeader.v1" {
+    RunHeader as "atas.RunHeader.v2" {
         /// `captured_ns` is when the daemon started; the epoch is that of its commands.
         pub stamp: Stamp,
         /// Version of the daemon. Another version may compute another command.

@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::pad::{BRISTLES, DOME_ELEMENTS, Pad};
+use crate::pad::Pad;
 use crate::shape::Shape;
 use bristle::{Bristle, Rub};
 use compression::Compression;
@@ -43,7 +43,7 @@ pub(crate) struct Surface {
 pub(crate) struct Approach {
     /// The tip's axes in the object's frame.
     pub(crate) object_from_tip: Matrix3<f64>,
-    /// The dome's centre, m.
+    /// The tip frame's origin, m.
     pub(crate) centre_m: Vector3<f64>,
     /// Velocity against the object of the tip's point that is at the object's origin, m/s.
     pub(crate) velocity_m_s: Vector3<f64>,
@@ -88,10 +88,11 @@ pub(crate) struct Contact {
 }
 
 impl Contact {
-    pub(crate) fn new() -> Self {
+    /// Of a fingertip with this skin.
+    pub(crate) fn new(pad: &Pad) -> Self {
         Self {
-            bristles: vec![(Bristle::default(), 0); BRISTLES],
-            touches: Vec::with_capacity(BRISTLES),
+            bristles: vec![(Bristle::default(), 0); pad.count()],
+            touches: Vec::with_capacity(pad.count()),
             step: 1,
             compression: Compression::default(),
             object_from_tip: Matrix3::identity(),
@@ -145,13 +146,13 @@ impl Contact {
         self.touches.clear();
         let face = shape.face_towards(&approach.centre_m);
         let gap_m = face.normal.dot(&approach.centre_m) - face.offset_m;
-        if gap_m >= pad.radius_m {
+        if gap_m >= pad.reach_m {
             return;
         }
         let normal_in_tip = approach.object_from_tip.tr_mul(&face.normal);
         let touches = &mut self.touches;
-        pad.below_plane(&normal_in_tip, gap_m, |bristle, direction| {
-            let arm_m = approach.object_from_tip * direction * pad.radius_m;
+        pad.below_plane(&normal_in_tip, gap_m, |bristle, over_reach| {
+            let arm_m = approach.object_from_tip * over_reach * pad.reach_m;
             let point_m = approach.centre_m + arm_m;
             if let Some((depth_m, normal)) = face
                 .depth_at(&point_m)
@@ -226,8 +227,8 @@ impl Contact {
     }
 
     /// Adds up the force of the object on the tip per element, tip frame, N.
-    pub(crate) fn element_forces(&self, pad: &Pad, force_n: &mut [Vector3<f64>; DOME_ELEMENTS]) {
-        *force_n = [Vector3::zeros(); DOME_ELEMENTS];
+    pub(crate) fn element_forces(&self, pad: &Pad, force_n: &mut [Vector3<f64>]) {
+        force_n.fill(Vector3::zeros());
         for touch in &self.touches {
             force_n[pad.element_of(touch.bristle)] -= touch.force_n;
         }

@@ -11,11 +11,11 @@ use crate::hold::Grip;
 use crate::pad::Pad;
 use crate::plant::Plant;
 use crate::random::Random;
-use crate::scene::{Errors, stream};
+use crate::scene::{Errors, SceneError, stream};
 use crate::vibration::Vibration;
 use crate::world_object::WorldObject;
 
-/// A fingertip whose dome comes this close to an object's bounding sphere within a millisecond counts as near, m: nothing
+/// A fingertip whose skin comes this close to an object's bounding sphere within a millisecond counts as near, m: nothing
 /// of the robot moves 5 mm in a millisecond.
 const NEAR_M: f64 = 0.005;
 /// Arm speed above which a hand counts as moving, rad/s: 1 mm/s at 0.25 m.
@@ -65,7 +65,7 @@ impl Hand {
         vibration: Vibration,
         errors: &Errors,
         seed: u64,
-    ) -> Self {
+    ) -> Result<Self, SceneError> {
         let side = model.side().index() as u64;
         let mut random = Random::new(seed, stream::HAND_ERRORS + side);
         let mut draw = || random.between(-1.0, 1.0);
@@ -74,24 +74,31 @@ impl Hand {
         let mut drawn_m =
             |count| -> Vec<f64> { (0..count).map(|_| errors.link_m * draw()).collect() };
         let (links_m, tips_m) = (drawn_m(model.frame_count()), drawn_m(fingers));
-        let skin = |_| Pad::dome_41().stiffer(1.0 + errors.tip_stiffness * draw());
-        let pads = (0..fingers).map(skin).collect();
+        let layout = model.skin().layout;
+        let pads: Vec<Pad> = model
+            .tip_radius_m()
+            .iter()
+            .map(|radius_m| {
+                let pad = Pad::of(layout, *radius_m)?;
+                Ok(pad.stiffer(1.0 + errors.tip_stiffness * draw()))
+            })
+            .collect::<Result<_, SceneError>>()?;
         let model = model.with_longer_links(&links_m, &tips_m);
         let pose = model.forward(&start_rad);
-        Self {
+        Ok(Self {
             plant: Plant::at(&model, start_rad, &stiffness),
             began: Began::at(&pose),
             pose,
-            pads,
             model,
             reference_rad: start_rad,
             // One by one: a clone would not keep the room that a contact has for its touches.
-            contacts: (0..fingers).map(|_| Contact::new()).collect(),
+            contacts: pads.iter().map(Contact::new).collect(),
+            pads,
             facing: vec![0; fingers],
             vibration,
             contact_n_m: HandVector::zeros(joints),
             near: false,
-        }
+        })
     }
 
     /// Looks round at the start of a millisecond of `dt_s`.
@@ -108,11 +115,11 @@ impl Hand {
         self.began = Began::at(pose);
         self.near = objects.iter().any(|object| {
             let object_m = object.body.shape.bounding_radius_m();
-            let is_near = |(finger, radius_m): (usize, &f64)| {
-                let reach_m = object_m + radius_m + NEAR_M;
+            let is_near = |(finger, pad): (usize, &Pad)| {
+                let reach_m = object_m + pad.reach_m + NEAR_M;
                 (pose.tip_m(finger) - object.body.position_m).norm_squared() < reach_m * reach_m
             };
-            self.model.dome_radius_m().iter().enumerate().any(is_near)
+            self.pads.iter().enumerate().any(is_near)
         });
     }
 

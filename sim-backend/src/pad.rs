@@ -1,48 +1,90 @@
-//! The fingertip's soft skin: where its bristles are and how stiff they are.
+//! The fingertip's soft skin: where its bristles are, how stiff they are, and which element feels which.
 //!
-//! Every element of the layout carries seven bristles, one at its centre and six around it. A single bristle per
-//! element is wrong: new elements then enter the contact in jumps, and the force rises too slowly with the indentation
-//! (slope 524 instead of 844 N/m in the stiffness probe).
+//! Every element of the paper's dome carries seven bristles, one at its centre and six around it; every element of a grid
+//! nine, three by three. A single bristle per element is wrong: new elements then enter the contact in jumps, and the force
+//! rises too slowly with the indentation (slope 524 instead of 844 N/m in the stiffness probe).
 
 use nalgebra::Vector3;
+use robot_model::{Compression, Skin};
 use shm_schemas::Layout;
+use shm_schemas::layout::{DOME_RADIUS_M, Grid, Millimetres, NamedLayout};
 
-/// Bristles per element (tactile design; 1 is measurably wrong, 19 changes nothing more).
+use crate::scene::SceneError;
+
+/// Bristles per element of a dome (tactile design; 1 is measurably wrong, 19 changes nothing more).
 pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
-/// Bristles of a full dome.
-pub(crate) const BRISTLES: usize = DOME_ELEMENTS * BRISTLES_PER_ELEMENT;
-/// Elements of the simulated dome, layout `dome-41`.
-pub(crate) const DOME_ELEMENTS: usize = 41;
+/// Bristles along each edge of an element of a grid (ours: the next odd square).
+const BRISTLES_PER_EDGE: usize = 3;
 /// Bristles that are tested for contact together: a whole number of vectors on every machine.
-pub(crate) const BLOCK: usize = 8;
-/// Blocks of a full dome.
-const BLOCKS: usize = BRISTLES.div_ceil(BLOCK);
+const BLOCK: usize = 8;
 
 /// Winkler foundation stiffness of the skin, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
 pub(crate) const FOUNDATION_N_M3: f64 = 1.7e8;
 /// Distance of the six outer bristles from their element's centre, in radii of a disc of the element's area (prototype).
 const RING_RADIUS: f64 = 0.66;
 
-/// The bristles of one dome, tip frame; the same for every fingertip.
+/// The skin of a layout as it is simulated: how it gives way to a rigid flat face follows from its shape and its foundation,
+/// F = K·A·δ for a flat pad of area A, F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of length L and radius R.
+#[must_use]
+pub fn simulated_skin(layout: NamedLayout) -> Skin {
+    let compression = match layout {
+        NamedLayout::Dome41 | NamedLayout::Dome1 | NamedLayout::Pad { .. } => {
+            Skin::DOME_41.compression
+        }
+        NamedLayout::Flat(grid) => {
+            let edge_m = |elements: usize| elements as f64 * grid.pitch.metres();
+            Compression {
+                at_1n_m: 1.0 / (FOUNDATION_N_M3 * edge_m(grid.rows) * edge_m(grid.columns)),
+                exponent: 1.0,
+            }
+        }
+        NamedLayout::Cylinder(grid, radius) => {
+            let length_m = grid.rows as f64 * grid.pitch.metres();
+            let at_1m_n =
+                4.0 / 3.0 * FOUNDATION_N_M3 * length_m * libm::sqrt(2.0 * radius.metres());
+            Compression {
+                at_1n_m: libm::pow(at_1m_n, -2.0 / 3.0),
+                exponent: 2.0 / 3.0,
+            }
+        }
+    };
+    Skin {
+        layout,
+        compression,
+    }
+}
+
+/// The bristles of one fingertip, tip frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Pad {
-    /// Outward unit vectors of the bristles: block, component, place in the block. Padding is zero.
-    blocks: [[[f64; BLOCK]; 3]; BLOCKS],
-    /// Distance of the bristles from the dome's centre, m.
-    pub(crate) radius_m: f64,
+    /// Places of the bristles, over the reach: block, component, place in the block. Padding is zero.
+    blocks: Vec<[[f64; BLOCK]; 3]>,
+    /// No bristle is farther from the tip frame's origin, m.
+    pub(crate) reach_m: f64,
     /// Normal stiffness of one bristle, N/m.
     pub(crate) stiffness_n_m: f64,
-    /// Bristles in use.
-    count: usize,
     /// The element that each bristle belongs to.
-    elements: [u8; BRISTLES],
+    elements: Vec<u8>,
 }
 
 impl Pad {
-    /// The skin of a dome of layout `dome-41`.
-    #[must_use]
-    pub(crate) fn dome_41() -> Self {
-        Self::with_bristles(&Layout::dome_41(), BRISTLES_PER_ELEMENT)
+    /// The skin of a layout on a fingertip whose face is this far from its frame's origin, m.
+    ///
+    /// # Errors
+    /// [`SceneError::NoPlaces`] if the layout does not say where its elements sit.
+    pub(crate) fn of(layout: NamedLayout, tip_radius_m: f64) -> Result<Self, SceneError> {
+        match layout {
+            NamedLayout::Dome41 => Ok(Self::dome(tip_radius_m, BRISTLES_PER_ELEMENT)),
+            NamedLayout::Dome1 => {
+                let mut pad = Self::dome(tip_radius_m, BRISTLES_PER_ELEMENT);
+                pad.elements.fill(0);
+                Ok(pad)
+            }
+            NamedLayout::Flat(grid) | NamedLayout::Cylinder(grid, _) => {
+                Ok(Self::grid(layout, grid, tip_radius_m))
+            }
+            NamedLayout::Pad { .. } => Err(SceneError::NoPlaces(layout)),
+        }
     }
 
     /// The same skin, stiffer by this factor.
@@ -51,49 +93,84 @@ impl Pad {
         self
     }
 
-    /// The skin of a layout with this many bristles per element, 1 to [`BRISTLES_PER_ELEMENT`].
-    pub(crate) fn with_bristles(layout: &Layout, per_element: usize) -> Self {
+    /// The paper's dome of this radius with this many bristles per element, 1 to [`BRISTLES_PER_ELEMENT`].
+    pub(crate) fn dome(radius_m: f64, per_element: usize) -> Self {
+        let (layout, scale) = (Layout::dome_41(), radius_m / DOME_RADIUS_M);
         let ring_rad = RING_RADIUS * libm::sqrt(layout.element_area_m2 / core::f64::consts::PI)
-            / layout.radius_m;
-        let mut pad = Self {
-            blocks: [[[0.0; BLOCK]; 3]; BLOCKS],
-            radius_m: layout.radius_m,
-            stiffness_n_m: FOUNDATION_N_M3 * layout.element_area_m2 / per_element as f64,
-            count: layout.count * per_element,
-            elements: core::array::from_fn(|bristle| (bristle / per_element) as u8),
-        };
+            / DOME_RADIUS_M;
+        let area_m2 = layout.element_area_m2 * scale * scale;
+        let mut pad = Self::bare(radius_m, FOUNDATION_N_M3 * area_m2 / per_element as f64);
         for element in 0..layout.count {
+            let axes = [
+                &layout.normal[element],
+                &layout.tangent1[element],
+                &layout.tangent2[element],
+            ];
             for sub in 0..per_element {
-                let (offset1, offset2) = offset_in_element(sub, per_element, ring_rad);
-                let bristle = element * per_element + sub;
-                pad.place(layout, element, bristle, offset1, offset2);
+                let [offset1, offset2] = offset_in_element(sub, per_element, ring_rad);
+                let leaning = [0, 1, 2]
+                    .map(|axis| axes[0][axis] + axes[1][axis] * offset1 + axes[2][axis] * offset2);
+                let length = libm::sqrt(leaning.iter().map(|x| x * x).sum());
+                pad.add(element, leaning.map(|leaning| leaning / length));
             }
         }
         pad
     }
 
-    fn place(
-        &mut self,
-        layout: &Layout,
-        element: usize,
-        bristle: usize,
-        offset1: f64,
-        offset2: f64,
-    ) {
-        let (d, t1, t2) = (
-            layout.normal[element],
-            layout.tangent1[element],
-            layout.tangent2[element],
-        );
-        let leaning = [0, 1, 2].map(|axis| d[axis] + t1[axis] * offset1 + t2[axis] * offset2);
-        let length = libm::sqrt(leaning.iter().map(|x| x * x).sum());
-        for (component, leaning) in self.blocks[bristle / BLOCK].iter_mut().zip(leaning) {
-            component[bristle % BLOCK] = leaning / length;
+    /// A flat or bent grid of elements.
+    fn grid(layout: NamedLayout, coarse: Grid, tip_radius_m: f64) -> Self {
+        let fine = Grid {
+            rows: coarse.rows * BRISTLES_PER_EDGE,
+            columns: coarse.columns * BRISTLES_PER_EDGE,
+            pitch: Millimetres(coarse.pitch.0 / BRISTLES_PER_EDGE as f64),
+        };
+        let pitch_m = fine.pitch.metres();
+        let ahead_m = tip_radius_m - layout.depth_m();
+        let places_m: Vec<Vector3<f64>> = fine
+            .places_m()
+            .map(|(down_m, across_m)| {
+                Vector3::from(layout.place(down_m, across_m).1) + Vector3::z() * ahead_m
+            })
+            .collect();
+        let reach_m = places_m.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let mut pad = Self::bare(reach_m, FOUNDATION_N_M3 * pitch_m * pitch_m);
+        for (bristle, place_m) in places_m.iter().enumerate() {
+            let (row, column) = (bristle / fine.columns, bristle % fine.columns);
+            let element = row / BRISTLES_PER_EDGE * coarse.columns + column / BRISTLES_PER_EDGE;
+            pad.add(element, (place_m / reach_m).into());
+        }
+        pad
+    }
+
+    fn bare(reach_m: f64, stiffness_n_m: f64) -> Self {
+        Self {
+            blocks: Vec::new(),
+            reach_m,
+            stiffness_n_m,
+            elements: Vec::new(),
         }
     }
 
-    /// Shows every bristle that lies below a plane: its index and its direction, tip frame. The plane has this outward
-    /// normal, tip frame, and this distance from the dome's centre.
+    fn add(&mut self, element: usize, over_reach: [f64; 3]) {
+        let place = self.count() % BLOCK;
+        if place == 0 {
+            self.blocks.push([[0.0; BLOCK]; 3]);
+        }
+        if let Some(block) = self.blocks.last_mut() {
+            for (component, value) in block.iter_mut().zip(over_reach) {
+                component[place] = value;
+            }
+        }
+        self.elements.push(element as u8);
+    }
+
+    /// How many bristles it has.
+    pub(crate) fn count(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Shows every bristle that lies below a plane: its index and its place over the reach, tip frame. The plane has this
+    /// outward normal, tip frame, and this distance from the tip frame's origin.
     #[inline]
     pub(crate) fn below_plane(
         &self,
@@ -101,7 +178,7 @@ impl Pad {
         gap_m: f64,
         mut show: impl FnMut(usize, Vector3<f64>),
     ) {
-        let reach_m = -normal * self.radius_m;
+        let reach_m = -normal * self.reach_m;
         for (index, [x, y, z]) in self.blocks.iter().enumerate() {
             let depth_m: [f64; BLOCK] = core::array::from_fn(|i| {
                 x[i] * reach_m.x + y[i] * reach_m.y + z[i] * reach_m.z - gap_m
@@ -110,7 +187,7 @@ impl Pad {
             while below != 0 {
                 let i = below.trailing_zeros() as usize;
                 below &= below - 1;
-                if index * BLOCK + i < self.count {
+                if index * BLOCK + i < self.count() {
                     show(index * BLOCK + i, Vector3::new(x[i], y[i], z[i]));
                 }
             }
@@ -124,11 +201,11 @@ impl Pad {
 }
 
 /// Where a bristle stands in its element, rad along both tangents: the first at the centre, the others on a ring.
-fn offset_in_element(sub: usize, per_element: usize, ring_rad: f64) -> (f64, f64) {
+fn offset_in_element(sub: usize, per_element: usize, ring_rad: f64) -> [f64; 2] {
     if sub == 0 {
-        return (0.0, 0.0);
+        return [0.0, 0.0];
     }
     let angle = core::f64::consts::TAU * sub as f64 / (per_element - 1) as f64;
     let (sin, cos) = libm::sincos(angle);
-    (ring_rad * cos, ring_rad * sin)
+    [ring_rad * cos, ring_rad * sin]
 }

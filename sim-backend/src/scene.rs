@@ -8,6 +8,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use robot_model::{GraspFrame, HandModel, RobotModel, RobotVector, Side, Unreachable};
+use shm_schemas::layout::NamedLayout;
 
 use crate::object::Object;
 use crate::range::{OutOfRange, in_range};
@@ -40,6 +41,8 @@ const VIBRATION_M: f64 = 1e-5;
 /// Deepest grasp below an object's top, m. Ours: the hand comes in 60 mm above its grasp, and its domes (15 mm) must clear
 /// the top of what it shall grasp.
 const GRASP_DEPTH_MAX_M: f64 = 0.040;
+/// Distance that an object's top keeps from what carries a hand's fingers, m (ours: what the controller asks for, and 2 mm).
+const GRASP_BELOW_PALM_M: f64 = 0.012;
 /// Farthest that an object may stand from the robot along one axis, m. Ours: across the field of a course.
 const FARTHEST_M: f64 = 10.0;
 /// Rate of a sensor that keeps up with the tick, Hz.
@@ -118,6 +121,12 @@ pub enum SceneError {
     /// A number is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
+    /// A skin whose elements nobody has placed cannot touch.
+    #[error(
+        "could not simulate fingertips of layout {0} because it does not say where its elements sit; choose flat-RxC-P, \
+         cylinder-RxC-P-Q or a dome"
+    )]
+    NoPlaces(NamedLayout),
     /// A cap has no neck to be on.
     #[error(
         "could not put a cap on because the scene has no bottle, needs one with a neck; add it"
@@ -193,7 +202,8 @@ impl Scene {
     }
 
     /// The same scene before another robot's hand: its first object where that hand has its objects, all else beside it as it
-    /// was, and everything turned as that hand closes. For the two-hand arm nothing changes.
+    /// was, everything turned as that hand closes, and grasped so high that the hand's palm keeps clear of it. For the two-hand
+    /// arm nothing changes.
     #[must_use]
     pub fn before(mut self, hand: &HandModel) -> Self {
         let [x_m, off_middle_m] = DEFAULT_PLACE_M;
@@ -208,10 +218,11 @@ impl Scene {
             let [to_x, to_y] = hand.object_m();
             [to_x + cos * dx - sin * dy, to_y + sin * dx + cos * dy]
         };
+        let room_m = hand.room_over_tips_m() - GRASP_BELOW_PALM_M;
         let move_hint = |hint: &mut GraspHint| {
             let [x, y, z] = hint.from_m;
             let [x, y] = moved([x, y]);
-            hint.from_m = [x, y, z];
+            hint.from_m = [x, y, z.max(hint.height_m - room_m)];
             hint.yaw_rad += turn_rad;
         };
         for placed in &mut self.objects {

@@ -5,11 +5,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 use robot_model::Side;
+use shm_schemas::capacity::ELEMENTS;
 use shm_schemas::{Hand, HandFrame, Layout};
 
 use crate::clock::Clock;
 use crate::contact::Contact;
-use crate::pad::{DOME_ELEMENTS, Pad};
+use crate::pad::Pad;
 use crate::random::Random;
 use crate::scene::Errors;
 
@@ -21,8 +22,8 @@ const NOISE_RATIO: f64 = 0.01;
 const GAIN_SPREAD: f64 = 0.03;
 /// Step of a reading, N (tactile design).
 const STEP_N: f64 = 0.001;
-/// Draws per sample of a fingertip: three axes per element.
-const DRAWS: usize = 3 * DOME_ELEMENTS;
+/// Axes of an element.
+const AXES: usize = 3;
 
 /// The sensor of one hand.
 #[derive(Clone, Debug)]
@@ -38,10 +39,11 @@ pub(crate) struct HandSensor {
 /// One fingertip's electronics.
 #[derive(Clone, Debug)]
 struct TipSensor {
-    gain: [f64; DOME_ELEMENTS],
+    /// Per element, as the next two.
+    gain: Vec<f64>,
     /// Readings over forces along the element's axes, but for the gain.
-    mixing: [Matrix3<f64>; DOME_ELEMENTS],
-    bias_n: [Vector3<f64>; DOME_ELEMENTS],
+    mixing: Vec<Matrix3<f64>>,
+    bias_n: Vec<Vector3<f64>>,
     noise_factor: f64,
     random: Random,
 }
@@ -51,15 +53,15 @@ impl HandSensor {
     /// `noise_factor` scales the noise, not the spread of the gains.
     pub(crate) fn new(
         side: Side,
+        layout: Layout,
         rate_hz: u32,
         noise_factor: f64,
         random: Vec<Random>,
         errors: (&Errors, Vec<Random>),
     ) -> Self {
-        let layout = Layout::dome_41();
         let tips = random.into_iter();
         let mut tips: Vec<_> = tips
-            .map(|random| TipSensor::new(noise_factor, random))
+            .map(|random| TipSensor::new(layout.count, noise_factor, random))
             .collect();
         let (errors, mut draws) = errors;
         for (tip, random) in tips.iter_mut().zip(&mut draws) {
@@ -93,11 +95,13 @@ impl HandSensor {
         frame.layout_hash = self.layout_hash;
         frame.hand = self.hand;
         frame.finger_count = self.tips.len() as u32;
-        let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
+        let count = self.layout.count;
+        let mut force_n = [Vector3::zeros(); ELEMENTS];
+        let force_n = &mut force_n[..count];
         for (finger, (tip, contact)) in self.tips.iter_mut().zip(contacts).enumerate() {
-            frame.valid_mask[finger] = (1 << DOME_ELEMENTS) - 1;
-            contact.element_forces(&pads[finger], &mut force_n);
-            tip.sample(&self.layout, &force_n, &mut frame.force_n[finger]);
+            frame.valid_mask[finger] = u64::MAX >> (ELEMENTS - count);
+            contact.element_forces(&pads[finger], force_n);
+            tip.sample(&self.layout, force_n, &mut frame.force_n[finger]);
         }
         frame.seal();
     }
@@ -110,12 +114,14 @@ impl HandSensor {
 }
 
 impl TipSensor {
-    fn new(noise_factor: f64, mut random: Random) -> Self {
-        let gain = core::array::from_fn(|_| 1.0 + GAIN_SPREAD * random.gaussian());
+    fn new(elements: usize, noise_factor: f64, mut random: Random) -> Self {
+        let gain = (0..elements)
+            .map(|_| 1.0 + GAIN_SPREAD * random.gaussian())
+            .collect();
         Self {
             gain,
-            mixing: [Matrix3::identity(); DOME_ELEMENTS],
-            bias_n: [Vector3::zeros(); DOME_ELEMENTS],
+            mixing: vec![Matrix3::identity(); elements],
+            bias_n: vec![Vector3::zeros(); elements],
             noise_factor,
             random,
         }
@@ -124,7 +130,7 @@ impl TipSensor {
     /// Draws what is wrong with it besides: crosstalk and offset of every element, one gain of all.
     fn err(&mut self, errors: &Errors, random: &mut Random) {
         let gain = 1.0 + errors.gain * random.between(-1.0, 1.0);
-        for element in 0..DOME_ELEMENTS {
+        for element in 0..self.gain.len() {
             let mut draw = |half_width: f64| half_width * random.between(-1.0, 1.0);
             let mixed = Matrix3::from_fn(|_, _| draw(errors.crosstalk));
             self.mixing[element] += mixed - Matrix3::from_diagonal(&mixed.diagonal());
@@ -134,18 +140,13 @@ impl TipSensor {
     }
 
     /// Forces of the object on the elements, tip frame, become readings along the elements' axes.
-    fn sample(
-        &mut self,
-        layout: &Layout,
-        force_n: &[Vector3<f64>; DOME_ELEMENTS],
-        reading_n: &mut [[f32; 3]],
-    ) {
-        let mut draws = [0.0; DRAWS];
-        self.random.fill_gaussian(&mut draws);
+    fn sample(&mut self, layout: &Layout, force_n: &[Vector3<f64>], reading_n: &mut [[f32; 3]]) {
+        let mut draws = [0.0; AXES * ELEMENTS];
+        let draws = &mut draws[..AXES * force_n.len()];
+        self.random.fill_gaussian(draws);
         // First element by element, then all axes alike: the second loop, with its roots and divisions, is made of vectors.
-        let (mut truth_n, mut felt_n) = ([[0.0; 3]; DOME_ELEMENTS], [[0.0; 3]; DOME_ELEMENTS]);
-        for element in 0..DOME_ELEMENTS {
-            let force = &force_n[element];
+        let (mut truth_n, mut felt_n) = ([[0.0; AXES]; ELEMENTS], [[0.0; AXES]; ELEMENTS]);
+        for (element, force) in force_n.iter().enumerate() {
             let along = |axis: &[f64; 3]| force.x * axis[0] + force.y * axis[1] + force.z * axis[2];
             let truth = self.mixing[element]
                 * Vector3::new(
@@ -158,7 +159,7 @@ impl TipSensor {
         }
         let (truth_n, felt_n) = (truth_n.as_flattened(), felt_n.as_flattened());
         let readings = reading_n.as_flattened_mut().iter_mut();
-        for (((reading, draw), truth_n), felt_n) in readings.zip(&draws).zip(truth_n).zip(felt_n) {
+        for (((reading, draw), truth_n), felt_n) in readings.zip(&*draws).zip(truth_n).zip(felt_n) {
             *reading = quantised(felt_n + self.noise_n(*truth_n) * draw, STEP_N) as f32;
         }
     }
@@ -206,22 +207,23 @@ mod tests {
             bias_n: 0.02,
             ..Errors::NONE
         };
-        let mut tip = TipSensor::new(0.0, Random::new(1, 2));
-        tip.err(&errors, &mut Random::new(1, 3));
         let layout = Layout::dome_41();
+        let mut tip = TipSensor::new(layout.count, 0.0, Random::new(1, 2));
+        tip.err(&errors, &mut Random::new(1, 3));
         let mut read = |normal_n: f64| {
-            let force_n = core::array::from_fn(|e| -Vector3::from(layout.normal[e]) * normal_n);
-            let mut reading_n = [[0.0_f32; 3]; DOME_ELEMENTS];
-            tip.sample(&layout, &force_n, &mut reading_n);
+            let force_n: [Vector3<f64>; ELEMENTS] =
+                core::array::from_fn(|e| -Vector3::from(layout.normal[e]) * normal_n);
+            let mut reading_n = [[0.0_f32; AXES]; ELEMENTS];
+            tip.sample(&layout, &force_n[..layout.count], &mut reading_n);
             reading_n
         };
         let (silent_n, pressed_n) = (read(0.0), read(1.0));
         let (mut farthest, mut mean) = (0.0_f64, 0.0);
-        for (silent_n, pressed_n) in silent_n.iter().zip(&pressed_n) {
+        for (silent_n, pressed_n) in silent_n.iter().zip(&pressed_n).take(layout.count) {
             assert!(silent_n.iter().all(|bias_n| bias_n.abs() < 0.0206));
             let mixed = f64::from(pressed_n[1] - silent_n[1]);
             farthest = farthest.max(mixed.abs());
-            mean += mixed / DOME_ELEMENTS as f64;
+            mean += mixed / layout.count as f64;
         }
         assert!(farthest > 0.03 && farthest < 0.056, "{farthest}");
         assert!(mean.abs() < 0.015, "{mean}");
@@ -232,10 +234,10 @@ mod tests {
     fn noise_grows_with_the_force() {
         let layout = Layout::dome_41();
         for (normal_n, expected_n) in [(0.0, 0.003), (0.3, 0.004_243), (2.0, 0.020_224)] {
-            let mut tip = TipSensor::new(1.0, Random::new(1, 2));
-            let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
+            let mut tip = TipSensor::new(layout.count, 1.0, Random::new(1, 2));
+            let mut force_n = vec![Vector3::zeros(); layout.count];
             force_n[5] = -Vector3::from(layout.normal[5]) * normal_n;
-            let mut reading_n = [[0.0_f32; 3]; DOME_ELEMENTS];
+            let mut reading_n = [[0.0_f32; AXES]; ELEMENTS];
             let readings: Vec<f64> = (0..20_000)
                 .map(|_| {
                     tip.sample(&layout, &force_n, &mut reading_n);

@@ -99,7 +99,8 @@ impl World {
                 .sum();
             let errors = (&scene.errors, random(stream::TIP_ERRORS + tip));
             let noise = random(stream::TIP_SENSOR + tip);
-            HandSensor::new(side, rate_hz, scene.noise_factor, noise, errors)
+            let layout = robot.hand(side).skin().layout.layout();
+            HandSensor::new(side, layout, rate_hz, scene.noise_factor, noise, errors)
         };
         let mut objects = WorldObject::all(scene);
         let mut closure = Closure::of(&scene.objects);
@@ -107,7 +108,7 @@ impl World {
             closure.begin(&mut objects, SUBSTEP_S);
         }
         Ok(Self {
-            hands: Side::BOTH.map(hand),
+            hands: [hand(Side::Left)?, hand(Side::Right)?],
             sensors: Side::BOTH.map(sensor),
             objects,
             plates: scene.plates.clone(),

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use parking_lot::Mutex;
 use rayon::prelude::*;
+use sim_backend::simulated_skin;
 
 use crate::parts::{self, Part};
 use crate::plan::{Job, Plan, Shard};
@@ -92,6 +93,10 @@ impl Plan {
             "could not evaluate because there is no trial, needs at least one; ask for it with --trials"
         );
         let robot = self.robot.load()?;
+        let robot = match self.skin {
+            Some(layout) => robot.with_skin(simulated_skin(layout)),
+            None => robot,
+        };
         self.task.check(&robot)?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use atas_core::Settings;
 use robot_model::RobotFiles;
 use serde::{Deserialize, Serialize};
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use shm_schemas::layout::{FNV_OFFSET, NamedLayout, fnv1a};
 use sim_backend::Object;
 
 use crate::condition::Condition;
@@ -17,6 +17,8 @@ use crate::task::Task;
 pub struct Plan {
     /// The robot.
     pub robot: RobotFiles,
+    /// Its fingertips' layout, if it is another than the robot file's.
+    pub skin: Option<NamedLayout>,
     /// The task.
     pub task: Task,
     /// The nominal objects, or caps; each is the middle of a family.

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use atas_core::Controller;
 use atas_core::record::{Replay, Replayed, read_origin};
-use atas_recording::{Entry, Reader, command_difference, payload, state};
-use robot_model::RobotModel;
+use atas_recording::{Entry, Reader, command_difference, origin, payload, state};
+use robot_model::RobotFiles;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, RunHeader, TickInputs};
 
@@ -35,11 +35,15 @@ pub fn replay(
     let mut agreement = Agreement::default();
     let mut replay = None::<Replay<Vec<HandFrame>>>;
     // The header of the first file and the state at its beginning, if it goes on with a run.
-    let (mut header, mut begin) = (None, None);
+    let (mut header, mut begin, mut robot) = (None, None, None);
     let readers: Result<Vec<Reader>, _> = files.iter().map(|file| Reader::open(file)).collect();
     for entry in readers?.into_iter().flatten() {
-        let Entry::Message(message) = entry? else {
-            continue;
+        let message = match entry? {
+            Entry::Message(message) => message,
+            Entry::Metadata(metadata) => {
+                robot = origin::carried_robot(&metadata).or(robot);
+                continue;
+            }
         };
         if replay.is_none() {
             begin = state(&message).map(<[u8]>::to_vec).or(begin);
@@ -50,7 +54,11 @@ pub fn replay(
         };
         let replay = match &mut replay {
             Some(replay) => replay,
-            none => none.insert(begin_at(header.as_deref(), begin.as_deref())?),
+            none => none.insert(begin_at(
+                header.as_deref(),
+                robot.as_ref(),
+                begin.as_deref(),
+            )?),
         };
         if let Some(replayed) = replay.feed(&part)? {
             each(&part, &replayed);
@@ -63,20 +71,27 @@ pub fn replay(
 /// A replay from the beginning of a run, or from a state.
 fn begin_at(
     header: Option<&RunHeader>,
+    carried: Option<&RobotFiles>,
     begin: Option<&[u8]>,
 ) -> anyhow::Result<Replay<Vec<HandFrame>>> {
     let header =
         header.context("could not replay because the file has no run header before its ticks")?;
     let Some(state) = begin else {
-        return Ok(Replay::new(origin(header)?, frames()));
+        return Ok(Replay::new(first(header, carried)?, frames()));
     };
     let (controller, next_sequence) = crate::state::decode(state)?;
     Ok(Replay::resume(controller, next_sequence, frames()))
 }
 
-/// The controller that the run began with.
-pub(crate) fn origin(header: &RunHeader) -> anyhow::Result<Controller> {
-    Ok(read_origin(header, &robot(header)?)?)
+/// The controller that the run began with, of the robot that the recording carries, else of the one that the header names.
+pub(crate) fn first(
+    header: &RunHeader,
+    carried: Option<&RobotFiles>,
+) -> anyhow::Result<Controller> {
+    let robot = origin::robot(Some(header), carried)?
+        .load()
+        .with_context(|| format!("could not load the robot {}", header.robot))?;
+    Ok(read_origin(header, &robot)?)
 }
 
 /// Room for the frames of one tick.
@@ -94,12 +109,4 @@ impl Agreement {
                 .get_or_insert_with(|| (part.tick, field().unwrap_or_else(|| "padding".into())));
         }
     }
-}
-
-/// The robot that the header names.
-fn robot(header: &RunHeader) -> anyhow::Result<RobotModel> {
-    let files = atas_recording::origin::robot(Some(header))?;
-    files
-        .load()
-        .with_context(|| format!("could not load the robot {}", header.robot))
 }

@@ -21,6 +21,9 @@ pub struct Report {
     pub task: &'static str,
     /// The robot, as it was named.
     pub robot: String,
+    /// Its fingertips' layout, if it is another than the robot file's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skin: Option<String>,
     /// Our modules under the first condition.
     #[serde(flatten)]
     pub tally: Tally,
@@ -111,6 +114,7 @@ impl Report {
         Self {
             task: plan.task.name(),
             robot: plan.robot.name.to_string(),
+            skin: plan.skin.map(|skin| skin.to_string()),
             tally: Tally::of(&first),
             physics: Physics::of(&first),
             baselines: successes(&baseline_rows),

@@ -4,7 +4,7 @@ use atas_core::record::Replay;
 use atas_recording::Follower;
 use shm_schemas::{HandFrame, RunHeader, TickInputs};
 
-use crate::replay::{frames, origin};
+use crate::replay::{first, frames};
 use crate::state::encode;
 
 /// The production controller, beside a recorder: it replays the run as it is recorded.
@@ -16,7 +16,7 @@ pub struct Shadow {
 impl Follower for Shadow {
     fn begin(&mut self, run: &RunHeader) -> anyhow::Result<()> {
         self.replay = None;
-        self.replay = Some(Replay::new(origin(run)?, frames()));
+        self.replay = Some(Replay::new(first(run, None)?, frames()));
         Ok(())
     }
 

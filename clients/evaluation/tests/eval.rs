@@ -11,6 +11,7 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
     let object = |name: &&str| Object::built_in(name).expect("built in");
     Plan {
         robot: robot_model::TWO_HAND_ARM,
+        skin: None,
         task,
         objects: objects.iter().map(object).collect(),
         trials: 2 * objects.len() as u64,

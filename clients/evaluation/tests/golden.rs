@@ -80,6 +80,7 @@ fn check(task: Task, condition: Condition, kept: &[Columns], baselines: bool) {
     };
     let plan = Plan {
         robot: robot_model::TWO_HAND_ARM,
+        skin: None,
         task,
         objects: vec![Object::built_in(&first["object"]).expect("built in")],
         trials: 1,

@@ -5,7 +5,7 @@ use atas_core::intake::FrameIntake;
 use atas_core::kinematics::{HandCommand, HandServo};
 use atas_core::modules::{Context, Modules, PoseCommand, Proposal, Selection, force_range_n};
 use atas_core::path::Path;
-use atas_core::perception::{Percept, Perception};
+use atas_core::perception::{self, Percept, Perception};
 use atas_core::safety::Grip;
 use atas_core::thresholds::Thresholds;
 use atas_core::{HandWiring, Settings, Tick};
@@ -165,6 +165,7 @@ impl PolicyHand {
             least_n: thresholds.f1_n,
             all_touched: weakest_n > 0.0 && percept.virtual_fingers.iter().all(|it| it.in_contact),
             closing_m: 0.0,
+            tips: perception::compression(&settings.perception, self.model.skin()),
             carried_m: 0.0,
             path: &Path::stay(frame),
             carry_scale: self.arbiter.carry_scale(),

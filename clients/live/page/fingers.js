@@ -62,13 +62,13 @@ export class Fingers {
       return;
     }
     // From outside, up is up when the hand hangs: up is −x of the tip, y goes to the right.
-    const spread = Math.max(0.3, ...layout.normal.map(([x, y]) => Math.hypot(x, y)));
+    const spread = Math.max(0.0045, ...layout.position_m.map(([x, y]) => Math.hypot(x, y)));
     const size = Math.min(width, height) / 2 - 10;
     const middle = [width / 2, height / 2];
     const at = ([x, y]) => [middle[0] + (y / spread) * size, middle[1] + (x / spread) * size];
     const dot = Math.max(3, Math.min(16, size / Math.sqrt(elements.length) / 1.15));
     elements.forEach((force, index) => {
-      const [x, y] = at(layout.normal[index]);
+      const [x, y] = at(layout.position_m[index]);
       context.beginPath();
       context.arc(x, y, dot, 0, 2 * Math.PI);
       context.strokeStyle = colours.line;
@@ -84,7 +84,7 @@ export class Fingers {
     elements.forEach((force, index) => {
       if (!force) return;
       const shear = add(scale(layout.tangent1[index], force[1]), scale(layout.tangent2[index], force[2]));
-      const from = at(layout.normal[index]);
+      const from = at(layout.position_m[index]);
       const by = (1.6 * dot) / (0.4 * this.full);
       arrow(context, from, [from[0] + shear[1] * by, from[1] + shear[0] * by], 3.5);
     });

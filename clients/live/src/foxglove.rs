@@ -3,11 +3,12 @@
 //! The topics and types are those of an exported recording ([`atas_recording::Messages`]), so that one layout serves both.
 //! Whoever connects reads; nothing can be asked or changed. Only this machine is served.
 
+use std::array;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use atas_client::{ClientError, Session, Watch, layouts};
+use atas_client::{ClientError, Session, Watch};
 use atas_console::arguments::Foxglove;
 use atas_console::{Interrupt, Output};
 use atas_recording::{MessageType, Messages, Outlet, Row, RowInputs, Subject};
@@ -15,9 +16,10 @@ use foxglove::{Context, PartialMetadata, RawChannel, Schema};
 use robot_model::RobotFiles;
 use serde_json::json;
 use shm_schemas::capacity::{FINGERS, HANDS};
-use shm_schemas::{JointCommand, Layout, ModuleEvent, TickReport, View};
+use shm_schemas::{JointCommand, ModuleEvent, TickReport, View};
 
 use crate::rounds::rounds;
+use crate::skins::Skins;
 
 /// Pause between two times that the robot is described: whoever connects later sees it, too.
 const DESCRIBE: Duration = Duration::from_secs(1);
@@ -36,12 +38,13 @@ pub(crate) fn foxglove(
         return output.bytes(LAYOUT.as_bytes());
     }
     let robot = RobotFiles::find(&arguments.robot)?;
+    let skins = Skins::of(&robot)?;
     let context = Context::new();
     let server = context.websocket_server().name("atas");
     let server = server.bind("127.0.0.1", arguments.port).start_blocking();
     let server = server.with_context(|| crate::server::port_taken(arguments.port))?;
     announce(server.port(), output)?;
-    let begin = |watch, _: &Session| Ok((watch, Teller::new(&robot, &context)));
+    let begin = |watch, _: &Session| Ok((watch, Teller::new(&robot, &skins, &context)));
     rounds(
         &arguments.bus.bus,
         interrupt.flag(),
@@ -82,23 +85,25 @@ fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow
 }
 
 /// What the fingertips are: layout hash and fingers of each hand.
-type Skin = [(u64, usize); HANDS];
+type Felt = [(u64, usize); HANDS];
 
 /// From what the bus says to messages.
 struct Teller<'a> {
     robot: &'a RobotFiles,
+    skins: &'a Skins,
     context: &'a Arc<Context>,
-    skin: Skin,
+    felt: Felt,
     messages: Option<Messages<Channels>>,
     described: Instant,
 }
 
 impl<'a> Teller<'a> {
-    fn new(robot: &'a RobotFiles, context: &'a Arc<Context>) -> Self {
+    fn new(robot: &'a RobotFiles, skins: &'a Skins, context: &'a Arc<Context>) -> Self {
         Self {
             robot,
+            skins,
             context,
-            skin: Skin::default(),
+            felt: Felt::default(),
             messages: None,
             described: Instant::now(),
         }
@@ -110,15 +115,17 @@ impl<'a> Teller<'a> {
         reports: Vec<TickReport>,
         events: &[ModuleEvent],
     ) -> anyhow::Result<()> {
-        let skin: Skin = view
+        let felt: Felt = view
             .frames
             .each_ref()
             .map(|f| (f.layout_hash, (f.finger_count as usize).min(FINGERS)));
-        if self.messages.is_none() || skin != self.skin {
-            self.skin = skin;
-            let layouts =
-                skin.map(|(hash, _)| layouts::named(hash).unwrap_or_else(Layout::dome_41));
-            let subject = Subject::live(self.robot.clone(), layouts, skin.map(|(_, n)| n))?;
+        if self.messages.is_none() || felt != self.felt {
+            self.felt = felt;
+            let layouts = array::from_fn(|hand| {
+                let known = self.skins.named(hand, felt[hand].0);
+                known.unwrap_or_else(|| self.skins.0[hand].clone())
+            });
+            let subject = Subject::live(self.robot.clone(), layouts, felt.map(|(_, n)| n))?;
             let channels = Channels {
                 context: Arc::clone(self.context),
                 open: Vec::new(),

@@ -26,6 +26,7 @@ mod rounds;
 mod scene;
 mod server;
 mod shelf;
+mod skins;
 
 use std::process::ExitCode;
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use atas_client::histogram::EDGES_NS;
-use atas_client::{ClientError, Session, Watch, json, layouts, standstill, words};
+use atas_client::{ClientError, Session, Watch, json, standstill, words};
 use serde_json::{Value, json};
 use shm_bus::{BusName, now_ns};
 use shm_schemas::capacity::HANDS;
@@ -16,16 +16,17 @@ use crate::arena::Arena;
 use crate::feed::Feed;
 use crate::picture::Picture;
 use crate::rounds::rounds;
+use crate::skins::Skins;
 
 /// Pictures between two statuses: five statuses a second, which people can read.
 const STATUS_EVERY: u64 = 12;
 
 /// Looks at the bus until `stop` is set.
-pub(crate) fn observe(bus: &BusName, feed: &Arc<Feed>, stop: &AtomicBool) {
+pub(crate) fn observe(bus: &BusName, feed: &Arc<Feed>, skins: &Skins, stop: &AtomicBool) {
     rounds(
         bus,
         stop,
-        Observer::new,
+        |watch, session| Observer::new(watch, session, skins),
         |observer, session| observer.look(session, feed),
         |error: &ClientError| gone(feed, &error.to_string()),
     );
@@ -39,7 +40,8 @@ fn gone(feed: &Feed, why: &str) {
 }
 
 /// What is known from one look to the next.
-struct Observer {
+struct Observer<'a> {
+    skins: &'a Skins,
     watch: Watch,
     arena: Arena,
     looks: u64,
@@ -53,9 +55,10 @@ struct Observer {
     layouts: [(u64, usize); HANDS],
 }
 
-impl Observer {
-    fn new(watch: Watch, session: &Session) -> Result<Self, ClientError> {
+impl<'a> Observer<'a> {
+    fn new(watch: Watch, session: &Session, skins: &'a Skins) -> Result<Self, ClientError> {
         Ok(Self {
+            skins,
             watch,
             arena: Arena::join(session)?,
             looks: 0,
@@ -100,7 +103,8 @@ impl Observer {
         for (hand, known) in self.layouts.iter_mut().enumerate() {
             let hash = self.watch.view.frames[hand].layout_hash;
             if known.0 != hash {
-                *known = (hash, layouts::named(hash).map_or(0, |layout| layout.count));
+                let layout = self.skins.named(hand, hash);
+                *known = (hash, layout.map_or(0, |layout| layout.count));
             }
         }
         let view = &self.watch.view;

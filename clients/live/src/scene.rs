@@ -47,7 +47,7 @@ fn shape(shape: &Shape) -> Value {
 fn layout(layout: &Layout) -> Value {
     let count = layout.count;
     json!({
-        "radius_m": layout.radius_m,
+        "position_m": layout.position_m[..count],
         "normal": layout.normal[..count],
         "tangent1": layout.tangent1[..count],
         "tangent2": layout.tangent2[..count],

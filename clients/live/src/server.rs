@@ -18,7 +18,6 @@ use axum::routing::{get, post};
 use robot_model::RobotFiles;
 use serde_json::{Value, json};
 use shm_bus::BusName;
-use shm_schemas::Layout;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 
@@ -29,6 +28,7 @@ use crate::observe::observe;
 use crate::page::ASSETS;
 use crate::scene;
 use crate::shelf::Shelf;
+use crate::skins::Skins;
 
 /// How often the server looks whether it shall end.
 const LOOK: Duration = Duration::from_millis(50);
@@ -59,9 +59,11 @@ pub(crate) fn dashboard(
         [] => None,
         files => Some(Shelf::read(files)?),
     };
+    let robot = RobotFiles::find(&arguments.robot)?;
+    let skins = Skins::of(&robot)?;
     let scene = match &shelf {
         Some(shelf) => shelf.scene.clone(),
-        None => live_scene(&arguments.robot)?,
+        None => scene::scene(&robot, &skins.0)?,
     };
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
@@ -80,7 +82,7 @@ pub(crate) fn dashboard(
     announce(&server, address.port(), output)?;
     std::thread::scope(|threads| {
         if server.shelf.is_none() {
-            threads.spawn(|| observe(&server.bus, &server.feed, interrupt.flag()));
+            threads.spawn(|| observe(&server.bus, &server.feed, &skins, interrupt.flag()));
         }
         runtime.block_on(serve(Arc::clone(&server), listener, interrupt, output))
     })
@@ -96,11 +98,6 @@ pub(crate) fn port_taken(port: u16) -> String {
     format!(
         "could not listen on port {port} of this machine; name another one with --port, or 0 for any"
     )
-}
-
-fn live_scene(robot: &str) -> anyhow::Result<Value> {
-    let layouts = [Layout::dome_41(), Layout::dome_41()];
-    Ok(scene::scene(&RobotFiles::find(robot)?, &layouts)?)
 }
 
 fn announce(server: &Server, port: u16, output: &mut Output) -> anyhow::Result<()> {

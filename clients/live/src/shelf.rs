@@ -42,7 +42,7 @@ impl Shelf {
     pub(crate) fn read(files: &[PathBuf]) -> anyhow::Result<Self> {
         let seconds = length_s(files)?;
         let rows = Rows::open(files)?;
-        let robot = origin::robot(rows.header())?;
+        let robot = origin::robot(rows.header(), rows.robot())?;
         let layouts = origin::layouts(rows.header());
         let counts = layouts.each_ref().map(|layout: &Layout| layout.count);
         let mut shelf = Self {

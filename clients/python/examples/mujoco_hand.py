@@ -90,8 +90,8 @@ def described(thing: Thing) -> Any:
     layout = atas.layout("dome-41")
     for finger in (1, 2):
         tip = spec.body(f"right_finger{finger}_tip")
-        for taxel, normal in enumerate(layout["normal"]):
-            at = normal * (layout["radius_m"] - PIN_RADIUS_M)
+        for taxel, (normal, position) in enumerate(zip(layout["normal"], layout["position"], strict=True)):
+            at = position - normal * PIN_RADIUS_M
             pin = tip.add_body(name=f"pin-{finger}-{taxel}", pos=at, gravcomp=1.0)
             pin.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=normal, stiffness=PIN_N_M, damping=2.0, armature=1e-3)
             pin.add_geom(

@@ -131,7 +131,8 @@ impl Bus {
         Reader::new::<RunHeader>(self.node(), service::RUN_HEADER)
     }
 
-    /// Feels for one hand: `layout` is "dome-41", "dome-1" or "pad-N", as the daemon is configured (`[hands.left] layout`).
+    /// Feels for one hand: `layout` is "dome-41", "dome-1", "pad-N", "flat-RxC-P" or
+    /// "cylinder-RxC-P-Q", as the daemon is configured (`[hands.left] layout`).
     #[pyo3(signature = (hand, *, layout = "dome-41", fingers = 2, device = ""))]
     fn sensor(&self, hand: &str, layout: &str, fingers: usize, device: &str) -> PyResult<Sensor> {
         Sensor::new(self.node(), hand_of(hand)?, layout, fingers, device)

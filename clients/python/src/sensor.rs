@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shm_bus::{Bus, Publisher, now_ns, writer_epoch};
 use shm_schemas::capacity::FINGERS;
+use shm_schemas::layout::NamedLayout;
 use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
 use shm_schemas::{Hand, HandFrame, Layout, SensorStatus, Stamp, Text};
 
@@ -225,9 +226,8 @@ impl Sensor {
     }
 }
 
-/// Where the elements of a layout sit and along which axes they feel, in the tip frame (z is the dome's axis): unit vectors
-/// `normal`, `tangent1`, `tangent2` as arrays [taxel, axis], the distance of the elements from the dome's centre `radius_m`, and
-/// the `hash` that frames carry.
+/// Where the elements of a layout sit and along which axes they feel, in the tip frame (z is out of the middle of its face): unit
+/// vectors `normal`, `tangent1`, `tangent2` and places `position` (metres) as arrays [taxel, axis], and the `hash` that frames carry.
 #[pyfunction]
 pub(crate) fn layout<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyDict>> {
     let known = known(name)?;
@@ -236,12 +236,12 @@ pub(crate) fn layout<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, Py
         ("normal", &known.normal),
         ("tangent1", &known.tangent1),
         ("tangent2", &known.tangent2),
+        ("position", &known.position_m),
     ];
     for (key, table) in tables {
         let numbers = PyArray1::from_iter(py, table[..known.count].iter().flatten().copied());
         told.set_item(key, numbers.reshape([known.count, 3])?)?;
     }
-    told.set_item("radius_m", known.radius_m)?;
     told.set_item("hash", known.hash())?;
     Ok(told)
 }
@@ -249,9 +249,7 @@ pub(crate) fn layout<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, Py
 /// A layout by its name.
 fn known(name: &str) -> PyResult<Layout> {
     Layout::named(name).ok_or_else(|| {
-        let names = Layout::NAMES.join(", ");
-        PyValueError::new_err(format!(
-            "a layout was {name:?}, needs one of {names}, pad-1 to pad-64"
-        ))
+        let forms = NamedLayout::FORMS;
+        PyValueError::new_err(format!("a layout was {name:?}, needs {forms}"))
     })
 }

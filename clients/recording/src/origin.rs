@@ -1,6 +1,9 @@
 //! What a recording's header says of the robot and its sensors, ready to compute with.
 
+use std::borrow::Cow;
+
 use anyhow::Context;
+use mcap::records::Metadata;
 use robot_model::{RobotFiles, TWO_HAND_ARM};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::layout::robot_hash;
@@ -9,20 +12,64 @@ use shm_schemas::{HandWiringRecord, Layout, RunHeader};
 /// Fingers of a hand of which nothing is recorded: the paper's robot's.
 const USUAL_FINGERS: usize = 2;
 
-/// The files of the recorded robot; the paper's where nothing is recorded of it.
+/// Name of the metadata that hold the robot's own files, so that a recording can be understood where they are not.
+const ROBOT: &str = "atas.robot";
+const NAME: &str = "name";
+const URDF: &str = "urdf";
+const ROBOT_FILE: &str = "robot_file";
+
+/// The files of the robot of a run, as metadata; `None` if they are not where the daemon found them, or have changed since.
+pub(crate) fn robot_metadata(header: &RunHeader) -> Option<Metadata> {
+    let files = RobotFiles::find(header.robot.as_str()).ok()?;
+    let is_recorded = robot_hash(&files.urdf, &files.robot_file) == header.robot_hash;
+    let texts = [
+        (NAME, files.name),
+        (URDF, files.urdf),
+        (ROBOT_FILE, files.robot_file),
+    ];
+    is_recorded.then(|| Metadata {
+        name: ROBOT.to_owned(),
+        metadata: texts
+            .map(|(key, text)| (key.to_owned(), text.into_owned()))
+            .into(),
+    })
+}
+
+/// The files of a robot that these metadata hold, if they do.
+#[must_use]
+pub fn carried_robot(metadata: &Metadata) -> Option<RobotFiles> {
+    let text = |key: &str| metadata.metadata.get(key).cloned().map(Cow::Owned);
+    (metadata.name == ROBOT).then_some(())?;
+    Some(RobotFiles {
+        name: text(NAME)?,
+        urdf: text(URDF)?,
+        robot_file: text(ROBOT_FILE)?,
+    })
+}
+
+/// The files of the recorded robot: those that the recording carries, else those that the daemon read; the paper's robot's where
+/// nothing is recorded of it.
 ///
 /// # Errors
 /// They cannot be read, or have changed since.
-pub fn robot(header: Option<&RunHeader>) -> anyhow::Result<RobotFiles> {
+pub fn robot(
+    header: Option<&RunHeader>,
+    carried: Option<&RobotFiles>,
+) -> anyhow::Result<RobotFiles> {
     let Some(header) = header else {
         return Ok(TWO_HAND_ARM);
     };
+    let is_recorded =
+        |files: &&RobotFiles| robot_hash(&files.urdf, &files.robot_file) == header.robot_hash;
+    if let Some(files) = carried.filter(is_recorded) {
+        return Ok(files.clone());
+    }
     let name = header.robot.as_str();
     let files = RobotFiles::find(name).with_context(|| {
         format!("could not find the recorded robot {name}; put its files back there")
     })?;
     anyhow::ensure!(
-        robot_hash(&files.urdf, &files.robot_file) == header.robot_hash,
+        is_recorded(&&files),
         "could not use the robot {name} because it changed since the recording; put the recorded files back there"
     );
     Ok(files)
@@ -45,7 +92,7 @@ pub fn layouts(header: Option<&RunHeader>) -> [Layout; 2] {
         normal: wiring.normal,
         tangent1: wiring.tangent1,
         tangent2: wiring.tangent2,
-        radius_m: wiring.radius_m,
+        position_m: wiring.position_m,
         element_area_m2: wiring.element_area_m2,
     };
     header.map_or_else(

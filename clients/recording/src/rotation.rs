@@ -9,6 +9,7 @@ use shm_schemas::{RunHeader, Stamp, TickInputs};
 
 use super::clock::Clock;
 use super::follower::Follower;
+use super::origin::robot_metadata;
 use super::writer::Writer;
 
 /// Longest time that a sudden end of the recorder can lose (ours).
@@ -226,6 +227,9 @@ impl Recording {
     /// Writes where the file comes from.
     fn introduce(&mut self) -> anyhow::Result<()> {
         let Some(run) = &self.run else { return Ok(()) };
+        if let Some(robot) = robot_metadata(run) {
+            self.writer.describe(&robot)?;
+        }
         self.writer.write(&**run)?;
         self.writer.describe(&origin(run, self.pieces))?;
         if self.notes.is_empty() {

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use mcap::records::Metadata;
+use robot_model::RobotFiles;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
     HandFrame, JointCommand, JointState, ModuleEvent, RunHeader, Status, StatusFlags, TickInputs,
@@ -17,6 +18,7 @@ use shm_schemas::{
 };
 
 use crate::clock::Clock;
+use crate::origin::carried_robot;
 use crate::reader::{Entry, Reader, payload};
 
 /// Ticks that may wait for the rest of what is known of them: the recorder looks at one stream after another, a
@@ -55,6 +57,7 @@ pub struct Rows {
     entries: Reader,
     waiting: BTreeMap<u64, Row>,
     header: Option<Box<RunHeader>>,
+    robot: Option<RobotFiles>,
     clock: Clock,
     last_status: Option<Box<Status>>,
     has_ended: bool,
@@ -73,6 +76,7 @@ impl Rows {
             entries: Reader::open(&first)?,
             waiting: BTreeMap::new(),
             header: None,
+            robot: None,
             clock: Clock::default(),
             last_status: None,
             has_ended: false,
@@ -91,6 +95,12 @@ impl Rows {
     #[must_use]
     pub fn header(&self) -> Option<&RunHeader> {
         self.header.as_deref()
+    }
+
+    /// The robot's files, if the recording carries them.
+    #[must_use]
+    pub fn robot(&self) -> Option<&RobotFiles> {
+        self.robot.as_ref()
     }
 
     /// From sensor time to wall-clock time.
@@ -147,6 +157,9 @@ impl Rows {
     fn take_metadata(&mut self, metadata: &Metadata) {
         if metadata.name == crate::rotation::ORIGIN {
             self.clock.learn(&metadata.metadata);
+        }
+        if let Some(robot) = carried_robot(metadata) {
+            self.robot = Some(robot);
         }
     }
 

@@ -41,7 +41,8 @@ pub struct PortArgs {
     /// Bus to publish on.
     #[arg(long, env = "ATAS_BUS", default_value = "atas")]
     pub bus: BusName,
-    /// Layout of the fingertips, as the daemon is configured: dome-1, dome-41 or pad-N with N taxels.
+    /// Layout of the fingertips, as the daemon is configured: dome-41, dome-1, pad-N, flat-RxC-P or
+    /// cylinder-RxC-P-Q (`[hands.left] layout`).
     #[arg(long)]
     pub layout: Option<String>,
     /// Scale X,Y,Z from the unit's own sheet, N per unit of the device; quotients such as 300/7925 are allowed.

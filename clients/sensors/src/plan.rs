@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::{ArgMatches, FromArgMatches};
 use shm_schemas::Layout;
+use shm_schemas::layout::NamedLayout;
 use toml::Value;
 
 use crate::calibration::Calibration;
@@ -308,8 +309,8 @@ fn layout(wanted: Option<&str>, ports: &[Port]) -> Result<Layout, Failure> {
     match Layout::named(name) {
         Some(layout) if layout.count >= taxels => Ok(layout),
         _ => Err(Failure::Usage(format!(
-            "could not use the layout {name}: needs one with at least {taxels} elements: {}, dome-41 or dome-1",
-            made
+            "could not use the layout {name}: needs one with at least {taxels} elements: {}",
+            NamedLayout::FORMS
         ))),
     }
 }

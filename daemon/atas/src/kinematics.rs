@@ -182,7 +182,7 @@ impl HandServo {
             .zip_map(&stiffness_n_m_rad, |torque_n_m, k| torque_n_m / k);
         let bend_m = |finger: usize| {
             let moved_m = HandJacobian::moved(&jacobian.tips[finger].position, &bent_rad);
-            let arm_m = pose.dome_axis(finger) * hand.dome_radius_m()[finger];
+            let arm_m = pose.dome_axis(finger) * hand.tip_radius_m()[finger];
             let turned_rad = HandJacobian::moved(&jacobian.tips[finger].angular, &bent_rad);
             moved_m.z + turned_rad.cross(&arm_m).z
         };
@@ -206,7 +206,7 @@ impl HandServo {
     /// would keep it from closing both.
     fn unwind(&mut self, hand: &HandModel, pose: &HandPose) {
         let n = self.frame.as_done_by(hand).closing_axis();
-        let radius_m = hand.dome_radius_m();
+        let radius_m = hand.tip_radius_m();
         let is_m: [f64; VIRTUAL_FINGERS] = core::array::from_fn(|finger| {
             let sign = if finger == 0 { 1.0 } else { -1.0 };
             let from_centre_m = pose.side_m(finger) - self.frame.centre_m;
@@ -265,7 +265,7 @@ pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
     let centre_m = (tip1_m + tip2_m) / 2.0;
     let across = Vector2::new(tip1_m.x - tip2_m.x, tip1_m.y - tip2_m.y);
     let axis = pose.hand_axis();
-    let radius_m = hand.dome_radius_m();
+    let radius_m = hand.tip_radius_m();
     let half_m = across.norm() / 2.0;
     let q_rad = pose.q_rad();
     GraspFrame {

@@ -247,7 +247,7 @@ fn write_hand(hand: &HandWiring) -> HandWiringRecord {
         normal: layout.normal,
         tangent1: layout.tangent1,
         tangent2: layout.tangent2,
-        radius_m: layout.radius_m,
+        position_m: layout.position_m,
         element_area_m2: layout.element_area_m2,
     }
 }
@@ -266,7 +266,7 @@ fn read_hand(record: &HandWiringRecord) -> Result<HandWiring, Unreadable> {
             normal: record.normal,
             tangent1: record.tangent1,
             tangent2: record.tangent2,
-            radius_m: record.radius_m,
+            position_m: record.position_m,
             element_area_m2: record.element_area_m2,
         },
         fingers,

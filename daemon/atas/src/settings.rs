@@ -169,9 +169,9 @@ settings! {
         element_floor_n = 0.012 in 0.001..1.0;
         /// Time constant of the friction reading, s.
         friction_filter_s = 0.02 in 0.001..1.0;
-        /// Compression of one fingertip at 1 N, m: a calibration, pressed on a rigid block.
-        tip_compression_m = 0.00044 in 0.000001..0.01;
-        /// Exponent of the fingertip's compression over force: a calibration, 1 for a linear spring, 0.5 for a dome.
+        /// Compression of one fingertip at 1 N, m: a calibration, pressed on a rigid block. 0: what the robot file says of the skin.
+        tip_compression_m = 0.0 in 0.0..0.01;
+        /// Exponent of that compression over force: a calibration, 1 for a linear spring, 0.5 for a dome. Without meaning where it is 0.
         tip_exponent = 0.48 in 0.2..1.0;
     }
     /// Modules 1, 2 and 3: the grasp (paper II.b (1); values ours unless stated).

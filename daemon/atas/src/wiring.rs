@@ -44,10 +44,11 @@ impl Default for HandWiring {
 }
 
 impl Wiring {
-    /// A robot whose every hand feels with all its fingertips, as the paper's domes do.
+    /// A robot whose every hand feels with all its fingertips, at 1 kHz.
     #[must_use]
     pub fn of(robot: &RobotModel) -> Self {
         let hand = |side: Side| HandWiring {
+            layout: robot.hand(side).skin().layout.layout(),
             fingers: robot.hand(side).finger_count().max(1),
             required: robot.hand(side).is_present(),
             ..HandWiring::default()

@@ -164,6 +164,15 @@ impl HandModel {
         })
     }
 
+    /// How far an object may reach above where the fingertips of the reference posture close before it meets what carries the
+    /// fingers, m; see [`HandModel::lowest_of_palm_m`].
+    #[must_use]
+    pub fn room_over_tips_m(&self) -> f64 {
+        let pose = self.forward(&self.reference_rad);
+        let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
+        self.lowest_of_palm_m(&pose) - middle_m.z
+    }
+
     /// The collision bodies of the hand at a pose, base frame.
     #[must_use]
     pub fn capsules(&self, pose: &HandPose) -> Capsules {

@@ -75,6 +75,7 @@ mod side;
 mod sizes;
 #[cfg(feature = "std")]
 mod skeleton;
+mod skin;
 mod solve;
 mod target;
 mod transform;
@@ -97,7 +98,9 @@ pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};
 pub use model::{HandModel, Mover, RobotModel};
 pub use name::{NAME_MAX, Name};
 #[cfg(feature = "std")]
-pub use robot_file::{FingerEntry, HandEntry, Hands, JointEntry, RobotFile, WorkspaceEntry};
+pub use robot_file::{
+    FingerEntry, HandEntry, Hands, JointEntry, RobotFile, SkinEntry, WorkspaceEntry,
+};
 pub use side::Side;
 pub use sizes::{
     ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX,
@@ -105,6 +108,7 @@ pub use sizes::{
 };
 #[cfg(feature = "std")]
 pub use skeleton::{Form, Limb, Placement, Shape, Skeleton};
+pub use skin::{Compression, Skin};
 pub use solve::{
     POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_SPREAD_ERROR_MAX_M,
     POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,

@@ -9,6 +9,7 @@ use crate::joint::Joint;
 use crate::name::Name;
 use crate::side::Side;
 use crate::sizes::{FINGERS_MAX, FRAMES_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX, VIRTUAL_FINGERS};
+use crate::skin::Skin;
 use crate::transform::Transform;
 use crate::turning::Turning;
 use crate::vector::HandVector;
@@ -38,7 +39,8 @@ pub struct HandModel {
     pub(crate) pointing: Vector3<f64>,
     pub(crate) fingers: [Finger; FINGERS_MAX],
     pub(crate) finger_count: usize,
-    pub(crate) dome_radius_m: [f64; FINGERS_MAX],
+    pub(crate) tip_radius_m: [f64; FINGERS_MAX],
+    pub(crate) skin: Skin,
     pub(crate) reference_rad: HandVector,
     /// Per joint: whether it tilts its finger about the closing axis, as a wrist would.
     pub(crate) tilts: [bool; HAND_JOINTS_MAX],
@@ -161,7 +163,8 @@ impl HandModel {
             pointing: -Vector3::z(),
             fingers: [Finger::none(); FINGERS_MAX],
             finger_count: 0,
-            dome_radius_m: [0.0; FINGERS_MAX],
+            tip_radius_m: [0.0; FINGERS_MAX],
+            skin: Skin::DOME_41,
             reference_rad: HandVector::zeros(0),
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
@@ -265,10 +268,16 @@ impl HandModel {
         self.frame_count
     }
 
-    /// Radius of the sensor dome of each fingertip, metres.
+    /// From each tip frame's origin to the middle of its sensing face, m: the radius of a dome.
     #[must_use]
-    pub fn dome_radius_m(&self) -> &[f64] {
-        &self.dome_radius_m[..self.finger_count]
+    pub fn tip_radius_m(&self) -> &[f64] {
+        &self.tip_radius_m[..self.finger_count]
+    }
+
+    /// What its fingertips feel with.
+    #[must_use]
+    pub fn skin(&self) -> &Skin {
+        &self.skin
     }
 
     /// Mean of a value over the fingertips that press from one side.
@@ -388,6 +397,15 @@ impl RobotModel {
     #[must_use]
     pub fn hand(&self, side: Side) -> &HandModel {
         &self.hands[side.index()]
+    }
+
+    /// The same robot with another skin on the same fingertips.
+    #[must_use]
+    pub fn with_skin(mut self, skin: Skin) -> Self {
+        for hand in &mut self.hands {
+            hand.skin = skin;
+        }
+        self
     }
 
     /// The sides on which the robot has a hand.

@@ -52,6 +52,8 @@ pub struct HandEntry {
     pub workspace: Option<WorkspaceEntry>,
     /// How far open it rests, from pole to pole, m. Left out: as far as the reference posture has it.
     pub home_opening_m: Option<f64>,
+    /// What its fingertips feel with. Left out: the paper's domes.
+    pub skin: Option<SkinEntry>,
     /// Its fingertips, in the order of the sensor's frames.
     pub fingers: Vec<FingerEntry>,
 }
@@ -70,6 +72,18 @@ pub struct WorkspaceEntry {
     pub opening_m: [f64; 2],
 }
 
+/// The skin of a hand's fingertips.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkinEntry {
+    /// Where its elements sit: a [`shm_schemas::layout::NamedLayout`].
+    pub layout: String,
+    /// How far one fingertip gives way to a rigid block that presses with 1 N, m.
+    pub compression_m: f64,
+    /// How that grows with the force: 1 for a linear spring, such as a flat pad on a flat face; 0.5 for a dome.
+    pub exponent: f64,
+}
+
 /// One fingertip.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -78,10 +92,12 @@ pub struct FingerEntry {
     pub tip: String,
     /// Middle of the sensor's dome in that link, m. Left out: the link's origin.
     pub dome_m: Option<[f64; 3]>,
+    /// Middle of its sensing face in that link, m, instead of `dome_m`: for faces that are no dome. It takes `facing`.
+    pub face_m: Option<[f64; 3]>,
     /// Direction in which it feels, through the dome's pole, in that link. Left out: the link is turned as
     /// [`crate::HandPose::base_from_tip`] has it.
     pub facing: Option<[f64; 3]>,
-    /// Radius of the dome, m. Left out: that of the link's one collision sphere.
+    /// Radius of the dome, m. Left out: that of the link's one collision sphere; for a skin that is no dome, what its layout says.
     pub dome_radius_m: Option<f64>,
     /// The side from which it presses, 1 or 2: fingertips of one side press together against the other's.
     pub side: usize,

@@ -124,7 +124,7 @@ impl GraspFrame {
             let side = model.virtual_finger;
             let outward = if side == 0 { n } else { -n };
             target.tip_m[finger] = self.centre_m
-                + outward * (self.half_opening_m[side] + hand.dome_radius_m[finger])
+                + outward * (self.half_opening_m[side] + hand.tip_radius_m[finger])
                 + t * self.tangential_m[side]
                 + Vector3::z() * self.up_m[side]
                 + beside * model.beside_m;

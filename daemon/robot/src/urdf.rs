@@ -10,6 +10,7 @@ mod error;
 mod framed;
 mod hand;
 mod joint;
+mod tip;
 mod tree;
 
 use std::format;

@@ -14,7 +14,8 @@ struct FixedKey {
     holds: fn(&Config) -> bool,
 }
 
-const LAYOUT: &str = "\"dome-41\", \"dome-1\" or { normals = [[x, y, z], …], radius_m = …, element_area_m2 = … } \
+const LAYOUT: &str = "\"robot\", \"dome-41\", \"dome-1\", \"pad-N\", \"flat-RxC-P\", \"cylinder-RxC-P-Q\" or \
+                      { normals = [[x, y, z], …], radius_m = … or positions_m = [[x, y, z], …], element_area_m2 = … } \
     with 1 to 64 unit vectors that do not point along x";
 /// The section whose keys are the names of the user's own tasks.
 const TASKS: &str = "tasks";
@@ -160,7 +161,7 @@ const FINGERS: &str = "a whole number from 1 to 4, or 0 for as many as the robot
 const RATE: &str = "a number from 1 to 10000";
 
 fn has_layout(hand: &HandSensor) -> bool {
-    hand.layout.resolve().is_some()
+    hand.layout.is_sound()
 }
 
 fn has_fingers(hand: &HandSensor) -> bool {

@@ -1,17 +1,17 @@
-//! Which sensor layout a hand has: a built-in one by name, or the user's own by its directions.
+//! Which sensor layout a hand has: the robot file's, another by name, or the user's own by its elements.
 
+use robot_model::HandModel;
 use serde::{Deserialize, Serialize};
 use shm_schemas::Layout;
-use shm_schemas::capacity::ELEMENTS;
 
-/// How far from 1 the length of a direction may be: rounding in hand-written files, nothing more. Ours.
-const UNIT_TOLERANCE: f64 = 1e-3;
+/// The name that stands for what the robot file says.
+const OF_ROBOT: &str = "robot";
 
-/// The layout of one fingertip.
+/// The layout of a hand's fingertips.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum LayoutChoice {
-    /// One of [`Layout::NAMES`].
+    /// `robot`, or a [`shm_schemas::layout::NamedLayout`].
     Named(String),
     /// The user's own.
     Custom(CustomLayout),
@@ -23,89 +23,100 @@ pub enum LayoutChoice {
 pub struct CustomLayout {
     /// Outward normal of each element, unit vectors in the tip frame.
     pub normals: Vec<[f64; 3]>,
-    /// Distance of the elements from the dome centre, m.
-    pub radius_m: f64,
+    /// A dome: distance of the elements from its centre, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius_m: Option<f64>,
+    /// Any other shape: where each element sits, tip frame, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub positions_m: Option<Vec<[f64; 3]>>,
     /// Sensing area of one element, m².
     pub element_area_m2: f64,
 }
 
 impl LayoutChoice {
+    /// What the robot file says.
+    #[must_use]
+    pub fn of_robot() -> Self {
+        Self::Named(OF_ROBOT.to_owned())
+    }
+
     /// The layout, if the name is known or the user's own is sound.
     #[must_use]
-    pub fn resolve(&self) -> Option<Layout> {
+    pub fn resolve(&self, hand: &HandModel) -> Option<Layout> {
         match self {
+            Self::Named(name) if name == OF_ROBOT => Some(hand.skin().layout.layout()),
             Self::Named(name) => Layout::named(name),
             Self::Custom(custom) => custom.resolve(),
+        }
+    }
+
+    /// Whether it can be resolved, whatever the robot.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        match self {
+            Self::Named(name) => name == OF_ROBOT || Layout::named(name).is_some(),
+            Self::Custom(custom) => custom.resolve().is_some(),
         }
     }
 }
 
 impl CustomLayout {
     fn resolve(&self) -> Option<Layout> {
-        let count = self.normals.len();
-        let sizes_make_sense = [self.radius_m, self.element_area_m2]
-            .iter()
-            .all(|size| *size > 0.0 && *size < 1.0);
-        if !(1..=ELEMENTS).contains(&count) || !sizes_make_sense {
+        let is_size = |size: f64| size > 0.0 && size < 1.0;
+        if !is_size(self.element_area_m2) {
             return None;
         }
-        let mut layout = Layout {
-            count,
-            normal: [[0.0; 3]; ELEMENTS],
-            tangent1: [[0.0; 3]; ELEMENTS],
-            tangent2: [[0.0; 3]; ELEMENTS],
-            radius_m: self.radius_m,
-            element_area_m2: self.element_area_m2,
-        };
-        for (element, normal) in self.normals.iter().enumerate() {
-            let (tangent1, tangent2) = tangents(*normal)?;
-            layout.normal[element] = *normal;
-            layout.tangent1[element] = tangent1;
-            layout.tangent2[element] = tangent2;
+        let normals = self.normals.iter().copied();
+        match (self.radius_m, &self.positions_m) {
+            (Some(radius_m), None) if is_size(radius_m) => {
+                let elements = normals.map(|normal| (normal, normal.map(|d| d * radius_m)));
+                Layout::of_elements(elements, self.element_area_m2)
+            }
+            (None, Some(positions_m)) if positions_m.len() == self.normals.len() => {
+                let elements = normals.zip(positions_m.iter().copied());
+                Layout::of_elements(elements, self.element_area_m2)
+            }
+            _ => None,
         }
-        Some(layout)
     }
-}
-
-/// t2 is up (−x) made normal to d, t1 = t2 × d. `None` if d is not a unit vector or points along x.
-fn tangents(d: [f64; 3]) -> Option<([f64; 3], [f64; 3])> {
-    let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-    // False for NaN as well.
-    let is_unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
-    let across = (1.0 - d[0] * d[0]).max(0.0).sqrt();
-    if !is_unit || across <= UNIT_TOLERANCE {
-        return None;
-    }
-    let t2 = [
-        (d[0] * d[0] - 1.0) / across,
-        d[0] * d[1] / across,
-        d[0] * d[2] / across,
-    ];
-    let t1 = [
-        t2[1] * d[2] - t2[2] * d[1],
-        t2[2] * d[0] - t2[0] * d[2],
-        t2[0] * d[1] - t2[1] * d[0],
-    ];
-    Some((t1, t2))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shm_schemas::capacity::ELEMENTS;
 
-    fn custom(normals: &[[f64; 3]]) -> LayoutChoice {
-        LayoutChoice::Custom(CustomLayout {
+    fn dome(normals: &[[f64; 3]]) -> CustomLayout {
+        CustomLayout {
             normals: normals.to_vec(),
-            radius_m: 0.015,
+            radius_m: Some(0.015),
+            positions_m: None,
             element_area_m2: 1e-4,
-        })
+        }
+    }
+
+    fn placed(normals: &[[f64; 3]], positions_m: &[[f64; 3]]) -> CustomLayout {
+        CustomLayout {
+            radius_m: None,
+            positions_m: Some(positions_m.to_vec()),
+            ..dome(normals)
+        }
     }
 
     #[test]
-    fn own_layout_with_the_directions_of_a_built_in_one_hashes_equally() {
-        let dome = Layout::dome_41();
-        let own = custom(&dome.normal[..dome.count]).resolve().expect("sound");
-        assert_eq!(own.hash(), dome.hash());
+    fn own_layout_with_the_elements_of_a_built_in_one_hashes_equally() {
+        for name in ["dome-41", "flat-3x4-4.5", "cylinder-2x5-3-8"] {
+            let layout = Layout::named(name).expect("known");
+            let (normals, positions_m) = (
+                &layout.normal[..layout.count],
+                &layout.position_m[..layout.count],
+            );
+            let own = placed(normals, positions_m).resolve().expect("sound");
+            assert_eq!(own.hash(), layout.hash(), "{name}");
+        }
+        let built_in = Layout::dome_41();
+        let own = dome(&built_in.normal[..built_in.count]).resolve();
+        assert_eq!(own.expect("sound").hash(), built_in.hash());
     }
 
     #[test]
@@ -117,7 +128,15 @@ mod tests {
             vec![[1.0, 0.0, 0.0]],
             vec![[0.0, 0.0, 1.0]; ELEMENTS + 1],
         ] {
-            assert_eq!(custom(&normals).resolve(), None, "{normals:?}");
+            assert_eq!(dome(&normals).resolve(), None, "{normals:?}");
         }
+        let out = [[0.0, 0.0, 1.0]];
+        assert_eq!(placed(&out, &[]).resolve(), None);
+        assert_eq!(placed(&out, &[[0.0, f64::INFINITY, 0.01]]).resolve(), None);
+        let both = CustomLayout {
+            radius_m: Some(0.015),
+            ..placed(&out, &[[0.0, 0.0, 0.015]])
+        };
+        assert_eq!(both.resolve(), None);
     }
 }

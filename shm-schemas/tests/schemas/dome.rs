@@ -68,7 +68,9 @@ fn the_pole_element_looks_along_z_with_up_as_its_second_tangent() {
 #[test]
 fn elements_have_equal_area_and_neighbours_in_a_ring_are_evenly_spread() {
     let dome = Layout::dome_41();
-    assert_eq!(dome.radius_m, DOME_RADIUS_M);
+    for (normal, position_m) in dome.normal.iter().zip(&dome.position_m).take(dome.count) {
+        assert!(close(*position_m, normal.map(|d| d * DOME_RADIUS_M)));
+    }
     // Tactile design: 6.2 mm² each.
     assert!((dome.element_area_m2 - 6.2e-6).abs() < 0.1e-6);
     for (first, n) in [(1, 7), (8, 13), (21, 20)] {

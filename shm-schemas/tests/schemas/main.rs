@@ -4,6 +4,7 @@ mod codes;
 mod dome;
 mod header;
 mod layout;
+mod named_layouts;
 mod reasons;
 mod seal;
 mod services;

@@ -1,9 +1,9 @@
 //! The fingertip against the figures of the tactile design.
 
-use shm_schemas::Layout;
-
 use super::*;
-use crate::pad::BRISTLES_PER_ELEMENT;
+use crate::pad::{BRISTLES_PER_ELEMENT, FOUNDATION_N_M3};
+use shm_schemas::capacity::ELEMENTS;
+use shm_schemas::layout::{DOME_RADIUS_M, NamedLayout};
 
 const DT_S: f64 = 250e-6;
 const HALF_M: f64 = 0.025;
@@ -12,17 +12,37 @@ const HALF_M: f64 = 0.025;
 struct Bench {
     pad: Pad,
     contact: Contact,
+    /// From the tip frame's origin to the face, m.
+    radius_m: f64,
     surface: Surface,
 }
 
 impl Bench {
     fn new(bristles_per_element: usize, stiffness_n_m: f64) -> Self {
+        Self::of(
+            Pad::dome(DOME_RADIUS_M, bristles_per_element),
+            stiffness_n_m,
+        )
+    }
+
+    /// A fingertip of this layout on a rigid cube.
+    fn named(layout: &str) -> Self {
+        let layout: NamedLayout = layout.parse().expect("a layout");
+        let pad = Pad::of(layout, layout.depth_m()).expect("places");
+        Self {
+            radius_m: layout.depth_m(),
+            ..Self::of(pad, f64::INFINITY)
+        }
+    }
+
+    fn of(pad: Pad, stiffness_n_m: f64) -> Self {
         let shape = Shape::Box {
             half_m: Vector3::repeat(HALF_M),
         };
         Self {
-            pad: Pad::with_bristles(&Layout::dome_41(), bristles_per_element),
-            contact: Contact::new(),
+            radius_m: DOME_RADIUS_M,
+            contact: Contact::new(&pad),
+            pad,
             surface: Surface {
                 shape,
                 friction: 0.5,
@@ -37,7 +57,7 @@ impl Bench {
         let approach = Approach {
             // Dome axis z along the cube's x, up −x of the tip along its z.
             object_from_tip: Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0),
-            centre_m: Vector3::new(-HALF_M - self.pad.radius_m + depth_m, 0.0, height_m),
+            centre_m: Vector3::new(-HALF_M - self.radius_m + depth_m, 0.0, height_m),
             velocity_m_s: Vector3::new(0.0, 0.0, up_m_s),
             angular_rad_s: Vector3::zeros(),
         };
@@ -54,8 +74,8 @@ impl Bench {
 
     /// Elements that touch, and those of which at least half of the bristles slip.
     fn elements(&self) -> (usize, usize) {
-        let mut touching = [0; DOME_ELEMENTS];
-        let mut slipping = [0; DOME_ELEMENTS];
+        let mut touching = [0; ELEMENTS];
+        let mut slipping = [0; ELEMENTS];
         for touch in self
             .contact
             .touches
@@ -69,7 +89,7 @@ impl Bench {
         let slips = |e: &usize| touching[*e] > 0 && 2 * slipping[*e] >= touching[*e];
         (
             touching.iter().filter(|n| **n > 0).count(),
-            (0..DOME_ELEMENTS).filter(slips).count(),
+            (0..ELEMENTS).filter(slips).count(),
         )
     }
 }
@@ -216,7 +236,7 @@ fn elements_add_up_to_the_whole() {
     for step in 1..200 {
         total = bench.press(0.5e-3, f64::from(step) * 5e-7, 0.002);
     }
-    let mut force_n = [Vector3::zeros(); DOME_ELEMENTS];
+    let mut force_n = [Vector3::zeros(); ELEMENTS];
     bench.contact.element_forces(&bench.pad, &mut force_n);
     let sum: Vector3<f64> = force_n.iter().sum();
     // On the tip: against the dome axis z; what drags the object up drags the tip down, along +x of the tip.
@@ -236,4 +256,60 @@ fn nothing_touches_beyond_an_edge() {
         "on the edge {half_n} N of {whole_n} N"
     );
     assert_eq!(bench.press(0.5e-3, HALF_M + 5e-3, 0.0).0, 0.0);
+}
+
+/// The force on a rigid flat face follows from the shape of the skin and its foundation: F = K·A·δ for a flat pad of area A,
+/// F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of length L and radius R.
+#[test]
+fn pads_and_cylinders_press_as_their_shape_says() {
+    let flat_n = |area_m2: f64| move |depth_m: f64| FOUNDATION_N_M3 * area_m2 * depth_m;
+    let cylinder_n = |length_m: f64, radius_m: f64| {
+        move |depth_m: f64| {
+            FOUNDATION_N_M3 * length_m * 4.0 / 3.0 * (2.0 * radius_m).sqrt() * depth_m.powf(1.5)
+        }
+    };
+    let check = |layout: &str, expected_n: &dyn Fn(f64) -> f64, tolerance: f64| {
+        for depth_m in [1e-4, 2e-4, 4e-4] {
+            let normal_n = Bench::named(layout).normal_n(depth_m);
+            let expected_n = expected_n(depth_m);
+            assert!(
+                (normal_n / expected_n - 1.0).abs() < tolerance,
+                "{layout} at {depth_m} m: {normal_n} N, expected {expected_n}"
+            );
+        }
+    };
+    check("flat-4x4-4.5", &flat_n(0.018 * 0.018), 1e-9);
+    check("flat-2x3-4", &flat_n(0.008 * 0.012), 1e-9);
+    // Bristles stand 1 mm apart, and the patch is a few of them wide.
+    check("cylinder-4x8-3-12", &cylinder_n(0.012, 0.012), 0.12);
+    check("cylinder-2x4-6-40", &cylinder_n(0.012, 0.040), 0.12);
+}
+
+/// Elements feel what lies on them: a pad whose lower half hangs below the cube is pressed with its upper half, and one
+/// element of a dome feels what all its elements would.
+#[test]
+fn each_element_feels_its_own_part_of_the_face() {
+    let felt_n = |layout: &str, height_m: f64| {
+        let mut bench = Bench::named(layout);
+        bench.press(3e-4, height_m, 0.0);
+        let mut force_n = [Vector3::zeros(); ELEMENTS];
+        bench.contact.element_forces(&bench.pad, &mut force_n);
+        force_n.map(|force_n| -force_n.z)
+    };
+    let pad_n = felt_n("flat-4x4-4.5", -HALF_M);
+    let (upper_n, lower_n) = (&pad_n[..8], &pad_n[8..]);
+    assert!(
+        upper_n
+            .iter()
+            .all(|n| (n / upper_n[0] - 1.0).abs() < 1e-9 && *n > 0.5)
+    );
+    assert!(lower_n.iter().all(|n| *n == 0.0), "{lower_n:?}");
+    let whole_n: f64 = felt_n("dome-41", 0.0).iter().sum();
+    assert!((felt_n("dome-1", 0.0)[0] - whole_n).abs() < 1e-9);
+}
+
+#[test]
+fn a_skin_whose_elements_nobody_has_placed_is_not_simulated() {
+    let error = Pad::of(NamedLayout::Pad { count: 16 }, DOME_RADIUS_M).expect_err("refused");
+    assert!(error.to_string().contains("pad-16"), "{error}");
 }

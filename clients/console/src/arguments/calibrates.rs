@@ -51,7 +51,7 @@ pub struct CalibrateFit {
     /// Fingertips that pressed the block at once
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     pub block_tips: u32,
-    /// Where the elements sit: dome-1, dome-41 or pad-N with N taxels
+    /// Where the elements sit: dome-41, dome-1, pad-N, flat-RxC-P or cylinder-RxC-P-Q
     #[arg(long, default_value = "dome-1")]
     pub layout: String,
     /// How values become forces [default: resultant-squares for flux, else matrix]

@@ -186,6 +186,10 @@ pub struct Evaluation {
     /// The robot: one that ships (`atas robot list`), or a robot file
     #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
     pub robot: String,
+    /// Fingertips of another layout than the robot file's: dome-41, dome-1 (one element), flat-RxC-P (R rows and C columns, P mm
+    /// apart), cylinder-RxC-P-Q (bent to a radius of Q mm)
+    #[arg(long, value_name = "LAYOUT")]
+    pub skin: Option<String>,
     /// Trials, dealt to the objects in turn
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub trials: u64,

@@ -67,7 +67,7 @@ impl Trace {
             progress: GoalProgress::default(),
             truth: WorldTruth::default(),
             ticks: Vec::new(),
-            dome_radius_m: robot.hand(SIDE).dome_radius_m()[0],
+            dome_radius_m: robot.hand(SIDE).tip_radius_m()[0],
             names: Vec::new(),
             now: [None; 2],
         };

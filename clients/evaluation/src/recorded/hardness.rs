@@ -3,6 +3,7 @@
 use anyhow::ensure;
 use atas_core::perception::StiffnessEstimate;
 use atas_core::settings::Settings;
+use robot_model::Compression;
 
 use super::cases::{Case, Labels};
 use super::decision::{Fit, Fitter, decide, no_labels, truths};
@@ -17,9 +18,11 @@ use super::verdict::Verdict;
 const SILENT_FRAMES: usize = 4;
 /// Faces that a squeeze presses on.
 const FACES: f64 = 2.0;
-/// Compression of the fingertips that is not known here, m at 1 N: the least that there is.
-const TIP_COMPRESSION_M: f64 = 1e-6;
-
+/// How the fingertips give way is not known here: as little as any do.
+const RIGID_TIPS: Compression = Compression {
+    at_1n_m: 1e-6,
+    exponent: 0.48,
+};
 /// Least closing that a stiffness is divided by, m (ours: what an actuator's encoder resolves).
 const CLOSING_MIN_M: f64 = 1e-5;
 
@@ -64,7 +67,13 @@ pub(super) fn feel(
         let Some(closing_m) = closing_m(sheet, row, angles, model.lever_m) else {
             continue;
         };
-        if let Some(fit) = probe.add(closing_m, face_n, percept.step_s, &probe_settings) {
+        if let Some(fit) = probe.add(
+            closing_m,
+            face_n,
+            percept.step_s,
+            &RIGID_TIPS,
+            &probe_settings,
+        ) {
             felt.whole_n_m = fit.object_n_m;
         }
         // The frame that touches is the first; the step after it ends with the next one.
@@ -97,7 +106,6 @@ fn settings(model: &Hardness) -> anyhow::Result<Settings> {
         ("perception.touch_on_n", model.touch_on_n),
         ("perception.touch_off_n", model.touch_off_n),
         ("perception.filter_s", model.filter_s),
-        ("perception.tip_compression_m", TIP_COMPRESSION_M),
     ] {
         settings
             .set(name, value)

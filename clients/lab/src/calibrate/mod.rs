@@ -17,6 +17,7 @@ use atas_sensors::calibration::{
 };
 use serde::Serialize;
 use shm_schemas::Layout;
+use shm_schemas::layout::NamedLayout;
 
 use crate::picture;
 
@@ -64,8 +65,9 @@ pub(crate) fn calibrate(
 fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
     let layout = Layout::named(&arguments.layout).with_context(|| {
         format!(
-            "could not use the layout {:?}: needs dome-1, dome-41 or pad-N with N taxels",
-            arguments.layout
+            "could not use the layout {:?}: needs {}",
+            arguments.layout,
+            NamedLayout::FORMS
         )
     })?;
     let (mut fitted, quiet, seconds) = fitted(arguments, &layout)?;

@@ -16,6 +16,7 @@ use atas_console::{Ended, Exit, Interrupt, Output};
 use atas_evaluation::{Condition, Evaluated, GripPolicy, Noise, Plan, Task, seeds};
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_model::RobotFiles;
+use shm_schemas::layout::UnknownLayout;
 use sim_backend::{Object, ObjectError};
 
 /// What `--errors` calls a row per error.
@@ -97,8 +98,13 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
     };
     let robot = RobotFiles::find(&arguments.robot)
         .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+    let skin = arguments.skin.as_deref().map(str::parse).transpose();
+    let skin = skin.map_err(|error: UnknownLayout| {
+        Ended::with(Exit::Usage, format!("could not use --skin because {error}"))
+    })?;
     Ok(Plan {
         robot,
+        skin,
         task,
         trials: arguments.seeds.map_or(arguments.trials, of_each),
         objects,

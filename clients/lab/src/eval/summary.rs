@@ -101,6 +101,7 @@ fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<
         };
         let plan = Plan {
             robot: robot_model::TWO_HAND_ARM,
+            skin: None,
             task: *task,
             objects: task.objects()?,
             trials: summary.trials.unwrap_or(kind.trials),

@@ -14,6 +14,7 @@ pub(super) fn tune(
     let task = super::task(tuning.task);
     let plan = Plan {
         robot: robot_model::TWO_HAND_ARM,
+        skin: None,
         task,
         objects: task.objects()?,
         trials: tuning.trials,

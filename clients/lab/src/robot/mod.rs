@@ -145,10 +145,11 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     for (finger, link) in hand.tip_links().enumerate() {
         let (side, radius_mm) = (
             hand.virtual_finger(finger) + 1,
-            hand.dome_radius_m()[finger] * 1e3,
+            hand.tip_radius_m()[finger] * 1e3,
         );
+        let layout = hand.skin().layout;
         output.line(format_args!(
-            "fingertip {link}: presses from side {side}, dome of {radius_mm:.1} mm"
+            "fingertip {link}: presses from side {side}, {layout}, its face {radius_mm:.1} mm from its frame's origin"
         ))?;
     }
     for link in turned_away(hand) {
@@ -232,7 +233,7 @@ fn hand_json(hand: &HandModel) -> Value {
         json!({
             "link": link,
             "side": hand.virtual_finger(finger) + 1,
-            "dome_radius_m": hand.dome_radius_m()[finger],
+            "radius_m": hand.tip_radius_m()[finger],
         })
     };
     let space = hand
@@ -242,6 +243,11 @@ fn hand_json(hand: &HandModel) -> Value {
     let able = hand.abilities();
     json!({
         "side": side_name(hand),
+        "skin": {
+            "layout": hand.skin().layout.to_string(),
+            "compression_m": hand.skin().compression.at_1n_m,
+            "exponent": hand.skin().compression.exponent,
+        },
         "joints": hand.joints().iter().enumerate().map(joint).collect::<Vec<_>>(),
         "fingertips": hand.tip_links().enumerate().map(tip).collect::<Vec<_>>(),
         "home_m": hand.home_m().as_slice(),

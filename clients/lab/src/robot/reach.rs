@@ -30,7 +30,7 @@ struct Grid<'a> {
 impl Reach {
     /// Grows the box; `None` if the hand cannot even rest.
     pub(super) fn of(hand: &HandModel) -> Option<Self> {
-        let lowest_m = hand.dome_radius_m().iter().copied().fold(0.0, f64::max) + TABLE_M;
+        let lowest_m = hand.tip_radius_m().iter().copied().fold(0.0, f64::max) + TABLE_M;
         let mut grid = Grid {
             hand,
             lowest_m,

@@ -54,10 +54,10 @@ class Replayed(TypedDict):
 
 
 class Layout(TypedDict):
-    """Where the elements of a fingertip sit and along which axes they feel, tip frame."""
+    """Where the elements of a fingertip sit (metres) and along which axes they feel, tip frame."""
 
     normal: NDArray[np.float64]
     tangent1: NDArray[np.float64]
     tangent2: NDArray[np.float64]
-    radius_m: float
+    position: NDArray[np.float64]
     hash: int

@@ -207,17 +207,14 @@ pub(super) fn points<'a>(
     let count = layout.count.min(force_n.len());
     let is_valid = move |element: &usize| valid >> element & 1 == 1;
     (0..count).filter(is_valid).map(|element| {
-        let (d, force) = (
-            layout.normal[element],
-            force_on(layout, element, force_n[element]),
-        );
-        let [x, y, z] = d.map(|d| (d * layout.radius_m) as f32);
+        let force = force_on(layout, element, force_n[element]);
+        let [x, y, z] = layout.position_m[element].map(|x| x as f32);
         let [fx, fy, fz] = force.map(|f| f as f32);
         [x, y, z, fx, fy, fz, force_n[element][0]]
     })
 }
 
-/// The force of the object on the whole tip and its torque about the dome's centre, tip frame, N and N·m.
+/// The force of the object on the whole tip and its torque about the tip frame's origin, tip frame, N and N·m.
 pub(super) fn wrench(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> [[f64; 3]; 2] {
     let mut sum = [[0.0; 3]; 2];
     for [x, y, z, fx, fy, fz, _] in points(layout, valid, force_n).map(|p| p.map(f64::from)) {

@@ -33,7 +33,7 @@ impl Subject {
         let version = text(header.map(|h| h.version.to_string()));
         let hash = text(header.map(|h| format!("{:016x}", h.config_hash)));
         let about = Self::about(
-            origin::robot(header)?,
+            origin::robot(header, rows.robot())?,
             origin::layouts(header),
             origin::fingers(header),
         );

@@ -34,7 +34,7 @@ fn wiring() -> HandWiringRecord {
         normal: dome.normal,
         tangent1: dome.tangent1,
         tangent2: dome.tangent2,
-        radius_m: dome.radius_m,
+        position_m: dome.position_m,
         ..HandWiringRecord::default()
     }
 }

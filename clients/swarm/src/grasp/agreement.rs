@@ -98,6 +98,7 @@ pub(super) fn plan(
     let objects = Task::Grasp.objects().map_err(Error::from_part)?;
     Ok(Plan {
         robot: robot_model::TWO_HAND_ARM,
+        skin: None,
         task: Task::Grasp,
         trials: seeds * objects.len() as u64,
         objects,

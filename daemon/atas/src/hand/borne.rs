@@ -33,7 +33,7 @@ const UNDER: f64 = 0.5;
 pub(super) struct Borne {
     /// Torques of the free fingers, N·m.
     free_n_m: HandVector,
-    /// Normal force of each side by the skin, and by the joints, low-passed, N.
+    /// Normal force of each side by the skin, and by the joints, low-passed, N; of both the mean where joints tell no more.
     felt_n: [f64; VIRTUAL_FINGERS],
     borne_n: [f64; VIRTUAL_FINGERS],
     /// How long they have disagreed, s.
@@ -109,10 +109,18 @@ impl Borne {
             return;
         }
         let loaded_n_m = effort_n_m.zip_map(&self.free_n_m, |now, free| now - free);
-        let borne_n = borne_n(model, pose, &loaded_n_m, percept);
+        let felt_n = percept.virtual_fingers.each_ref().map(|felt| felt.normal_n);
+        let (felt_n, borne_n) = match borne_n(model, pose, &loaded_n_m, percept) {
+            Bears::Each(borne_n) => (felt_n, borne_n),
+            // The side that touches first pushes the object alone, and the joints cannot tell which side that is.
+            Bears::Mean(borne_n) => {
+                let felt_n = felt_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
+                ([felt_n; VIRTUAL_FINGERS], [borne_n; VIRTUAL_FINGERS])
+            }
+        };
         let share = step_s / (FILTER_S + step_s);
-        for (side, felt) in percept.virtual_fingers.iter().enumerate() {
-            self.felt_n[side] += (felt.normal_n - self.felt_n[side]) * share;
+        for side in 0..VIRTUAL_FINGERS {
+            self.felt_n[side] += (felt_n[side] - self.felt_n[side]) * share;
             self.borne_n[side] += (borne_n[side] - self.borne_n[side]) * share;
         }
         self.judge(settings, step_s);
@@ -141,13 +149,21 @@ fn tolerated_n(force_n: f64, settings: &Safety) -> f64 {
     settings.disagree_n + settings.disagree_share * force_n
 }
 
-/// Normal force of each side by the torques that load brings to the joints, N.
+/// What the joints tell, N.
+enum Bears {
+    /// The normal force of each side.
+    Each([f64; VIRTUAL_FINGERS]),
+    /// The mean of both: the same joints move both.
+    Mean(f64),
+}
+
+/// Normal force of the sides by the torques that load brings to the joints.
 fn borne_n(
     model: &HandModel,
     pose: &HandPose,
     loaded_n_m: &HandVector,
     percept: &Percept,
-) -> [f64; VIRTUAL_FINGERS] {
+) -> Bears {
     let zeros = HandVector::zeros(loaded_n_m.len());
     // Torques that one newton along each side's normal makes, and what is left when the tangential forces are answered.
     let mut unit_n_m = [zeros; VIRTUAL_FINGERS];
@@ -173,11 +189,11 @@ fn borne_n(
     let (p, q) = (dot(first, &rest_n_m), dot(second, &rest_n_m));
     let determinant = a * c - b * b;
     if determinant > SAME_SHARE * a * c {
-        [(p * c - q * b) / determinant, (q * a - p * b) / determinant]
+        Bears::Each([(p * c - q * b) / determinant, (q * a - p * b) / determinant])
     } else if a + 2.0 * b + c > 0.0 {
-        [(p + q) / (a + 2.0 * b + c); VIRTUAL_FINGERS]
+        Bears::Mean((p + q) / (a + 2.0 * b + c))
     } else {
-        [0.0; VIRTUAL_FINGERS]
+        Bears::Mean(0.0)
     }
 }
 

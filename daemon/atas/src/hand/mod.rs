@@ -10,7 +10,7 @@ use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{HandCommand, HandServo, gap_m};
 use crate::modules::{self, Modules, Proposal, Selection, force_range_n, force_up_n};
-use crate::perception::{Percept, Perception};
+use crate::perception::{self, Percept, Perception};
 use crate::planning::{Waypoints, home};
 use crate::runner::{HandMotion, Outcome, Runner, Wishes};
 use crate::safety::Grip;
@@ -229,6 +229,7 @@ impl HandControl {
             frame: servo.frame(),
             closing_axis: servo.frame().as_done_by(&self.model).closing_axis(),
             base_from_tip: &self.base_from_tip[..self.model.finger_count()],
+            tips: perception::compression(&settings.perception, self.model.skin()),
             overread: self.borne.overread(&settings.safety),
             underread: self.borne.underread(&settings.safety),
         };

@@ -64,9 +64,13 @@ impl Probe {
             .sum::<f64>()
             / VIRTUAL_FINGERS as f64;
         let settings = &context.settings.perception;
-        let news = self
-            .stiffness
-            .add(context.closing_m, mean_n, percept.step_s, settings);
+        let news = self.stiffness.add(
+            context.closing_m,
+            mean_n,
+            percept.step_s,
+            &context.tips,
+            settings,
+        );
         self.fit = news.or(self.fit);
     }
 }

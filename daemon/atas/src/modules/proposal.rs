@@ -7,7 +7,7 @@ use crate::settings::Settings;
 use crate::tasks::BehaviourTable;
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{GraspFrame, VIRTUAL_FINGERS};
+use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{ModuleId, Reason};
 
 /// What a module may know besides what the hand feels.
@@ -25,6 +25,8 @@ pub struct Context<'a> {
     pub all_touched: bool,
     /// Total measured closing of the fingers since every finger touched, m.
     pub closing_m: f64,
+    /// How far the fingertips give way to what presses them.
+    pub tips: Compression,
     /// How far the hand has carried the object, m.
     pub carried_m: f64,
     /// Whether nothing but the hand carries the object, as far as anybody has tested.

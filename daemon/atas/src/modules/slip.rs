@@ -7,7 +7,7 @@
 //! active while any finger
 //!   (a) uses more than `slip_on` of its friction, until less than `slip_off`,
 //!   (b) slips grossly,
-//!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S,
+//!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S where anything is known of friction,
 //!   (d) carries half of the moment about the closing axis that friction could: what hangs beside its centre of mass turns in
 //!       the hand before it slips out of it, or
 //!   (e) while what hangs in the hand weighs less than just before: then it falls. This needs no friction coefficient.
@@ -198,6 +198,7 @@ pub(super) fn is_loading(finger: &FingerPercept, spare: f64, context: &Context<'
     } else {
         0.0
     };
+    let blind = !finger.shows_slip && finger.friction == 0.0;
     finger.increment_n > settings.dr_n.max(tremble_n)
-        && finger.utilisation - spare > settings.slip_loading
+        && (blind || finger.utilisation - spare > settings.slip_loading)
 }

@@ -35,6 +35,8 @@ pub struct FingerPercept {
     pub utilisation_now: f64,
     /// μ̂: remembered friction coefficient since the first touch; 0 while unknown.
     pub friction: f64,
+    /// Whether the face shows incipient slip. If not, S comes from slides seen otherwise, and is 0 before.
+    pub shows_slip: bool,
     /// How far the sensor's noise scatters a friction coefficient that is read from a few elements now, standard deviation.
     pub friction_error: f64,
     /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force: crosstalk.
@@ -64,6 +66,7 @@ impl Default for FingerPercept {
             utilisation: 0.0,
             utilisation_now: 0.0,
             friction: 0.0,
+            shows_slip: true,
             friction_error: 0.0,
             scatter: 0.0,
             moment_n_m: 0.0,
@@ -137,9 +140,14 @@ impl Finger {
         let steady_noise_n2 = self.steady(share, frame.step_s(), settings);
         let (axes, steady_n) = (&self.axes, &self.steady_n);
         let steady = || Patch::of(axes, steady_n, steady_noise_n2, settings.element_floor_n);
-        let slipping = self
-            .friction
-            .update(&patch, steady, slides, frame.step_s(), settings);
+        let slipping = self.friction.update(
+            &patch,
+            self.axes.is_round,
+            steady,
+            slides,
+            frame.step_s(),
+            settings,
+        );
         self.percept = FingerPercept {
             force_tip_n: patch.force_n,
             patch_normal: patch.normal,
@@ -153,6 +161,7 @@ impl Finger {
             utilisation: slipping.utilisation,
             utilisation_now: slipping.utilisation_now,
             friction: slipping.friction,
+            shows_slip: self.axes.is_round,
             friction_error: slipping.error,
             scatter: patch.scatter,
             moment_n_m: patch.moment_n_m,

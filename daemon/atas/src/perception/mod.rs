@@ -19,7 +19,7 @@ mod yielding;
 
 pub use finger::{Finger, FingerPercept};
 pub use motion::MotionPercept;
-pub use stiffness::{StiffnessEstimate, StiffnessFit};
+pub use stiffness::{StiffnessEstimate, StiffnessFit, compression};
 pub use yielding::{YieldRule, YieldWatch, Yielded};
 
 use crate::intake::CheckedFrame;

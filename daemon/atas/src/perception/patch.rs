@@ -2,12 +2,14 @@
 
 use crate::limits::{NORMAL_FLOOR_N, PATCH_FLOOR_N};
 use arrayvec::ArrayVec;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
 
 /// How far an element's normal force must stand out of the noise to take part in the friction estimate (ours).
 const NOISE_CLEARANCE: f64 = 6.0;
+/// Determinant of the mean of n·nᵀ of all elements' normals above which a face is round both ways (that of `dome-41` is 0.006).
+const ROUND: f64 = 1e-6;
 
 /// The axes of every element in tip coordinates.
 #[derive(Clone, Debug)]
@@ -20,18 +22,24 @@ pub(super) struct ElementAxes {
     tangent1: [Vector3<f64>; ELEMENTS],
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     tangent2: [Vector3<f64>; ELEMENTS],
-    /// Radius of the dome on which the elements lie, m.
-    radius_m: f64,
+    /// Whether the face is round both ways: then a patch presses less and less towards its rim, and slips there before the whole
+    /// does.
+    pub(super) is_round: bool,
+    /// Where they are, m.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    position_m: [Vector3<f64>; ELEMENTS],
 }
 
 impl ElementAxes {
     pub(super) fn new(layout: &Layout) -> Self {
+        let normals = &layout.normal[..layout.count];
         Self {
             count: layout.count,
+            is_round: is_round(normals),
             normal: layout.normal.map(Vector3::from),
             tangent1: layout.tangent1.map(Vector3::from),
             tangent2: layout.tangent2.map(Vector3::from),
-            radius_m: layout.radius_m,
+            position_m: layout.position_m.map(Vector3::from),
         }
     }
 
@@ -39,6 +47,15 @@ impl ElementAxes {
     fn force(&self, element: usize, [n, t1, t2]: [f64; 3]) -> Vector3<f64> {
         self.tangent1[element] * t1 + self.tangent2[element] * t2 - self.normal[element] * n
     }
+}
+
+/// Whether normals point in all three directions of space.
+fn is_round(normals: &[[f64; 3]]) -> bool {
+    let spread = normals.iter().fold(Matrix3::zeros(), |sum, normal| {
+        let normal = Vector3::from(*normal);
+        sum + normal * normal.transpose()
+    });
+    (spread / normals.len() as f64).determinant() > ROUND
 }
 
 /// An element that presses clearly, in the plane of the patch.
@@ -128,7 +145,7 @@ impl Patch {
             let force_n = axes.force(element, reading);
             let normal_n = -force_n.dot(&self.normal);
             if normal_n > floor_n {
-                let way = axes.normal[element] * axes.radius_m;
+                let way = axes.position_m[element];
                 self.elements.push(Pressed {
                     normal_n,
                     shear_n: self.plane.map(|axis| axis.dot(&force_n)),

@@ -6,6 +6,7 @@
 //! on the force at which the probe began.
 
 use crate::settings::Perception as Settings;
+use robot_model::{Compression, Skin};
 
 /// Fewest samples that make a slope: what a 30 Hz sensor gives within the paper's 100 ms.
 const SAMPLES_MIN: f64 = 3.0;
@@ -13,6 +14,19 @@ const SAMPLES_MIN: f64 = 3.0;
 const FACES: f64 = 2.0;
 /// Smallest compliance of one face that is told apart from rigid, m/N (1 MN/m).
 const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
+
+/// How the fingertips give way: as they were calibrated, else as the robot file says of their skin.
+#[must_use]
+pub fn compression(settings: &Settings, skin: &Skin) -> Compression {
+    if settings.tip_compression_m > 0.0 {
+        Compression {
+            at_1n_m: settings.tip_compression_m,
+            exponent: settings.tip_exponent,
+        }
+    } else {
+        skin.compression
+    }
+}
 
 /// Running sums of a least-squares line of closing over force.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,12 +54,13 @@ pub struct StiffnessFit {
 
 impl StiffnessEstimate {
     /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
-    /// the frame before, s. Only a force beyond every force before is new; it gives a refined fit, if there is one.
+    /// the frame before, s, of fingertips that give way like `tips`. Only a force beyond every force before is new; it gives a refined fit, if there is one.
     pub fn add(
         &mut self,
         closing_m: f64,
         normal_n: f64,
         step_s: f64,
+        tips: &Compression,
         settings: &Settings,
     ) -> Option<StiffnessFit> {
         let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
@@ -53,8 +68,7 @@ impl StiffnessEstimate {
             return None;
         }
         self.hardest_n = normal_n;
-        let tips_m =
-            FACES * settings.tip_compression_m * libm::pow(normal_n, settings.tip_exponent);
+        let tips_m = FACES * tips.at_1n_m * libm::pow(normal_n, tips.exponent);
         let (x, y) = (normal_n, closing_m - tips_m);
         self.n += 1.0;
         self.x += x;

@@ -191,7 +191,7 @@ pub(crate) fn descent_m(hand: &HandModel, goal: &GoalRequest, settings: &Setting
     if goal.top_m <= 0.0 {
         return settings.motion.descend_m;
     }
-    let dome_m = hand.dome_radius_m().iter().copied().fold(0.0, f64::max);
+    let dome_m = hand.tip_radius_m().iter().copied().fold(0.0, f64::max);
     (goal.top_m + dome_m + OVER_TOP_M).max(settings.motion.descend_m)
 }
 

@@ -17,7 +17,7 @@ use crate::tasks::{
 };
 use crate::thresholds::{Bound, Thresholds};
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{GraspFrame, VIRTUAL_FINGERS};
+use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Multiple of the force found on an object up to which it may be pressed (ours, as one step of the load test).
@@ -46,6 +46,8 @@ pub struct HandMotion<'a> {
     pub closing_axis: Vector3<f64>,
     /// Measured orientation of each fingertip.
     pub base_from_tip: &'a [Matrix3<f64>],
+    /// How far the fingertips give way to what presses them.
+    pub tips: Compression,
     /// What the skin reports more than the joints bear, as a factor, at least 1.
     pub overread: f64,
     /// What the joints bear more than the skin reports, the same way.
@@ -289,6 +291,7 @@ impl Runner {
             least_n: self.least_n(settings),
             all_touched: self.all_touched,
             closing_m: self.closing_m,
+            tips: motion.tips,
             carried_m: self.carried_m,
             hangs: self.hangs || !self.step().modules.contains(ModuleId::LOAD_TEST),
             tries: self.tries,

@@ -81,6 +81,7 @@ impl Bench {
             least_n: self.least_n,
             all_touched: self.all_touched,
             closing_m: self.closing_m,
+            tips: robot_model::Skin::DOME_41.compression,
             carried_m: self.carried_m,
             hangs: true,
             tries: false,

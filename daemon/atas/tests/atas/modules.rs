@@ -3,6 +3,7 @@
 use crate::bench::{Bench, finger, path, percept, pressed, sliding};
 use atas_core::modules::{Proposal, Selection, Verdict, force_range_n};
 use atas_core::perception::FingerPercept;
+use robot_model::Skin;
 use shm_schemas::{Cause, ModuleId};
 
 const FREE: f64 = f64::INFINITY;
@@ -43,7 +44,23 @@ fn module_2_presses_while_friction_runs_out() {
         increment_n,
         ..finger(2.0)
     };
+    let blind = |friction, increment_n| FingerPercept {
+        shows_slip: false,
+        friction,
+        ..slip(0.5, 0.0, increment_n)
+    };
     for (case, one, active) in [
+        (
+            "(c) dF_t > dr, nothing known of friction",
+            blind(0.0, 0.07),
+            true,
+        ),
+        (
+            "a steady load, nothing known of friction",
+            blind(0.0, 0.05),
+            false,
+        ),
+        ("dF_t > dr far below where it slid", blind(0.4, 0.07), false),
         ("friction to spare", slip(0.5, 0.0, 0.0), false),
         ("just below the threshold", slip(0.91, 0.0, 0.0), false),
         ("(a) S above slip_on", slip(0.93, 0.0, 0.0), true),
@@ -229,12 +246,12 @@ fn relax_distrusts_a_friction_that_noise_may_have_made() {
 #[test]
 fn the_probe_presses_for_100_ms_and_then_says_how_hard() {
     let mut bench = Bench::new(ModuleId::PROBE);
-    let settings = bench.settings.perception;
+    let tips = Skin::DOME_41.compression;
     let (mut verdict, mut ticks) = (Verdict::None, 0);
     while verdict == Verdict::None {
         ticks += 1;
         let normal_n = 0.1 + 0.005 * f64::from(ticks);
-        let tips_m = settings.tip_compression_m * normal_n.powf(settings.tip_exponent);
+        let tips_m = tips.at_1n_m * normal_n.powf(tips.exponent);
         bench.closing_m = 2.0 * (tips_m + normal_n / 2000.0);
         let proposal = bench.evaluate(&pressed(normal_n));
         assert_eq!(proposal.active, ticks < 100, "after {ticks} ms");

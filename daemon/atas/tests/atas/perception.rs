@@ -7,7 +7,7 @@ use atas_core::settings::Settings;
 use atas_core::{HandWiring, Tick};
 use nalgebra::Vector3;
 use robot_model::Side;
-use shm_schemas::{Hand, HandFrame};
+use shm_schemas::{Hand, HandFrame, Layout};
 
 /// A contact over the whole dome, degrees.
 const WIDE: f64 = 33.0;
@@ -21,12 +21,18 @@ struct Skin {
     settings: Settings,
     sequence: u64,
     now_ns: u64,
+    /// A module has seen the object slide.
+    slides: bool,
 }
 
 impl Skin {
     fn new() -> Self {
-        let wiring = HandWiring::default();
+        Self::of(HandWiring::default())
+    }
+
+    fn of(wiring: HandWiring) -> Self {
         Self {
+            slides: false,
             intake: FrameIntake::new(Hand::LEFT, &wiring),
             perception: Perception::new(&wiring, robot().hand(Side::Right)),
             settings: Settings::default(),
@@ -68,7 +74,7 @@ impl Skin {
             .check(frame, tick, &self.settings.intake)
             .unwrap();
         self.perception
-            .update(&checked, false, &self.settings.perception);
+            .update(&checked, self.slides, &self.settings.perception);
     }
 
     /// The same total force on a round contact around the pole for some frames of 1 ms.
@@ -79,6 +85,51 @@ impl Skin {
             percept = self.feel(MS_NS, |d| force_n * share(d));
         }
         percept
+    }
+}
+
+/// Flat and bent faces and single elements press evenly or along a line: that all their elements are sheared alike says nothing of
+/// friction. Once the object was seen to slide, the ratio of then is the friction.
+#[test]
+fn a_face_that_is_not_round_both_ways_knows_friction_only_from_slides() {
+    for name in ["dome-1", "pad-16", "flat-4x4-4.5", "cylinder-4x4-4.5-12"] {
+        let layout = Layout::named(name).expect("a layout");
+        let (count, hash) = (layout.count, layout.hash());
+        let mut skin = Skin::of(HandWiring {
+            layout,
+            ..HandWiring::default()
+        });
+        let hold = |skin: &mut Skin, tangential_n: f32| {
+            let mut percept = FingerPercept::default();
+            for _ in 0..400 {
+                skin.now_ns += MS_NS;
+                let mut frame = frame(Hand::LEFT, skin.sequence, skin.now_ns);
+                skin.sequence += 1;
+                let mask = u64::MAX >> (64 - count);
+                (frame.layout_hash, frame.valid_mask) = (hash, [mask, mask, 0, 0]);
+                let share = 1.0 / count as f32;
+                let noise_n = (skin.sequence % 7) as f32 * 1e-5;
+                for element in &mut frame.force_n[0][..count] {
+                    *element = [2.0 * share, tangential_n * share + noise_n, 0.0];
+                }
+                frame.seal();
+                skin.take(&frame);
+                percept = skin.perception.percept().fingers[0];
+            }
+            percept
+        };
+        let loaded = hold(&mut skin, 0.8);
+        assert!(
+            !loaded.shows_slip && loaded.tangential_n > 0.7,
+            "{name}: {loaded:?}"
+        );
+        assert_eq!((loaded.utilisation, loaded.friction), (0.0, 0.0), "{name}");
+        skin.slides = true;
+        hold(&mut skin, 0.8);
+        skin.slides = false;
+        let known = hold(&mut skin, 0.4);
+        assert!((known.friction - 0.4).abs() < 0.02, "{name}: {known:?}");
+        assert!((known.utilisation - 0.5).abs() < 0.05, "{name}: {known:?}");
     }
 }
 

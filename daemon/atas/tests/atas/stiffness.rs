@@ -2,11 +2,14 @@
 
 use atas_core::perception::{StiffnessEstimate, StiffnessFit};
 use atas_core::settings::{Perception as Settings, Settings as All};
+use robot_model::{Compression, Skin};
+
+const TIPS: Compression = Skin::DOME_41.compression;
 
 /// The law that the fit is made for: x = 2·(a·F^p + F/k).
-fn closing_m(normal_n: f64, object_n_m: f64, settings: &Settings) -> f64 {
-    2.0 * (settings.tip_compression_m * normal_n.powf(settings.tip_exponent)
-        + normal_n / object_n_m)
+fn closing_m(normal_n: f64, object_n_m: f64) -> f64 {
+    let Compression { at_1n_m, exponent } = TIPS;
+    2.0 * (at_1n_m * normal_n.powf(exponent) + normal_n / object_n_m)
 }
 
 /// A series of 100 frames from one force to another, with an offset of the closing and alternating noise, m.
@@ -32,8 +35,10 @@ fn probed(
                 1.0
             };
         let noise_m = if i % 2 == 0 { noise_m } else { -noise_m };
-        let closed_m = closing_m(true_n, object_n_m, &settings) - 1e-4 + noise_m;
-        fit = estimate.add(closed_m, felt_n, 1e-3, &settings).or(fit);
+        let closed_m = closing_m(true_n, object_n_m) - 1e-4 + noise_m;
+        fit = estimate
+            .add(closed_m, felt_n, 1e-3, &TIPS, &settings)
+            .or(fit);
     }
     fit
 }
@@ -91,7 +96,13 @@ fn a_rigid_block_reads_as_very_stiff_and_never_as_negative() {
     let mut estimate = StiffnessEstimate::default();
     let fit = (1..20).fold(None, |fit, i| {
         estimate
-            .add(-1e-4 * f64::from(i), 0.1 * f64::from(i), 1e-3, &settings)
+            .add(
+                -1e-4 * f64::from(i),
+                0.1 * f64::from(i),
+                1e-3,
+                &TIPS,
+                &settings,
+            )
             .or(fit)
     });
     assert!(
@@ -114,10 +125,13 @@ fn no_news_gives_no_fit() {
         (5e-4, 0.4),
     ] {
         assert_eq!(
-            estimate.add(closing_m, normal_n, 1e-3, &settings),
+            estimate.add(closing_m, normal_n, 1e-3, &TIPS, &settings),
             None,
             "at {normal_n} N"
         );
     }
-    assert_eq!(estimate.add(f64::NAN, f64::NAN, 1e-3, &settings), None);
+    assert_eq!(
+        estimate.add(f64::NAN, f64::NAN, 1e-3, &TIPS, &settings),
+        None
+    );
 }

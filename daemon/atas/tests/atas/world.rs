@@ -228,14 +228,13 @@ impl World {
         for finger in 0..VIRTUAL_FINGERS {
             let out = if finger == 0 { across } else { -across };
             let reach_m = (pose.tip_m(finger) - Vector3::from(self.object_m)).dot(&out)
-                - hand.dome_radius_m()[finger];
+                - hand.tip_radius_m()[finger];
             let pressed_m = WIDTH_M / 2.0 - reach_m;
             if pressed_m <= 0.0 || away_m > ABOUT_M {
                 continue;
             }
-            let tip = &self.controller.settings().perception;
-            let bends_m =
-                |f: f64| tip.tip_compression_m * f.powf(tip.tip_exponent) + f / OBJECT_N_M;
+            let tip = hand.skin().compression;
+            let bends_m = |f: f64| tip.at_1n_m * f.powf(tip.exponent) + f / OBJECT_N_M;
             let normal_n = solve(bends_m, pressed_m, 50.0);
             let wanted_n = (LOADING_N_M * (centre_m.z - self.object_m[2])).clamp(0.0, LOAD_N / 2.0);
             let base_from_tip = pose.base_from_tip()[finger].rotation;

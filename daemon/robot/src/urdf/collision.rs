@@ -1,9 +1,7 @@
-//! Collision shapes of a URDF as capsules, and the dome's radius.
+//! Collision shapes of a URDF as capsules.
 
 use std::format;
 use std::string::String;
-use std::vec;
-use std::vec::Vec;
 
 use nalgebra::Vector3;
 use urdf_rs::Geometry;
@@ -12,32 +10,6 @@ use super::error::{Misfit, misfit};
 use super::framed::Framed;
 use super::tree::{Tree, finite, transform};
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
-use crate::robot_file::FingerEntry;
-
-/// Radius of a fingertip's dome: what the robot file says, else that of the one collision sphere of its link, metres.
-pub(super) fn dome_radius(tree: &Tree, entry: &FingerEntry) -> Result<f64, Misfit> {
-    let tip_link = &entry.tip;
-    let spheres: Vec<f64> = tree
-        .link(tip_link)?
-        .collision
-        .iter()
-        .filter_map(|collision| match collision.geometry {
-            Geometry::Sphere { radius } => Some(radius),
-            _ => None,
-        })
-        .collect();
-    let radii = entry
-        .dome_radius_m
-        .map_or(spheres, |radius_m| vec![radius_m]);
-    match radii[..] {
-        [radius] if radius.is_finite() && radius > 0.0 => Ok(radius),
-        _ => Err(misfit(
-            format!("the collision of link `{tip_link}`"),
-            format!("spheres of radius {radii:?}"),
-            "exactly one sphere of positive radius, the dome (m), or `dome_radius_m` in the robot file",
-        )),
-    }
-}
 
 /// The collision capsules of every link that a hand's frames move, each in its frame. A hand that is alone has no other to
 /// keep apart from, so what is no capsule may be passed over.

@@ -7,10 +7,11 @@ use std::vec::Vec;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::collision::{dome_radius, load_capsules};
+use super::collision::load_capsules;
 use super::error::{Findings, Misfit, misfit};
 use super::framed::Framed;
 use super::joint::{joint_axis, kind, load_joint, name, turn_z_to};
+use super::tip::{skin, tip_origin_m, tip_radius_m};
 use super::tree::{Chain, Step, Tree};
 use crate::joint::JointKind;
 use crate::model::{Frame, HandModel, Mounted, Mover};
@@ -20,6 +21,7 @@ use crate::sizes::{
     ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, TRUNK_JOINTS_MAX,
     VIRTUAL_FINGERS,
 };
+use crate::skin::Skin;
 use crate::transform::Transform;
 use crate::vector::HandVector;
 use crate::workspace::Workspace;
@@ -46,8 +48,10 @@ pub(super) fn load_hand(
 ) -> Option<HandModel> {
     check_sides(entry, findings);
     check_down(entry, findings);
+    let skin = findings.note(skin(entry)).unwrap_or(Skin::DOME_41);
     let chains = chains(tree, entry, findings)?;
     let mut hand = HandModel::absent(side);
+    hand.skin = skin;
     hand.finger_count = chains.tips.len();
     for (finger, entry) in hand.fingers.iter_mut().zip(&entry.fingers) {
         finger.virtual_finger = usize::from(entry.side == VIRTUAL_FINGERS);
@@ -317,13 +321,13 @@ fn load_links(
     hand.palm = mounted(&chains.palm, frames).0;
     for (index, (chain, entry)) in chains.tips.iter().zip(&entry.fingers).enumerate() {
         let link = findings.note(name(&entry.tip));
-        let radius_m = findings.note(dome_radius(tree, entry));
+        let radius_m = findings.note(tip_radius_m(tree, entry, hand.skin.layout));
+        let origin_m = findings.note(tip_origin_m(entry, radius_m.unwrap_or_default()));
         let finger = &mut hand.fingers[index];
-        (finger.link, hand.dome_radius_m[index]) = (link?, radius_m?);
+        (finger.link, hand.tip_radius_m[index]) = (link?, radius_m?);
         let (tip, moved_by) = mounted(chain, frames);
         finger.tip = tip;
-        let dome_m = Vector3::from(entry.dome_m.unwrap_or_default());
-        finger.tip.frame_from_link.translation_m = tip.frame_from_link.point(&dome_m);
+        finger.tip.frame_from_link.translation_m = tip.frame_from_link.point(&origin_m?);
         for frame in moved_by {
             finger.moved_by[frame] = true;
         }
@@ -390,7 +394,7 @@ fn settle(hand: &mut HandModel, entry: &HandEntry) {
             });
         }
     }
-    let radius_m = |side| hand.mean_of_side(side, |finger| hand.dome_radius_m[finger]);
+    let radius_m = |side| hand.mean_of_side(side, |finger| hand.tip_radius_m[finger]);
     let open_m = across_m.norm() - radius_m(0) - radius_m(1);
     let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
     hand.home_m = entry.home_m.map_or(middle_m, Vector3::from);

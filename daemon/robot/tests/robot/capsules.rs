@@ -140,7 +140,7 @@ fn capsules_lie_along_the_links() {
         let dome = capsules
             .iter()
             .find(|body| (body.a_m - pose.tip_m(finger)).norm() < 1e-12 && body.a_m == body.b_m);
-        assert_eq!(dome.expect("a dome").radius_m, hand.dome_radius_m()[finger]);
+        assert_eq!(dome.expect("a dome").radius_m, hand.tip_radius_m()[finger]);
     }
 }
 

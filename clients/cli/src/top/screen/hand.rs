@@ -19,6 +19,8 @@ const MAP: [usize; 2] = [5, 13];
 const SHADES: [char; 8] = ['·', ':', '-', '=', '+', '*', '#', '@'];
 /// Least force of the strongest shade, N (ours: above the sensors' noise).
 const LEAST_N: f32 = 0.05;
+/// Elements nearer to each other than this are not drawn apart to the rim, m (ours: less than any fingertip is wide).
+const SPREAD_MIN_M: f64 = 0.0045;
 /// Limits beyond this are none: nothing has set them yet, N.
 const NO_LIMIT_N: f32 = 100.0;
 
@@ -147,12 +149,14 @@ fn shade(
     if down * down + right * right > 1.0 {
         return ' ';
     }
-    let spread = layout.normal[..layout.count]
+    let spread_m = layout.position_m[..layout.count]
         .iter()
-        .fold(0.3_f64, |most, d| most.max(d[0].hypot(d[1])));
+        .fold(SPREAD_MIN_M, |most_m, at_m| {
+            most_m.max(at_m[0].hypot(at_m[1]))
+        });
     let distance = |element: usize| {
-        let d = layout.normal[element];
-        (d[0] / spread - down).hypot(d[1] / spread - right)
+        let at_m = layout.position_m[element];
+        (at_m[0] / spread_m - down).hypot(at_m[1] / spread_m - right)
     };
     let nearest = (0..layout.count).min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
     let Some(nearest) = nearest else { return ' ' };

@@ -1,0 +1,230 @@
+//! Layouts that have a name: the shape of a fingertip's sensing face, and how its elements are spread over it.
+
+use core::fmt;
+use core::str::FromStr;
+
+use super::{DOME_RADIUS_M, Layout};
+use crate::capacity::ELEMENTS;
+
+/// A layout that a configuration, a robot file or a command line names. [`fmt::Display`] writes what [`FromStr`] reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum NamedLayout {
+    /// `dome-41`: the paper's dome, rings of 1+7+13+20 elements on a 35° cap.
+    Dome41,
+    /// `dome-1`: one three-axis element at the pole of the same dome, such as a single OMD dome.
+    Dome1,
+    /// `pad-N`: N elements that all feel along the tip's axis, and nobody says where they sit.
+    Pad {
+        /// Elements, 1 to [`ELEMENTS`].
+        count: usize,
+    },
+    /// `flat-RxC-P`: a flat pad, rows from top to bottom of a hand that hangs straight down, columns across.
+    Flat(Grid),
+    /// `cylinder-RxC-P-Q`: the same grid bent about the line through the tip's middle that the rows stand on.
+    Cylinder(Grid, Millimetres),
+}
+
+/// Elements in rows and columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Grid {
+    /// Rows, along −x of the tip (up).
+    pub rows: usize,
+    /// Columns, along y of the tip.
+    pub columns: usize,
+    /// From one element to the next in a row or column.
+    pub pitch: Millimetres,
+}
+
+/// A length as a name says it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Millimetres(pub f64);
+
+/// What no layout is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownLayout;
+
+/// Distance between elements that a name may say, mm (ours: from finer than any skin to one element per fingertip).
+const PITCH_MM: [f64; 2] = [0.5, 30.0];
+/// Radius of a cylinder that a name may say, mm.
+const RADIUS_MM: [f64; 2] = [2.0, 100.0];
+/// How far round its cylinder an element may sit, rad: the outermost must still feel what the tip is pressed on (ours: 80°).
+const ROUND_RAD: f64 = 80.0 * core::f64::consts::PI / 180.0;
+
+impl NamedLayout {
+    /// What names look like, for messages.
+    pub const FORMS: &'static str = "dome-41, dome-1, pad-N with N taxels, flat-RxC-P with R rows and C columns P mm apart, or \
+                                     cylinder-RxC-P-Q bent to a radius of Q mm";
+
+    /// Where its elements sit and along which axes they feel.
+    #[must_use]
+    pub fn layout(self) -> Layout {
+        match self {
+            Self::Dome41 => Layout::dome_41(),
+            Self::Dome1 => Layout::dome_1(),
+            Self::Pad { count } => Layout::pad(count),
+            Self::Flat(grid) | Self::Cylinder(grid, _) => {
+                grid.layout(|down_m, across_m| self.place(down_m, across_m))
+            }
+        }
+    }
+
+    /// Outward normal and place, tip frame, m, of the point of the face that is this far down and across from its middle, m,
+    /// along the face.
+    #[must_use]
+    pub fn place(self, down_m: f64, across_m: f64) -> ([f64; 3], [f64; 3]) {
+        let depth_m = self.depth_m();
+        let Self::Cylinder(_, radius) = self else {
+            return ([0.0, 0.0, 1.0], [down_m, across_m, depth_m]);
+        };
+        let radius_m = radius.metres();
+        let (sin, cos) = libm::sincos(across_m / radius_m);
+        let out_m = depth_m - radius_m * (1.0 - cos);
+        ([0.0, sin, cos], [down_m, radius_m * sin, out_m])
+    }
+
+    /// Whether its face is part of a sphere.
+    #[must_use]
+    pub fn is_dome(self) -> bool {
+        matches!(self, Self::Dome41 | Self::Dome1)
+    }
+
+    /// Distance of the face's middle from the tip frame's origin, m: at least half of the face's height, so that a hand that
+    /// keeps this far above a table touches it with nothing of the face.
+    #[must_use]
+    pub fn depth_m(self) -> f64 {
+        match self {
+            Self::Dome41 | Self::Dome1 | Self::Pad { .. } => DOME_RADIUS_M,
+            Self::Flat(grid) => grid.half_height_m().max(DOME_RADIUS_M),
+            Self::Cylinder(grid, radius) => grid.half_height_m().max(radius.metres()),
+        }
+    }
+}
+
+impl Millimetres {
+    /// In metres.
+    #[must_use]
+    pub fn metres(self) -> f64 {
+        self.0 * 1e-3
+    }
+
+    fn read(text: &str, [least, most]: [f64; 2]) -> Result<Self, UnknownLayout> {
+        let value: f64 = text.parse().map_err(|_| UnknownLayout)?;
+        // False for NaN as well.
+        let possible = value >= least && value <= most;
+        possible.then_some(Self(value)).ok_or(UnknownLayout)
+    }
+}
+
+impl Grid {
+    fn half_height_m(self) -> f64 {
+        0.5 * self.rows as f64 * self.pitch.metres()
+    }
+
+    /// The elements, row by row.
+    fn layout(self, place: impl Fn(f64, f64) -> ([f64; 3], [f64; 3])) -> Layout {
+        let pitch_m = self.pitch.metres();
+        let mut layout = Layout::empty(self.rows * self.columns, pitch_m * pitch_m);
+        for (element, (down_m, across_m)) in self.places_m().enumerate() {
+            let (normal, position_m) = place(down_m, across_m);
+            layout.set(element, normal, position_m);
+        }
+        layout
+    }
+
+    /// How far down and across from the middle of the face each element sits, row by row, m.
+    pub fn places_m(self) -> impl Iterator<Item = (f64, f64)> {
+        let pitch_m = self.pitch.metres();
+        let from_middle_m =
+            move |index: usize, of: usize| (index as f64 - 0.5 * (of as f64 - 1.0)) * pitch_m;
+        (0..self.rows * self.columns).map(move |element| {
+            let (row, column) = (element / self.columns, element % self.columns);
+            (
+                from_middle_m(row, self.rows),
+                from_middle_m(column, self.columns),
+            )
+        })
+    }
+
+    fn read(size: &str, pitch: &str) -> Result<Self, UnknownLayout> {
+        let (rows, columns) = size.split_once('x').ok_or(UnknownLayout)?;
+        let grid = Self {
+            rows: count(rows)?,
+            columns: count(columns)?,
+            pitch: Millimetres::read(pitch, PITCH_MM)?,
+        };
+        let fits = grid.rows * grid.columns <= ELEMENTS;
+        fits.then_some(grid).ok_or(UnknownLayout)
+    }
+}
+
+fn count(text: &str) -> Result<usize, UnknownLayout> {
+    let count = text.parse().map_err(|_| UnknownLayout)?;
+    let possible = (1..=ELEMENTS).contains(&count);
+    possible.then_some(count).ok_or(UnknownLayout)
+}
+
+impl FromStr for NamedLayout {
+    type Err = UnknownLayout;
+
+    fn from_str(name: &str) -> Result<Self, UnknownLayout> {
+        let mut words = name.split('-');
+        let words: [Option<&str>; 5] = core::array::from_fn(|_| words.next());
+        match words {
+            [Some("dome"), Some("41"), None, ..] => Ok(Self::Dome41),
+            [Some("dome"), Some("1"), None, ..] => Ok(Self::Dome1),
+            [Some("pad"), Some(taxels), None, ..] => Ok(Self::Pad {
+                count: count(taxels)?,
+            }),
+            [Some("flat"), Some(size), Some(pitch), None, _] => {
+                Ok(Self::Flat(Grid::read(size, pitch)?))
+            }
+            [
+                Some("cylinder"),
+                Some(size),
+                Some(pitch),
+                Some(radius),
+                None,
+            ] => {
+                let (grid, radius) = (
+                    Grid::read(size, pitch)?,
+                    Millimetres::read(radius, RADIUS_MM)?,
+                );
+                let outermost_mm = 0.5 * (grid.columns as f64 - 1.0) * grid.pitch.0;
+                let bends = outermost_mm <= ROUND_RAD * radius.0;
+                bends
+                    .then_some(Self::Cylinder(grid, radius))
+                    .ok_or(UnknownLayout)
+            }
+            _ => Err(UnknownLayout),
+        }
+    }
+}
+
+impl fmt::Display for NamedLayout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Dome41 => f.write_str("dome-41"),
+            Self::Dome1 => f.write_str("dome-1"),
+            Self::Pad { count } => write!(f, "pad-{count}"),
+            Self::Flat(grid) => write!(f, "flat-{grid}"),
+            Self::Cylinder(grid, radius) => write!(f, "cylinder-{grid}-{}", radius.0),
+        }
+    }
+}
+
+impl fmt::Display for Grid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}-{}", self.rows, self.columns, self.pitch.0)
+    }
+}
+
+impl fmt::Display for UnknownLayout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "no layout is called so; choose {}", NamedLayout::FORMS)
+    }
+}
+
+impl core::error::Error for UnknownLayout {}

@@ -1,0 +1,105 @@
+//! Layouts by name: what a name means, and what is no name.
+
+use shm_schemas::Layout;
+use shm_schemas::layout::NamedLayout;
+
+#[test]
+fn a_name_is_read_and_written_alike() {
+    for name in [
+        "dome-41",
+        "dome-1",
+        "pad-31",
+        "flat-4x4-4.5",
+        "flat-1x64-1",
+        "cylinder-6x5-3-12.5",
+    ] {
+        let named: NamedLayout = name.parse().expect(name);
+        assert_eq!(named.to_string(), name);
+    }
+}
+
+#[test]
+fn what_is_no_name_is_refused() {
+    for name in [
+        "",
+        "dome",
+        "dome-42",
+        "dome-41-1",
+        "pad-0",
+        "pad-65",
+        "pad--3",
+        "flat-4x4",
+        "flat-4-4.5",
+        "flat-0x4-4.5",
+        "flat-9x8-4.5",
+        "flat-4x4-0",
+        "flat-4x4-NaN",
+        "flat-4x4-inf",
+        "flat-4x4-4.5-12",
+        "cylinder-4x4-4.5",
+        "cylinder-4x4-4.5-1",
+        "cylinder-4x4-4.5-12-3",
+        // Its outermost elements would look backwards.
+        "cylinder-1x8-10-5",
+        "Flat-4x4-4.5",
+    ] {
+        assert!(name.parse::<NamedLayout>().is_err(), "{name}");
+    }
+}
+
+#[test]
+fn a_flat_pad_is_a_grid_before_its_frame_and_all_its_elements_look_ahead() {
+    let pad = Layout::named("flat-2x3-4").expect("a layout");
+    assert_eq!((pad.count, pad.element_area_m2), (6, 0.004 * 0.004));
+    let places_m = [
+        [-0.002, -0.004, 0.015],
+        [-0.002, 0.0, 0.015],
+        [-0.002, 0.004, 0.015],
+        [0.002, -0.004, 0.015],
+        [0.002, 0.0, 0.015],
+        [0.002, 0.004, 0.015],
+    ];
+    for (element, place_m) in places_m.into_iter().enumerate() {
+        assert_eq!(pad.normal[element], [0.0, 0.0, 1.0], "{element}");
+        let off = |axis: usize| (pad.position_m[element][axis] - place_m[axis]).abs();
+        assert!((0..3).all(|axis| off(axis) < 1e-12), "{element}");
+    }
+    // A face that is taller than a dome stands so far ahead that it touches a table with nothing.
+    let tall = Layout::named("flat-8x2-5").expect("a layout");
+    assert_eq!(tall.position_m[0][2], 0.02);
+}
+
+#[test]
+fn a_cylinder_bends_the_grid_and_keeps_the_distances_along_it() {
+    let (radius_m, pitch_m) = (0.012, 0.0045);
+    let pad = Layout::named("cylinder-3x4-4.5-12").expect("a layout");
+    for element in 0..pad.count {
+        let (normal, [_, y, z]) = (pad.normal[element], pad.position_m[element]);
+        // Its axis goes through the middle of the tip frame, along x.
+        assert!((y.hypot(z) - radius_m).abs() < 1e-12, "{element}");
+        assert!((normal[1] * radius_m - y).abs() < 1e-12, "{element}");
+        assert_eq!(normal[0], 0.0);
+    }
+    let angle = |element: usize| pad.normal[element][1].asin();
+    assert!((radius_m * (angle(1) - angle(0)) - pitch_m).abs() < 1e-12);
+    assert!((pad.position_m[4][0] - pad.position_m[0][0] - pitch_m).abs() < 1e-12);
+}
+
+/// Two pads that look the same way everywhere differ in where their elements sit.
+#[test]
+fn places_are_part_of_the_hash_where_they_do_not_follow_from_directions() {
+    let names = [
+        "pad-16",
+        "flat-4x4-4.5",
+        "flat-4x4-4.6",
+        "flat-2x8-4.5",
+        "cylinder-4x4-4.5-12",
+        "cylinder-4x4-4.5-13",
+    ];
+    let hashes = names.map(|name| Layout::named(name).expect("a layout").hash());
+    for (i, a) in hashes.iter().enumerate() {
+        assert!(!hashes[..i].contains(a), "{}", names[i]);
+    }
+    // Other languages compute them from the text of the protocol.
+    assert_eq!(hashes[1], 0x97e0_4f9a_9ea4_6b5d, "{:#x}", hashes[1]);
+}
