@@ -4,6 +4,7 @@
 //!  bus ─▶ record (reads) ─▶ channel ─▶ Recording (rotates, flushes) ─▶ Writer ─▶ FILE.mcap
 //!  FILE.mcap ─▶ Reader ─┬─ check, repair: is it whole, what can be saved
 //!                       ├─ diff: the first tick and field in which two recordings differ, and how both ended
+//!                       ├─ Frames: what the hands felt
 //!                       ├─ Rows: one per tick ─┬─ export: MCAP for ROS 2's viewers, CSV, Parquet
 //!                       │                      └─ whoever shows it
 //!                       └─ whoever replays it
@@ -22,6 +23,7 @@ mod clock;
 mod diff;
 mod export;
 mod follower;
+mod frames;
 pub mod origin;
 mod payloads;
 mod reader;
@@ -36,6 +38,7 @@ pub use clock::Clock;
 pub use diff::{Difference, command_difference, diff};
 pub use export::{Choices, Exported, Kind, MessageType, Messages, Outlet, Subject, export};
 pub use follower::{Follower, state};
+pub use frames::{Felt, Frames};
 pub use payloads::Recorded;
 pub use reader::{Entry, Reader, payload};
 pub use recorder::record;
