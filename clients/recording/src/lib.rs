@@ -40,7 +40,7 @@ pub use export::{Choices, Exported, Kind, MessageType, Messages, Outlet, Subject
 pub use follower::{Follower, state};
 pub use frames::{Felt, Frames};
 pub use payloads::Recorded;
-pub use reader::{Entry, Reader, payload};
+pub use reader::{Entry, Reader, is_recording, payload};
 pub use recorder::record;
 pub use rotation::{Bounds, Tally};
 pub use rows::{Row, RowInputs, Rows};

@@ -1,8 +1,9 @@
-//! What a simulated hand felt, played by `atas-sensor replay` to another daemon: it feels the same.
+//! What a simulated hand felt, recorded: played by `atas-sensor replay` to another daemon, and judged by labels.
 
+use serde_json::Value;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{Status, service};
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, alone, binary, wait_for};
 
 use crate::recorded;
 
@@ -55,4 +56,37 @@ fn a_daemon_feels_a_recorded_grasp_without_loss() {
         "{:?}",
         hand.touches
     );
+}
+
+#[test]
+fn a_recorded_grasp_is_judged_by_a_table_of_spans() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let file = path("run.mcap");
+    assert_eq!(recorded::grasp("wood", &file), Some(0));
+    // Before it is touched nothing slips; nor, with wood, while it is held.
+    let spans = "from_s,to_s,label,hand\n0,2,stable,right\n8,9,stable,right\n9,9.5,slip,right\n";
+    std::fs::write(path("run.csv"), spans).expect("writable");
+    let output = std::process::Command::new(binary("atas"))
+        .args([
+            "eval",
+            "recording",
+            &file,
+            "--labels",
+            "label",
+            "--format",
+            "json",
+        ])
+        .args(["--negative", "stable"])
+        .output()
+        .expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let verdict: Value = serde_json::from_str(&text).unwrap_or_default();
+    // Three spans of two fingertips.
+    assert_eq!(
+        (&verdict["judged"], &verdict["n"]),
+        (&"slip".into(), &6.into()),
+        "{output:?}"
+    );
+    assert_eq!(verdict["specificity"], 1.0, "{verdict}");
 }

@@ -139,6 +139,7 @@ const HELPS: &[Help] = &[
         &[
             "atas eval recording basic.csv --labels label --cross-validate",
             "atas eval recording mine.csv --labels label --train others.csv --save mine.toml",
+            "atas eval recording run.mcap --labels label --labels-file spans.csv",
         ],
         "one object: judged, n, objects, balanced_accuracy, specificity, sensitivity, auc; mae_n; touches",
     ),

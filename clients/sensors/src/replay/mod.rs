@@ -18,8 +18,6 @@ mod recording;
 mod table;
 mod timeline;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use shm_schemas::{Hand, HandFrame};
@@ -29,9 +27,6 @@ pub use player::{Played, play};
 use recording::Recording;
 use table::Table;
 pub use timeline::{Pace, Timeline};
-
-/// What every recording begins with.
-const MCAP: [u8; 5] = *b"\x89MCAP";
 
 /// What to play.
 #[derive(Clone, Debug)]
@@ -101,12 +96,8 @@ impl Source {
     }
 
     fn is_recording(&self) -> Result<bool, Failure> {
-        let mut begin = [0; MCAP.len()];
-        let read = File::open(&self.files[0]).and_then(|mut file| file.read(&mut begin));
-        let read = read.map_err(|error| {
-            Failure::Recording(format!("could not open {}: {error}", self.name()))
-        })?;
-        Ok(begin[..read] == MCAP)
+        atas_recording::is_recording(&self.files[0])
+            .map_err(|error| Failure::Recording(format!("{error:#}")))
     }
 
     fn nothing(&self) -> String {
