@@ -99,6 +99,59 @@ fn a_polled_paxini_board_that_answers_in_pieces_with_junk_and_sometimes_not_at_a
 }
 
 #[test]
+fn a_paxini_hand_board_is_told_to_push_and_its_modules_are_told_apart() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::RIGHT);
+    let pty = Pty::new();
+    let sensor = Sensor::start_line(&format!(
+        "paxini-hand --device {} --hand right --bus {} --modules 31,9,25 --fingertips 0,2 --rate-hz 200",
+        pty.path.display(),
+        *bus
+    ));
+    let told: [u8; 20] = pty.receive();
+    assert_eq!(told[..9], [0x55, 0xAA, 0, 0x10, 0x16, 0, 1, 0, 3]);
+    assert_eq!(told[10..19], [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 1]);
+    let mut stream = Vec::new();
+    for n in 0..100_u32 {
+        if n % 10 == 0 {
+            // Another hand's frame, and one that is cut off.
+            stream.extend(peers::paxini_hand_frame(n, &[31, 9]));
+            stream.extend(&peers::paxini_hand_frame(n, &[31, 9, 25])[..50]);
+        }
+        stream.extend(peers::paxini_hand_frame(n, &[31, 9, 25]));
+    }
+    send_in_pieces(&pty, &stream);
+    reader.wait_for_frames(100);
+    sensor.signal(Signal::TERM);
+    let stop: [u8; 10] = pty.receive();
+    assert_eq!(stop[..9], [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 0]);
+    let (code, _, stderr) = sensor.finish();
+    assert_eq!(code, Some(0), "{stderr}");
+    reader.poll();
+    let other = peers::paxini_hand_frame(0, &[31, 9]).len() as u64;
+    assert_eq!(reader.status.junk_bytes, 10 * (other + 50), "{stderr}");
+    assert_eq!(sequences(&reader.received), (0..100).collect::<Vec<_>>());
+    for (frame, n) in reader.received.iter().zip(0..) {
+        for (finger, first, taxels) in [(0, 0, 31), (1, 40, 25)] {
+            for taxel in 0..31 {
+                let tenths = |axis| match taxel < taxels {
+                    true => magnitude(n, 3 * (first + taxel) + axis) as f32 * 0.1,
+                    false => 0.0,
+                };
+                let expected = [tenths(2), tenths(0), tenths(1)];
+                for (found, expected) in frame.force_n[finger][taxel].into_iter().zip(expected) {
+                    assert!(
+                        (found - expected).abs() < 1e-4,
+                        "frame {n}, finger {finger}"
+                    );
+                }
+            }
+        }
+        assert_eq!(frame.valid_mask, [(1 << 31) - 1, (1 << 31) - 1, 0, 0]);
+    }
+}
+
+#[test]
 fn an_anyskin_board_resynchronises_and_its_rest_field_becomes_zero() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::RIGHT);
