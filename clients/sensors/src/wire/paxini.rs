@@ -260,6 +260,7 @@ fn pass_on(reply: &Reply, taxels: usize, report: &mut dyn FnMut(Event<'_>)) {
                 byte_offset: *byte_offset,
                 count: None,
                 status: (*status).into(),
+                temperature_c: None,
                 condition: if *status <= 1 {
                     Condition::Well
                 } else {

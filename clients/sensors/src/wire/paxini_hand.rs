@@ -290,6 +290,7 @@ fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
         byte_offset,
         count: None,
         status: error.into(),
+        temperature_c: None,
         condition: if error == 0 {
             Condition::Well
         } else {
