@@ -132,11 +132,11 @@ Examples:
   atas-sensor echo --hand left --frames 100 --format json";
 
 const REPLAY_HELP: &str = "\
-A recording holds what its daemon took in if that ran with `atasd --record-stream`; its layout, forces and masks are played as
-they were, and the daemon that feels them must be configured for them. Frames that were lost stay lost, frames that were damaged
-or not newer than all before are left out; standard error says how many at the end. A recording that ends in damage is played as
-far as it can be read, then ends with code 5: `atas record repair` makes a whole one. Of a table the columns in newtons are played;
-it needs --layout and --fingers as the daemon is told.
+A recording holds what its daemon took in if that ran with `atasd --record-stream`; its layout, forces and masks are played as \
+they were, and the daemon that feels them must be configured for them. Frames that were lost stay lost, frames that were damaged \
+or not newer than all before are left out; standard error says how many at the end. A recording that ends in damage is played as \
+far as it can be read, then ends with code 5: `atas record repair` makes a whole one. Of a table the columns in newtons are \
+played, every row as if its device had been well; --layout and --fingers are what the daemon is told.
 
 Examples:
   atas-sensor replay run.mcap --hand left

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::{ArgMatches, FromArgMatches};
 use shm_schemas::Layout;
+use shm_schemas::capacity::ELEMENTS;
 use toml::Value;
 
 use crate::calibration::Calibration;
@@ -307,6 +308,12 @@ fn elements(ports: &[Port]) -> usize {
 /// # Errors
 /// [`Failure::Usage`] when it has no place for them.
 pub fn layout(wanted: Option<&str>, elements: usize) -> Result<Layout, Failure> {
+    if elements > ELEMENTS {
+        return Err(Failure::Usage(format!(
+            "could not publish {elements} taxels of one fingertip: a frame has {ELEMENTS} elements; make one force of them with \
+             --calibration (`atas calibrate fit --model resultant`)"
+        )));
+    }
     let made = format!("pad-{elements}");
     let name = wanted.unwrap_or(&made);
     match Layout::named(name) {

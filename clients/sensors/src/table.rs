@@ -29,7 +29,8 @@ impl<W: Write> Table<W> {
         let mut table = Self {
             sink: BufWriter::new(sink),
             shape,
-            newtons,
+            // More than a frame holds is printed as it came.
+            newtons: newtons.filter(|newtons| newtons.elements(shape) <= ELEMENTS),
         };
         table
             .header()

@@ -13,6 +13,7 @@ use std::net::{TcpListener, UdpSocket};
 use std::thread;
 use std::time::Duration;
 
+use atas_sensors::calibration::{Calibration, Model, Quality};
 use peers::{magnitude, value};
 use process::{Pty, Sensor};
 use reader::Reader;
@@ -148,6 +149,59 @@ fn a_paxini_hand_board_is_told_to_push_and_its_modules_are_told_apart() {
             }
         }
         assert_eq!(frame.valid_mask, [(1 << 31) - 1, (1 << 31) - 1, 0, 0]);
+    }
+}
+
+#[test]
+fn more_taxels_than_a_frame_has_become_one_force() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::LEFT);
+    let folder = tempfile::tempdir().unwrap();
+    let (file, pty) = (folder.path().join("tip.toml"), Pty::new());
+    // Half a newton per unit of every taxel: z along the normal, x and y along the tangents.
+    let row = |axis: usize| {
+        (0..3 * 87)
+            .map(|k| 0.5 * f64::from(k % 3 == axis))
+            .collect()
+    };
+    let calibration = Calibration {
+        format: 1,
+        source: "sums".to_owned(),
+        model: Model::Resultant,
+        zero: vec![0.0; 3 * 87],
+        newtons: vec![[row(2), row(0), row(1)]],
+        quality: Quality::default(),
+        drift: None,
+    };
+    calibration.save(&file).unwrap();
+    let line = format!(
+        "paxini-hand --device {} --hand left --bus {} --modules 87",
+        pty.path.display(),
+        *bus
+    );
+    let (code, _, stderr) = Sensor::start_line(&line).finish();
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(
+        stderr.contains("64 elements") && stderr.contains("--calibration"),
+        "{stderr}"
+    );
+    let sensor = Sensor::start_line(&format!("{line} --calibration {}", file.display()));
+    reader.wait_for_start();
+    for n in 0..20 {
+        pty.send(&peers::paxini_hand_frame(n, &[87]));
+    }
+    reader.wait_for_frames(20);
+    let stderr = end(sensor, &mut reader);
+    assert_eq!(reader.received.len(), 20, "{stderr}");
+    for (frame, n) in reader.received.iter().zip(0..) {
+        let sum = |axis: usize| {
+            (0..87)
+                .map(|taxel| magnitude(n, 3 * taxel + axis))
+                .sum::<i32>()
+        };
+        let expected = [sum(2), sum(0), sum(1)].map(|sum| sum as f32 * 0.5);
+        assert_eq!(frame.force_n[0][0], expected, "frame {n}");
+        assert_eq!(frame.valid_mask, [1, 0, 0, 0]);
     }
 }
 

@@ -21,7 +21,7 @@
 //! which only the bytes are public; the zero is taken here.
 
 use clap::{ArgMatches, Args, FromArgMatches};
-use shm_schemas::capacity::{ELEMENTS, FINGERS};
+use shm_schemas::capacity::FINGERS;
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
 use crate::resync::{Candidate, Resync, Wire};
@@ -40,7 +40,8 @@ pub const TYPE: SensorType = SensorType {
     zero: Zero::Here,
     example: "--device /dev/ttyACM0 --hand left --modules 31,31 --rate-hz 200",
     notes: "The rate of its frames depends on the modules: `atas-sensor hz` measures it. Frames of other modules than the named ones \
-            count as junk.",
+            count as junk. A frame of the bus has 64 elements per finger: a module with more taxels needs a --calibration that \
+            makes one force of them.",
     options: <Options as Args>::augment_args,
     driver: make,
 };
@@ -100,7 +101,7 @@ pub struct Format {
 }
 
 /// The taxels of all fingertips, each with as many bytes as the largest.
-pub type Tips = [u8; TAXEL * ELEMENTS * FINGERS];
+pub type Tips = [u8; TAXEL * TAXELS_MAX * FINGERS];
 
 /// One message.
 #[derive(Clone, Copy, Debug)]
@@ -124,13 +125,12 @@ impl Format {
             [] => (0..modules.len()).collect(),
             named => named.to_vec(),
         };
-        let fits = |tip: &usize| modules.get(*tip).is_some_and(|taxels| *taxels <= ELEMENTS);
+        let is_there = |tip: &usize| *tip < modules.len();
         let is_once = |(n, tip): (usize, &usize)| !fingertips[..n].contains(tip);
         let each_once = fingertips.iter().enumerate().all(is_once);
-        if fingertips.len() > FINGERS || !fingertips.iter().all(fits) || !each_once {
+        if fingertips.len() > FINGERS || !fingertips.iter().all(is_there) || !each_once {
             return Err(format!(
-                "could not use --fingertips: needs at most {FINGERS} different ones of the {} modules, counted from 0, each with at most \
-                 {ELEMENTS} taxels",
+                "could not use --fingertips: needs at most {FINGERS} different ones of the {} modules, counted from 0",
                 modules.len()
             ));
         }
@@ -164,7 +164,7 @@ impl Format {
     /// The fingertips out of the data, with so many bytes before each module's taxels. One with fewer taxels than the largest
     /// feels nothing where it has none.
     fn tips(&self, data: &[u8], before: usize) -> Tips {
-        let mut tips = [0; TAXEL * ELEMENTS * FINGERS];
+        let mut tips = [0; TAXEL * TAXELS_MAX * FINGERS];
         for (place, &tip) in tips
             .chunks_exact_mut(TAXEL * self.taxels)
             .zip(&self.fingertips)
@@ -280,7 +280,7 @@ fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
         Message::Written(status) => return report(Event::Acknowledged((*status).into())),
         Message::Forces(error, byte_offset, tips) => (*error, *byte_offset, tips),
     };
-    let mut values = [0.0; TAXEL * ELEMENTS * FINGERS];
+    let mut values = [0.0; TAXEL * TAXELS_MAX * FINGERS];
     for (value, taxel) in values.chunks_exact_mut(TAXEL).zip(tips.chunks_exact(TAXEL)) {
         value[0] = f64::from(taxel[0].cast_signed());
         value[1] = f64::from(taxel[1].cast_signed());
