@@ -105,11 +105,13 @@ pub type Tips = [u8; TAXEL * TAXELS_MAX * FINGERS];
 
 /// One message.
 #[derive(Clone, Copy, Debug)]
-pub enum Message {
-    /// A frame: error code, offset in the stream, the fingertips.
-    Forces(u8, u64, Tips),
-    /// The reply to a write: its status.
-    Written(u8),
+pub struct Message {
+    /// Offset of its first byte in the stream.
+    byte_offset: u64,
+    /// Error code of a frame, or status of a reply.
+    status: u8,
+    /// What a frame says of the fingertips; `None` for the reply to a write.
+    tips: Option<Tips>,
 }
 
 impl Format {
@@ -203,18 +205,23 @@ impl Wire for Format {
         if message.iter().fold(0_u8, |sum, &b| sum.wrapping_add(b)) != 0 {
             return Candidate::Corrupt;
         }
-        let read = match announced {
-            Announced::Written => Message::Written(message[8]),
-            Announced::Forces { before, carried } => {
-                let tips = self.tips(&message[HEADER..HEADER + carried], before);
-                Message::Forces(message[5], byte_offset, tips)
-            }
+        let message = match announced {
+            Announced::Written => Message {
+                byte_offset,
+                status: message[8],
+                tips: None,
+            },
+            Announced::Forces { before, carried } => Message {
+                byte_offset,
+                status: message[5],
+                tips: Some(self.tips(&message[HEADER..HEADER + carried], before)),
+            },
         };
-        Candidate::Valid(read, length)
+        Candidate::Valid(message, length)
     }
 
     fn is_data(message: &Message) -> bool {
-        matches!(message, Message::Forces(..))
+        message.tips.is_some()
     }
 }
 
@@ -276,9 +283,13 @@ impl Driver for PaxiniHand {
 
 /// Reports a message; `count` values are those of the fingertips.
 fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
-    let (error, byte_offset, tips) = match message {
-        Message::Written(status) => return report(Event::Acknowledged((*status).into())),
-        Message::Forces(error, byte_offset, tips) => (*error, *byte_offset, tips),
+    let Message {
+        byte_offset,
+        status,
+        tips: Some(tips),
+    } = message
+    else {
+        return report(Event::Acknowledged(message.status.into()));
     };
     let mut values = [0.0; TAXEL * TAXELS_MAX * FINGERS];
     for (value, taxel) in values.chunks_exact_mut(TAXEL).zip(tips.chunks_exact(TAXEL)) {
@@ -287,11 +298,11 @@ fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
         value[2] = f64::from(taxel[2]);
     }
     report(Event::Frame(Frame {
-        byte_offset,
+        byte_offset: *byte_offset,
         count: None,
-        status: error.into(),
+        status: (*status).into(),
         temperature_c: None,
-        condition: if error == 0 {
+        condition: if *status == 0 {
             Condition::Well
         } else {
             Condition::Failed
