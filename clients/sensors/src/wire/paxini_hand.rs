@@ -39,7 +39,8 @@ pub const TYPE: SensorType = SensorType {
     axes: "z,x,y",
     zero: Zero::Here,
     example: "--device /dev/ttyACM0 --hand left --modules 31,31 --rate-hz 200",
-    notes: "The rate of its frames depends on the modules: `atas-sensor hz` measures it. Frames of other modules than the named ones \
+    notes: "The rate of its frames depends on the modules and cannot be asked for: --rate-hz says what it is, `atas-sensor hz` \
+            measures it. Frames of other modules than the named ones \
             count as junk. A frame of the bus has 64 elements per finger: a module with more taxels needs a --calibration that \
             makes one force of them.",
     options: <Options as Args>::augment_args,
