@@ -326,7 +326,17 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     let write = |name: &str, text: &str| std::fs::write(path(name), text).expect("written");
     write("steps.csv", &table);
     write("presses.csv", &dry_run(1100, |frame| load(frame / 100)));
-    write("quiet.csv", &dry_run(1500, |_| [0.0; 3]));
+    let warming = |text: &str, kelvin: f64| -> String {
+        let warm = |(row, line): (usize, &str)| match row {
+            0 => format!("{line},temperature_c\n"),
+            _ => format!("{line},{}\n", 20.0 + kelvin * row as f64 / 1500.0),
+        };
+        text.lines().enumerate().map(warm).collect()
+    };
+    write("quiet.csv", &warming(&dry_run(1500, |_| [0.0; 3]), 3.0));
+    let drifts = dry_run(1500, |frame| [0.4 * frame as f64 / 1500.0, 0.0, 0.0]);
+    write("drifts.csv", &warming(&drifts, 3.0));
+    write("barely.csv", &warming(&dry_run(1500, |_| [0.0; 3]), 0.3));
     let mut block = "closing_m,normal_n\n".to_owned();
     for i in 1..200 {
         let force_n = 0.02 * f64::from(i);
@@ -362,6 +372,49 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     assert!(
         (number(&report["block"]["tip_compression_m"]) - 0.0005).abs() < 1e-5,
         "{report}"
+    );
+    let drift = &report["drift"];
+    assert!(number(&drift["element_n_min"][0]) < 0.05, "{report}");
+    assert!(
+        (number(&drift["warmth"]["span_k"]) - 3.0).abs() < 0.01,
+        "{report}"
+    );
+    assert!(
+        number(&drift["warmth"]["total_n_k"][0]).abs() < 0.005,
+        "{report}"
+    );
+    let saved = std::fs::read_to_string(path("tip.toml")).expect("a calibration");
+    assert!(saved.contains("[drift.warmth]"), "{saved}");
+    let warned = |silence: &str, parts: &[&str]| {
+        let (silence, out) = (path(silence), path(&format!("{silence}.toml")));
+        let presses = [path("presses.csv"), path("steps.csv")];
+        let given = [
+            "--presses",
+            &presses[0],
+            "--reference",
+            &presses[1],
+            "--silence",
+            &silence,
+        ];
+        let (code, stdout, stderr) =
+            run(&[&["calibrate", "fit", "--out", &out], &given[..]].concat());
+        assert_eq!(code, 0, "{stderr}");
+        for part in parts {
+            assert!(stdout.contains(part), "{part}: {stdout}");
+        }
+    };
+    warned(
+        "drifts.csv",
+        &[
+            "element 0 drifts most: 1.",
+            "a kelvin moves the total force by 0.1",
+            "beware: 1 of 1 elements move by more than",
+            "beware: a kelvin moves the force by 0.1",
+        ],
+    );
+    warned(
+        "barely.csv",
+        &["beware: the temperature moved by less than 0.5 K"],
     );
     let daemon = std::fs::read_to_string(path("daemon.toml")).expect("a configuration");
     let told: toml::Table = daemon.parse().expect("TOML");

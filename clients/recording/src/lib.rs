@@ -4,6 +4,7 @@
 //!  bus ─▶ record (reads) ─▶ channel ─▶ Recording (rotates, flushes) ─▶ Writer ─▶ FILE.mcap
 //!  FILE.mcap ─▶ Reader ─┬─ check, repair: is it whole, what can be saved
 //!                       ├─ diff: the first tick and field in which two recordings differ, and how both ended
+//!                       ├─ Frames: what the hands felt
 //!                       ├─ Rows: one per tick ─┬─ export: MCAP for ROS 2's viewers, CSV, Parquet
 //!                       │                      └─ whoever shows it
 //!                       └─ whoever replays it
@@ -22,6 +23,7 @@ mod clock;
 mod diff;
 mod export;
 mod follower;
+mod frames;
 pub mod origin;
 mod payloads;
 mod reader;
@@ -36,8 +38,9 @@ pub use clock::Clock;
 pub use diff::{Difference, command_difference, diff};
 pub use export::{Choices, Exported, Kind, MessageType, Messages, Outlet, Subject, export};
 pub use follower::{Follower, state};
+pub use frames::{Felt, Frames};
 pub use payloads::Recorded;
-pub use reader::{Entry, Reader, payload};
+pub use reader::{Entry, Reader, is_recording, payload};
 pub use recorder::record;
 pub use rotation::{Bounds, Tally};
 pub use rows::{Row, RowInputs, Rows};

@@ -17,6 +17,21 @@ use super::payloads::Recorded;
 /// Longest record that is believed, bytes: a hundred times a chunk. A damaged length must not take all memory.
 const RECORD_MAX_BYTES: usize = 128 << 20;
 
+/// What every MCAP file begins with.
+const MAGIC: &[u8] = b"\x89MCAP";
+
+/// Whether a file is a recording, rather than a table or anything else, by how it begins.
+///
+/// # Errors
+/// It cannot be opened.
+pub fn is_recording(path: &Path) -> anyhow::Result<bool> {
+    let file = File::open(path).with_context(|| format!("could not open {}", path.display()))?;
+    let mut begin = Vec::new();
+    let read = file.take(MAGIC.len() as u64).read_to_end(&mut begin);
+    read.with_context(|| format!("could not read {}", path.display()))?;
+    Ok(begin == MAGIC)
+}
+
 /// Something in a file.
 pub enum Entry {
     /// A message with its channel.

@@ -167,7 +167,7 @@ fn damage_bytes(traffic: &Traffic) -> u64 {
 /// Sum of the first values of the valid frames of one pass, from the peers' own rule.
 fn first_values(sensor: &SensorType) -> f64 {
     let first = |n: u32| match sensor.name {
-        "paxini" => f64::from(peers::magnitude(n, 0)),
+        "paxini" | "paxini-hand" => f64::from(peers::magnitude(n, 0)),
         "papillarray" => f64::from(peers::value(n, 0)) / 8.0,
         "netft" => f64::from(peers::value(n, 0) * 1000),
         "uskin" => f64::from(0x8000 + peers::value(n, 0)),

@@ -20,9 +20,11 @@ Examples:
   atas-sensor anyskin --device /dev/ttyACM0 --hand left --calibration tip.toml
   atas-sensor hand left.toml
   atas-sensor hz --hand left
+  atas-sensor replay run.mcap --hand left
 
 Exit codes: 0 stopped by SIGINT or SIGTERM, or end of a recording; 1 standard output failed; \
-2 wrong arguments; 3 device not opened; 4 device does not answer as configured; 5 device lost; 6 bus not usable.
+2 wrong arguments; 3 device or recording not opened; 4 device does not answer as configured; 5 device lost or recording damaged; \
+6 bus not usable.
 Log: standard error, filtered by RUST_LOG (default info).";
 
 /// What all sensors' subcommands take.
@@ -130,6 +132,47 @@ Examples:
   atas-sensor echo --hand left
   atas-sensor echo --hand left --frames 100 --format json";
 
+const REPLAY_HELP: &str = "\
+A recording holds what its daemon took in if that ran with `atasd --record-stream`; its layout, forces and masks are played as \
+they were, and the daemon that feels them must be configured for them. Frames that were lost stay lost, frames that were damaged \
+or not newer than all before are left out; standard error says how many at the end. A recording that ends in damage is played as \
+far as it can be read, then ends with code 5: `atas record repair` makes a whole one. Of a table the columns in newtons are \
+played, every row as if its device had been well; --layout and --fingers are what the daemon is told.
+
+Examples:
+  atas-sensor replay run.mcap --hand left
+  atas-sensor replay run.mcap run-001.mcap --hand right --speed 0.25
+  atas-sensor replay press.csv --hand left --rate-hz 100 --loop";
+
+/// What is played, and how.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// Recording of `atas record`, all files of one run in order; or one table of `atas-sensor SENSOR --dry-run`.
+    #[arg(required = true, value_name = "RECORDING")]
+    pub files: Vec<PathBuf>,
+    /// Hand whose frames are played: left or right. A table is played as this hand's.
+    #[arg(long, value_parser = parse_hand)]
+    pub hand: Hand,
+    /// Bus to publish on.
+    #[arg(long, env = "ATAS_BUS", default_value = "atas")]
+    pub bus: BusName,
+    /// How many times as fast as recorded, 0.01 to 100.
+    #[arg(long, default_value_t = 1.0, value_parser = parse_speed, conflicts_with = "rate_hz")]
+    pub speed: f64,
+    /// Frames per second, evenly, whatever the recorded spacing.
+    #[arg(long, value_parser = parse_rate)]
+    pub rate_hz: Option<f64>,
+    /// Begin again at the end, until Ctrl-C.
+    #[arg(long = "loop")]
+    pub again: bool,
+    /// Layout of the fingertips of a table, as the daemon is configured; by default pad-N with as many elements.
+    #[arg(long)]
+    pub layout: Option<String>,
+    /// Fingertips of a table, with equally many elements each; by default one.
+    #[arg(long, value_parser = parse_fingers)]
+    pub fingers: Option<usize>,
+}
+
 /// Everything that is not a sensor.
 #[derive(Debug, Subcommand)]
 pub enum Tool {
@@ -175,6 +218,9 @@ pub enum Tool {
         #[arg(long)]
         frames: Option<u64>,
     },
+    /// Play the frames of a recording onto the bus, as the sensor did.
+    #[command(after_help = REPLAY_HELP)]
+    Replay(ReplayArgs),
     /// Print completions for a shell.
     #[command(
         after_help = "Example:\n  atas-sensor completions bash > /etc/bash_completion.d/atas-sensor"
@@ -249,4 +295,26 @@ fn subcommand(sensor: &SensorType) -> Command {
 
 fn parse_hand(text: &str) -> Result<Hand, String> {
     Hand::from_name(text).ok_or_else(|| "needs left or right".to_owned())
+}
+
+fn parse_speed(text: &str) -> Result<f64, String> {
+    number_within(text, 0.01, 100.0)
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    number_within(text, 0.1, 10_000.0)
+}
+
+fn number_within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|number| (least..=most).contains(number))
+        .ok_or_else(|| format!("needs a number from {least} to {most}"))
+}
+
+fn parse_fingers(text: &str) -> Result<usize, String> {
+    let fingers = text.parse().ok();
+    fingers
+        .filter(|fingers| (1..=FINGERS).contains(fingers))
+        .ok_or_else(|| format!("needs a number from 1 to {FINGERS}"))
 }

@@ -5,9 +5,9 @@
 //! | 0 | stopped by SIGINT or SIGTERM, or a recording was decoded to its end |
 //! | 1 | the table of a dry run could not be written |
 //! | 2 | the command line makes no sense |
-//! | 3 | the device could not be opened |
+//! | 3 | the device, or the recording to play, could not be opened |
 //! | 4 | the device does not answer as configured |
-//! | 5 | the device went away |
+//! | 5 | the device went away, or a recording ended in damage |
 //! | 6 | the bus could not be used |
 //!
 //! The codes are stable: service managers and scripts may act on them.
@@ -54,6 +54,12 @@ pub enum Failure {
         /// What the operating system said.
         reason: String,
     },
+    /// There is nothing to play.
+    #[error("{0}")]
+    Recording(String),
+    /// A recording was played as far as it could be read.
+    #[error("{0}")]
+    Torn(String),
     /// The bus refused.
     #[error("{0}")]
     Bus(#[source] shm_bus::BusError),
@@ -66,9 +72,9 @@ impl Failure {
         match self {
             Self::Table(_) => 1,
             Self::Usage(_) => 2,
-            Self::Open { .. } => 3,
+            Self::Open { .. } | Self::Recording(_) => 3,
             Self::Configure { .. } | Self::WrongKind { .. } => 4,
-            Self::Gone { .. } => 5,
+            Self::Gone { .. } | Self::Torn(_) => 5,
             Self::Bus(_) => 6,
         }
     }

@@ -12,24 +12,18 @@
 
 use std::time::Duration;
 
-use shm_bus::{Bus as Node, BusName, Publisher, Realtime, now_ns, writer_epoch};
+use shm_bus::BusName;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
-use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
-use shm_schemas::{Hand, HandFrame, Layout, SensorStatus, Stamp, Text};
+use shm_schemas::{Hand, HandFrame, Layout, Stamp};
 
 use crate::failure::Failure;
 use crate::newtons::Newtons;
 use crate::reading::{Batch, Condition, Health, Output, Reading, Shape};
+use crate::writer::{BURST, BURST_PAUSE, HandWriter};
 
 /// How much later than three periods a device's reading may come before its finger is invalid. Ours: a USB bridge
 /// collects for up to 16 ms, and a busy machine delays a process by as much again.
 pub const GRACE: Duration = Duration::from_millis(50);
-/// Frames published at once at most; a backlog is handed out in such portions, one per [`BURST_PAUSE`], so that a
-/// reader on a 1 ms tick is never overrun (it buffers 64 frames). Ours.
-const BURST: usize = 16;
-/// Pause between two portions of a backlog: the tick of the daemon.
-const BURST_PAUSE: Duration = Duration::from_millis(1);
-
 /// Where a hand's frames go.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
@@ -205,11 +199,8 @@ impl Assembly {
 /// Publishes for one hand.
 #[derive(Debug)]
 pub struct HandOutput {
-    frames: Publisher<HandFrame>,
-    statuses: Publisher<SensorStatus>,
+    writer: HandWriter,
     assembly: Assembly,
-    status: Vec<SensorStatus>,
-    next_status: u64,
 }
 
 impl HandOutput {
@@ -218,27 +209,15 @@ impl HandOutput {
     /// # Errors
     /// [`Failure::Bus`] when the bus cannot be joined or another process feels for this hand.
     pub fn open(place: &Place, seats: Vec<Seat>) -> Result<Self, Failure> {
+        let devices = seats.iter().map(|seat| (seat.driver, &*seat.device));
+        let writer = HandWriter::open(&place.bus, place.hand, devices)?;
         let stamp = Stamp {
-            writer_epoch: writer_epoch(),
+            writer_epoch: writer.epoch(),
             ..Stamp::default()
         };
-        let hand = place.hand;
-        let node = Node::open(&place.bus, &format!("sensor-{hand}"), Realtime::No)
-            .map_err(Failure::Bus)?;
-        let service = HAND_FRAME[usize::from(hand != Hand::LEFT)];
-        let status = |seat: &Seat| SensorStatus {
-            stamp,
-            driver: Text::new(seat.driver),
-            device: Text::new(&seat.device),
-            hand,
-            ..SensorStatus::default()
-        };
         Ok(Self {
-            frames: node.publisher(service).map_err(Failure::Bus)?,
-            statuses: node.publisher(SENSOR_STATUS).map_err(Failure::Bus)?,
-            status: seats.iter().map(status).collect(),
-            assembly: Assembly::new(seats, hand, &place.layout, stamp),
-            next_status: 0,
+            writer,
+            assembly: Assembly::new(seats, place.hand, &place.layout, stamp),
         })
     }
 
@@ -252,7 +231,7 @@ impl HandOutput {
                 std::thread::sleep(BURST_PAUSE);
             }
             if let Some(frame) = self.assembly.take(port, reading, values) {
-                self.frames.send(frame).map_err(Failure::Bus)?;
+                self.writer.frame(frame)?;
             }
         }
         Ok(())
@@ -263,19 +242,7 @@ impl HandOutput {
     /// # Errors
     /// [`Failure::Bus`] when the bus is gone.
     pub fn health(&mut self, port: usize, health: &Health) -> Result<(), Failure> {
-        let status = &mut self.status[port];
-        status.stamp.captured_ns = now_ns();
-        status.stamp.sequence = self.next_status;
-        status.alive = u32::from(health.alive);
-        status.frames = health.bytes.frames;
-        status.lost = health.continuity.lost;
-        status.junk_bytes = health.bytes.junk;
-        status.checksum_failures = health.bytes.checksum_failures;
-        status.device_errors = health.device_errors;
-        status.device_status = health.device_status;
-        self.statuses.send(status).map_err(Failure::Bus)?;
-        self.next_status += 1;
-        Ok(())
+        self.writer.health(port, health)
     }
 }
 

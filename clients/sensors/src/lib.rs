@@ -13,6 +13,7 @@
 //! * **Invariants:** no valid frame is lost to damage around it (`tests/decoder.rs`, `tests/peers.rs`); every byte is
 //!   accounted for (same places); stamps increase and are never in the future ([`stamping`]); sequences show the
 //!   device's own gaps ([`intake`]); nothing that a device sends makes a parser panic (`tests/any_bytes.rs`).
+//! * **Replay** ([`replay`]): recorded frames instead of a device's, on the same way to the bus.
 //! * **Calibration** ([`calibration`]) is fitted by `atas calibrate` and applied here: `--calibration FILE`.
 //! * **Absent on purpose:** filtering, thresholds and any judgement about touch: that is perception, in `atas`.
 //!
@@ -31,8 +32,10 @@ pub mod newtons;
 pub mod plan;
 pub mod port;
 pub mod reading;
+pub mod replay;
 pub mod resync;
 pub mod stamping;
 pub mod table;
 pub mod transport;
 pub mod wire;
+pub mod writer;

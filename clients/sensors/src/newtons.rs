@@ -6,6 +6,9 @@ use crate::calibration::{AXES, Calibration};
 use crate::mapping::Mapping;
 use crate::reading::{Quantity, Shape};
 
+/// Taxels of one fingertip at most. Ours: more than any sensor here has; a calibration makes of them what fits a frame.
+pub const TAXELS: usize = 256;
+
 /// How one device's values become newtons.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Newtons {
@@ -16,7 +19,7 @@ pub enum Newtons {
 }
 
 impl Newtons {
-    /// Elements of a frame that each fingertip fills.
+    /// Elements that each fingertip would fill; by a scale these may be more than a frame has.
     #[must_use]
     pub fn elements(&self, shape: Shape) -> usize {
         match self {
@@ -39,10 +42,10 @@ impl Newtons {
         values: &[f64],
         forces_n: &mut [[f32; AXES]; ELEMENTS],
     ) -> usize {
-        let taxels = values.chunks_exact(quantity.axes().len()).take(ELEMENTS);
+        let taxels = values.chunks_exact(quantity.axes().len());
         match self {
             Self::Scaled(mapping) => {
-                let count = taxels.len();
+                let count = taxels.len().min(ELEMENTS);
                 for (force_n, taxel) in forces_n.iter_mut().zip(taxels) {
                     *force_n = mapping.force_n(quantity.vector(taxel));
                 }
@@ -52,7 +55,7 @@ impl Newtons {
                 let Some(calibration) = tips.get(tip) else {
                     return 0;
                 };
-                let mut vectors = [[f64::NAN; AXES]; ELEMENTS];
+                let mut vectors = [[f64::NAN; AXES]; TAXELS];
                 for (vector, taxel) in vectors.iter_mut().zip(taxels) {
                     *vector = quantity.vector(taxel);
                 }

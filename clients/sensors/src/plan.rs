@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::{ArgMatches, FromArgMatches};
 use shm_schemas::Layout;
+use shm_schemas::capacity::ELEMENTS;
 use shm_schemas::layout::NamedLayout;
 use toml::Value;
 
@@ -80,7 +81,7 @@ impl Plan {
             (false, Some(hand)) => Some(Place {
                 bus: args.bus,
                 hand,
-                layout: layout(args.layout.as_deref(), &ports)?,
+                layout: layout(args.layout.as_deref(), elements(&ports))?,
             }),
             _ => None,
         };
@@ -135,7 +136,7 @@ impl Plan {
         refuse_conflicts(&plan.ports)?;
         if let Some(place) = &mut plan.place {
             let wanted = table.get("layout").and_then(Value::as_str);
-            place.layout = layout(wanted, &plan.ports)?;
+            place.layout = layout(wanted, elements(&plan.ports))?;
         }
         Ok(plan)
     }
@@ -292,24 +293,34 @@ fn refuse_conflicts(ports: &[Port]) -> Result<(), Failure> {
     }
 }
 
-/// The layout that was named, or one that is made for the largest sensor.
-fn layout(wanted: Option<&str>, ports: &[Port]) -> Result<Layout, Failure> {
-    let taxels = ports
-        .iter()
-        .map(|port| {
-            let newtons = port.newtons.as_ref();
-            newtons.map_or(port.shape().taxels, |newtons| {
-                newtons.elements(port.shape())
-            })
+/// Elements of the largest sensor.
+fn elements(ports: &[Port]) -> usize {
+    let elements = ports.iter().map(|port| {
+        let newtons = port.newtons.as_ref();
+        newtons.map_or(port.shape().taxels, |newtons| {
+            newtons.elements(port.shape())
         })
-        .max()
-        .unwrap_or(1);
-    let made = format!("pad-{taxels}");
+    });
+    elements.max().unwrap_or(1)
+}
+
+/// The layout that was named, or one that is made for so many elements.
+///
+/// # Errors
+/// [`Failure::Usage`] when it has no place for them.
+pub fn layout(wanted: Option<&str>, elements: usize) -> Result<Layout, Failure> {
+    if elements > ELEMENTS {
+        return Err(Failure::Usage(format!(
+            "could not publish {elements} taxels of one fingertip: a frame has {ELEMENTS} elements; make one force of them with \
+             --calibration (`atas calibrate fit --model resultant`)"
+        )));
+    }
+    let made = format!("pad-{elements}");
     let name = wanted.unwrap_or(&made);
     match Layout::named(name) {
-        Some(layout) if layout.count >= taxels => Ok(layout),
+        Some(layout) if layout.count >= elements => Ok(layout),
         _ => Err(Failure::Usage(format!(
-            "could not use the layout {name}: needs one with at least {taxels} elements: {}",
+            "could not use the layout {name}: needs one with at least {elements} elements: {}",
             NamedLayout::FORMS
         ))),
     }

@@ -32,6 +32,12 @@ impl Quantity {
         }
     }
 
+    /// Whether what measures it says how warm it is.
+    #[must_use]
+    pub const fn has_temperature(self) -> bool {
+        matches!(self, Self::Flux)
+    }
+
     /// Force-like x, y, z of one taxel's values. A pressure is a load along z; torques are left out.
     #[must_use]
     pub fn vector(self, taxel: &[f64]) -> [f64; 3] {
@@ -85,6 +91,8 @@ pub struct Frame<'a> {
     pub count: Option<u32>,
     /// The device's status word, 0 where it has none.
     pub status: u32,
+    /// How warm the sensor is, °C, where it says so.
+    pub temperature_c: Option<f64>,
     /// What that word amounts to.
     pub condition: Condition,
     /// As many values as [`Shape::values`] says, finger by finger, taxel by taxel.
@@ -169,6 +177,8 @@ pub struct Reading {
     pub count: Option<u32>,
     /// The device's status word.
     pub status: u32,
+    /// How warm the sensor is, °C, where it says so.
+    pub temperature_c: Option<f64>,
     /// What that word amounts to.
     pub condition: Condition,
     /// How it relates to the frames before it.

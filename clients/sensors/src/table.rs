@@ -1,7 +1,7 @@
 //! Readings as comma-separated values, one line per frame: what `--dry-run` prints.
 //!
 //! Columns: `byte_offset,count,status`, the values in the device's unit (`fx_counts,…`; with several taxels
-//! `fx0_counts,…`), `arrival`, `captured_ns`, and per taxel `normal_n,tangential1_n,tangential2_n` where a scale is known.
+//! `fx0_counts,…`), `arrival`, `captured_ns`, of magnetometers their `temperature_c`, and per taxel `normal_n,tangential1_n,tangential2_n` where a scale is known.
 //! Every valid frame has a line, duplicates and late ones too. A device without a counter leaves `count` empty.
 
 use std::io::{self, BufWriter, Write};
@@ -29,7 +29,8 @@ impl<W: Write> Table<W> {
         let mut table = Self {
             sink: BufWriter::new(sink),
             shape,
-            newtons,
+            // More than a frame holds is printed as it came.
+            newtons: newtons.filter(|newtons| newtons.elements(shape) <= ELEMENTS),
         };
         table
             .header()
@@ -56,6 +57,9 @@ impl<W: Write> Table<W> {
             }
         }
         write!(self.sink, ",arrival,captured_ns")?;
+        if quantity.has_temperature() {
+            write!(self.sink, ",temperature_c")?;
+        }
         let forces = self
             .newtons
             .as_ref()
@@ -94,8 +98,14 @@ impl<W: Write> Table<W> {
             reading.arrival.name(),
             reading.captured_ns
         )?;
+        let quantity = self.shape.quantity;
+        if quantity.has_temperature() {
+            write!(self.sink, ",")?;
+            if let Some(temperature_c) = reading.temperature_c {
+                write!(self.sink, "{temperature_c:.3}")?;
+            }
+        }
         if let Some(newtons) = &self.newtons {
-            let quantity = self.shape.quantity;
             let tips = values.chunks_exact(quantity.axes().len() * self.shape.taxels);
             for (tip, values) in tips.enumerate() {
                 let mut forces_n = [[0.0; 3]; ELEMENTS];

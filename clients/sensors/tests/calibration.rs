@@ -1,8 +1,8 @@
 //! Calibrations fitted to presses whose truth is known, saved, read, and refused when they cannot be right.
 
 use atas_sensors::calibration::{
-    Calibration, FitError, Model, Point, Press, Silence, Thresholds, fit, listen, press_block,
-    total_n,
+    Calibration, Drift, FitError, Model, Point, Press, Quality, Quiet, Silence, Thresholds, fit,
+    listen, press_block, total_n,
 };
 use atas_sensors::plan::Plan;
 use atas_sensors::reading::Quantity;
@@ -191,6 +191,85 @@ fn presses_that_cannot_tell_are_refused_by_what_they_lack() {
         fit(&[], &silence, Model::Matrix, &dome_1(), "").expect_err("none"),
         FitError::Few(0)
     );
+}
+
+/// Two elements in newtons: warmth moves the first, time the second, 25 frames a second.
+fn quiet(seconds: usize, n_k: f64, n_min: f64, swing_k: f64) -> Quiet {
+    let mut draw = Draw(17);
+    let mut quiet = Quiet::default();
+    for frame in 0..25 * seconds {
+        let at_s = frame as f64 / 25.0;
+        // Whole swings, which no drift can be taken for.
+        let warmth_k = swing_k / 2.0 * (core::f64::consts::TAU * at_s / 20.0).cos();
+        let mut noise = || 0.01 * draw.next();
+        let first = [
+            n_k * warmth_k + noise(),
+            noise(),
+            -0.5 * n_k * warmth_k + noise(),
+        ];
+        let second = [noise(), n_min * at_s / 60.0 + noise(), noise()];
+        quiet.frames.push([first, second].concat());
+        quiet.times_s.push(at_s);
+        quiet.temperatures_c.push(25.0 + warmth_k);
+    }
+    quiet
+}
+
+#[test]
+fn drift_is_told_of_every_element_and_what_a_kelvin_does() {
+    let unit = |axis: usize| (0..3).map(|k| f64::from(k == axis)).collect();
+    let mut calibration = Calibration {
+        format: 1,
+        source: "newtons".to_owned(),
+        model: Model::Matrix,
+        zero: vec![0.0; 6],
+        newtons: vec![[unit(0), unit(1), unit(2)], [unit(0), unit(1), unit(2)]],
+        quality: Quality::default(),
+        drift: None,
+    };
+    let near = |found: f64, expected: f64, by: f64| {
+        assert!((found - expected).abs() <= by, "{found} {expected}");
+    };
+    for (n_k, n_min) in [(0.03, 0.05), (-0.2, 0.0), (0.0, 0.4), (0.0, 0.0)] {
+        let drift = Drift::of(&calibration, &quiet(120, n_k, n_min, 4.0)).expect("long enough");
+        near(drift.watched_s, 120.0, 0.1);
+        near(drift.element_n_min[0], 0.0, 2e-3 + 0.01 * n_k.abs());
+        near(drift.element_n_min[1], n_min, 2e-3);
+        let warmth = drift.warmth.as_ref().expect("it warmed");
+        near(warmth.span_k, 4.0, 1e-3);
+        for (axis, expected) in [n_k, 0.0, -0.5 * n_k].into_iter().enumerate() {
+            near(warmth.element_n_k[0][axis], expected, 1e-3);
+            near(warmth.total_n_k[axis], expected, 1e-3 + 0.01 * n_min);
+        }
+        near(warmth.total_most_n_k(), n_k.abs(), 1e-3 + 0.01 * n_min);
+        if n_min > 0.0 {
+            assert_eq!(drift.worst().0, 1);
+        }
+        // For people, beside what is computed with.
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("tip.toml");
+        calibration.drift = Some(drift);
+        calibration.save(&path).expect("saved");
+        assert_eq!(Calibration::open(&path).expect("read"), calibration);
+        let text = std::fs::read_to_string(&path).expect("text");
+        let broken = text.replacen("watched_s = ", "watched_s = nan # ", 1);
+        std::fs::write(&path, broken).expect("written");
+        let error = Calibration::open(&path).expect_err("no number").to_string();
+        assert!(error.contains("not finite"), "{error}");
+    }
+    let of = |quiet: &Quiet| Drift::of(&calibration, quiet);
+    assert!(
+        of(&quiet(120, 0.1, 0.0, 0.4))
+            .expect("long enough")
+            .warmth
+            .is_none()
+    );
+    let unknown = Quiet {
+        temperatures_c: Vec::new(),
+        ..quiet(120, 0.1, 0.0, 4.0)
+    };
+    assert!(of(&unknown).expect("long enough").warmth.is_none());
+    assert!(of(&quiet(1, 0.1, 0.0, 4.0)).is_none());
 }
 
 #[test]

@@ -13,6 +13,7 @@ use std::net::{TcpListener, UdpSocket};
 use std::thread;
 use std::time::Duration;
 
+use atas_sensors::calibration::{Calibration, Model, Quality};
 use peers::{magnitude, value};
 use process::{Pty, Sensor};
 use reader::Reader;
@@ -95,6 +96,112 @@ fn a_polled_paxini_board_that_answers_in_pieces_with_junk_and_sometimes_not_at_a
         }
         assert_eq!(frame.valid_mask[0], (1 << 31) - 1);
         assert_eq!(frame.layout_hash, Layout::named("pad-31").unwrap().hash());
+    }
+}
+
+#[test]
+fn a_paxini_hand_board_is_told_to_push_and_its_modules_are_told_apart() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::RIGHT);
+    let pty = Pty::new();
+    let sensor = Sensor::start_line(&format!(
+        "paxini-hand --device {} --hand right --bus {} --modules 31,9,25 --fingertips 0,2 --rate-hz 200",
+        pty.path.display(),
+        *bus
+    ));
+    let told: [u8; 20] = pty.receive();
+    assert_eq!(told[..9], [0x55, 0xAA, 0, 0x10, 0x16, 0, 1, 0, 3]);
+    assert_eq!(told[10..19], [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 1]);
+    let mut stream = Vec::new();
+    for n in 0..100_u32 {
+        if n % 10 == 0 {
+            // Another hand's frame, and one that is cut off.
+            stream.extend(peers::paxini_hand_frame(n, &[31, 9]));
+            stream.extend(&peers::paxini_hand_frame(n, &[31, 9, 25])[..50]);
+        }
+        stream.extend(peers::paxini_hand_frame(n, &[31, 9, 25]));
+    }
+    send_in_pieces(&pty, &stream);
+    reader.wait_for_frames(100);
+    sensor.signal(Signal::TERM);
+    let stop: [u8; 10] = pty.receive();
+    assert_eq!(stop[..9], [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 0]);
+    let (code, _, stderr) = sensor.finish();
+    assert_eq!(code, Some(0), "{stderr}");
+    reader.poll();
+    let other = peers::paxini_hand_frame(0, &[31, 9]).len() as u64;
+    assert_eq!(reader.status.junk_bytes, 10 * (other + 50), "{stderr}");
+    assert_eq!(sequences(&reader.received), (0..100).collect::<Vec<_>>());
+    for (frame, n) in reader.received.iter().zip(0..) {
+        for (finger, first, taxels) in [(0, 0, 31), (1, 40, 25)] {
+            for taxel in 0..31 {
+                let tenths = |axis| match taxel < taxels {
+                    true => magnitude(n, 3 * (first + taxel) + axis) as f32 * 0.1,
+                    false => 0.0,
+                };
+                let expected = [tenths(2), tenths(0), tenths(1)];
+                for (found, expected) in frame.force_n[finger][taxel].into_iter().zip(expected) {
+                    assert!(
+                        (found - expected).abs() < 1e-4,
+                        "frame {n}, finger {finger}"
+                    );
+                }
+            }
+        }
+        assert_eq!(frame.valid_mask, [(1 << 31) - 1, (1 << 31) - 1, 0, 0]);
+    }
+}
+
+#[test]
+fn more_taxels_than_a_frame_has_become_one_force() {
+    let bus = FreshBus::new("sensor");
+    let mut reader = Reader::new(&bus, Hand::LEFT);
+    let folder = tempfile::tempdir().unwrap();
+    let (file, pty) = (folder.path().join("tip.toml"), Pty::new());
+    // Half a newton per unit of every taxel: z along the normal, x and y along the tangents.
+    let row = |axis: usize| {
+        (0..3 * 87)
+            .map(|k| 0.5 * f64::from(k % 3 == axis))
+            .collect()
+    };
+    let calibration = Calibration {
+        format: 1,
+        source: "sums".to_owned(),
+        model: Model::Resultant,
+        zero: vec![0.0; 3 * 87],
+        newtons: vec![[row(2), row(0), row(1)]],
+        quality: Quality::default(),
+        drift: None,
+    };
+    calibration.save(&file).unwrap();
+    let line = format!(
+        "paxini-hand --device {} --hand left --bus {} --modules 87",
+        pty.path.display(),
+        *bus
+    );
+    let (code, _, stderr) = Sensor::start_line(&line).finish();
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(
+        stderr.contains("64 elements") && stderr.contains("--calibration"),
+        "{stderr}"
+    );
+    let sensor = Sensor::start_line(&format!("{line} --calibration {}", file.display()));
+    reader.wait_for_start();
+    for n in 0..20 {
+        pty.send(&peers::paxini_hand_frame(n, &[87]));
+    }
+    reader.wait_for_frames(20);
+    let stderr = end(sensor, &mut reader);
+    assert_eq!(reader.received.len(), 20, "{stderr}");
+    for (frame, n) in reader.received.iter().zip(0..) {
+        let sum = |axis: usize| {
+            (0..87)
+                .map(|taxel| magnitude(n, 3 * taxel + axis))
+                .sum::<i32>()
+        };
+        let expected = [sum(2), sum(0), sum(1)].map(|sum| sum as f32 * 0.5);
+        assert_eq!(frame.force_n[0][0], expected, "frame {n}");
+        assert_eq!(frame.valid_mask, [1, 0, 0, 0]);
     }
 }
 

@@ -80,7 +80,13 @@ fn the_list_names_every_sensor() {
 #[test]
 fn a_probe_recognises_every_sensor() {
     let done = AtomicBool::new(false);
-    for sensor in ["optoforce", "anyskin", "papillarray", "paxini"] {
+    for sensor in [
+        "optoforce",
+        "anyskin",
+        "papillarray",
+        "paxini",
+        "paxini-hand",
+    ] {
         let pty = Pty::new();
         done.store(false, Ordering::Relaxed);
         let found = thread::scope(|scope| {

@@ -135,7 +135,10 @@ const ARROWS: &[(&str, &[&str])] = &[
         "atas-robots",
         &["atas-process", "robot-model", "shm-bus", "shm-schemas"],
     ),
-    ("atas-sensors", &["atas-process", "shm-bus", "shm-schemas"]),
+    (
+        "atas-sensors",
+        &["atas-process", "atas-recording", "shm-bus", "shm-schemas"],
+    ),
     (
         "system-tests",
         &[

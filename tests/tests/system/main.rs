@@ -15,6 +15,7 @@ mod optoforce;
 mod readme;
 mod recorded;
 mod recordings;
+mod replay;
 mod restarts;
 mod robots;
 mod servos;

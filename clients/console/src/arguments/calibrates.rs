@@ -42,7 +42,8 @@ pub struct CalibrateFit {
     /// normal_n,tangential1_n,tangential2_n of the presses]
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
-    /// The same sensor while nothing touches it [default: the presses where the known force is 0]
+    /// The same sensor while nothing touches it: its zero, noise and drift, and with a column temperature_c or temperature_k what a
+    /// kelvin does [default: the presses where the known force is 0]
     #[arg(long, value_name = "FILE")]
     pub silence: Option<PathBuf>,
     /// A rigid block pressed between fingertips: closing_m,normal_n

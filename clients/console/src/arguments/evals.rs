@@ -148,13 +148,15 @@ pub struct Merging {
 #[derive(Args, Clone, Debug)]
 pub struct RecordedEvaluation {
     /// A table with one row per frame. Its columns say what can be judged: ff_e1… slip, f1_x,f1_y,f1_z,pos1_deg… hardness,
-    /// force_N,pos_mm rupture, fx_counts,fy_counts,fz_counts touches
+    /// force_N,pos_mm rupture, fx_counts,fy_counts,fz_counts touches. Or a run that `atas record` wrote of a daemon with
+    /// --record-stream: slip on fingertips of several elements, touches on one of a single element
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Column that holds the truth, here or in a table beside FILE that numbers the same cases
     #[arg(long, value_name = "COLUMN")]
     pub labels: Option<String>,
-    /// The table that has this column
+    /// The table that has this column. Of a run: rows of from_s,to_s, the seconds since its first tick between which the label is
+    /// true, and perhaps hand,finger (else it is of every fingertip) and object [default for a run: FILE with the ending .csv]
     #[arg(long, value_name = "FILE", requires = "labels")]
     pub labels_file: Option<PathBuf>,
     /// Values of it that mean slip, or hard, separated by commas [default: the model's]

@@ -127,7 +127,7 @@ const HELPS: &[Help] = &[
         &[
             "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml --daemon tip-daemon.toml",
         ],
-        "one object: calibration, model, elements, presses, error_n, error_share, thresholds, motion_at, block, warnings",
+        "one object: calibration, model, elements, presses, error_n, error_share, thresholds, motion_at, drift: {watched_s, element_n_min, warmth: {span_k, total_n_k, element_n_k}}, block, warnings",
     ),
     Help(
         "eval merge",
@@ -139,6 +139,7 @@ const HELPS: &[Help] = &[
         &[
             "atas eval recording basic.csv --labels label --cross-validate",
             "atas eval recording mine.csv --labels label --train others.csv --save mine.toml",
+            "atas eval recording run.mcap --labels label --labels-file spans.csv",
         ],
         "one object: judged, n, objects, balanced_accuracy, specificity, sensitivity, auc; mae_n; touches",
     ),

@@ -64,6 +64,15 @@ impl Sheet {
         })
     }
 
+    /// A table that was made of something else at `path`.
+    pub(super) fn made(path: &Path, header: Vec<String>, rows: Vec<csv::StringRecord>) -> Self {
+        Self {
+            path: path.to_owned(),
+            header,
+            rows,
+        }
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {

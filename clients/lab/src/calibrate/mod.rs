@@ -13,7 +13,8 @@ use atas_core::Settings;
 use atas_evaluation::figures;
 use atas_evaluation::recorded::{Sheet, greatest_motion};
 use atas_sensors::calibration::{
-    Block, Calibration, Fitted, Model, Thresholds, fit, listen, press_block,
+    Block, Calibration, Drift, Fitted, Model, Quiet, Thresholds, WARMING_MIN_K, fit, listen,
+    press_block,
 };
 use serde::Serialize;
 use shm_schemas::Layout;
@@ -23,8 +24,6 @@ use crate::picture;
 
 /// How far above what a silent sensor shows motion must lie to count (ours; a stable touch moves more than silence).
 const MOTION_CLEARANCE: f64 = 1.5;
-/// Frames per second of a table without times.
-const USUAL_HZ: f64 = 100.0;
 
 /// What was written, and how good it is.
 #[derive(Serialize)]
@@ -37,6 +36,8 @@ struct Report {
     error_share: [f64; 3],
     thresholds: Thresholds,
     motion_at: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drift: Option<Drift>,
     #[serde(skip_serializing_if = "Option::is_none")]
     block: Option<Block>,
     /// What a user should know before trusting it.
@@ -71,11 +72,12 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
         )
     })?;
     let (mut fitted, quiet, seconds) = fitted(arguments, &layout)?;
-    let motion_at = motion_at(&fitted.calibration, &quiet, seconds);
-    let thresholds = Thresholds::of(&fitted.calibration, &quiet, seconds, arguments.multiple)
+    let motion_at = motion_at(&fitted.calibration, &quiet.frames, seconds);
+    let thresholds = Thresholds::of(&fitted.calibration, &quiet.frames, seconds, arguments.multiple)
         .context("could not tell the noise; record the sensor for some seconds while nothing touches it, and name it with --silence")?;
     fitted.calibration.quality.noise_n = thresholds.noise_n;
     fitted.calibration.quality.drift_n_min = thresholds.drift_n_min;
+    fitted.calibration.drift = Drift::of(&fitted.calibration, &quiet);
     let block = match &arguments.block {
         Some(path) => Some(block(path, thresholds.touch_on_n, arguments.block_tips)?),
         None => None,
@@ -97,18 +99,16 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
         presses: quality.presses,
         error_n: quality.error_n,
         error_share: quality.error_share,
-        warnings: warnings(&fitted, &thresholds, seconds),
+        warnings: warnings(&fitted, &thresholds, &quiet, seconds),
         thresholds,
         motion_at,
+        drift: fitted.calibration.drift,
         block,
     })
 }
 
-/// The calibration, the silent frames and how long they lasted, s.
-fn fitted(
-    arguments: &CalibrateFit,
-    layout: &Layout,
-) -> anyhow::Result<(Fitted, Vec<Vec<f64>>, f64)> {
+/// The calibration, silence and how long it lasted, s.
+fn fitted(arguments: &CalibrateFit, layout: &Layout) -> anyhow::Result<(Fitted, Quiet, f64)> {
     let sheet = Sheet::open(&arguments.presses)?;
     let recording = rows::recording(&sheet)?;
     let reference = arguments
@@ -119,17 +119,17 @@ fn fitted(
     let (presses, mut quiet) = rows::presses(&sheet, &recording, reference.as_ref())?;
     let mut seconds = lasted(
         recording.times_ns.as_deref(),
-        quiet.len(),
+        quiet.frames.len(),
         recording.frames.len(),
     );
     if let Some(path) = &arguments.silence {
         let silence = rows::recording(&Sheet::open(path)?)?;
         let frames = silence.frames.len();
         seconds = lasted(silence.times_ns.as_deref(), frames, frames);
-        quiet = silence.frames;
+        quiet = silence.quiet(0..frames);
     }
-    let silence = listen(&quiet).with_context(|| {
-        format!("could not tell zero and noise from {} silent frames, needs some seconds; name a recording with --silence", quiet.len())
+    let silence = listen(&quiet.frames).with_context(|| {
+        format!("could not tell zero and noise from {} silent frames, needs some seconds; name a recording with --silence", quiet.frames.len())
     })?;
     let model = match arguments.model {
         Some(CalibrationModel::Matrix) => Model::Matrix,
@@ -151,7 +151,7 @@ fn lasted(times_ns: Option<&[f64]>, some: usize, all: usize) -> f64 {
     let span_ns = times_ns.and_then(|times| Some(times.last()? - times.first()?));
     match span_ns {
         Some(span_ns) if span_ns > 0.0 => span_ns * 1e-9 * some as f64 / all.max(1) as f64,
-        _ => some as f64 / USUAL_HZ,
+        _ => some as f64 / rows::USUAL_HZ,
     }
 }
 
@@ -223,7 +223,7 @@ fn daemon(
     Ok(text)
 }
 
-fn warnings(fitted: &Fitted, thresholds: &Thresholds, seconds: f64) -> Vec<String> {
+fn warnings(fitted: &Fitted, thresholds: &Thresholds, quiet: &Quiet, seconds: f64) -> Vec<String> {
     let quality = &fitted.calibration.quality;
     let mut warnings = Vec::new();
     for (axis, share) in ["normal", "tangential1", "tangential2"]
@@ -243,10 +243,43 @@ fn warnings(fitted: &Fitted, thresholds: &Thresholds, seconds: f64) -> Vec<Strin
             thresholds.drift_n_min
         ));
     }
+    if let Some(drift) = &fitted.calibration.drift {
+        warnings.extend(drift_warnings(drift, thresholds, quiet));
+    }
     if seconds < 10.0 {
         warnings.push(format!(
             "drift was watched for {seconds:.0} s only; a minute of silence tells it better"
         ));
+    }
+    warnings
+}
+
+/// What of the drift would be taken for a touch.
+fn drift_warnings(drift: &Drift, thresholds: &Thresholds, quiet: &Quiet) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let floor_n = thresholds.element_floor_n;
+    let (worst, most_n) = drift.worst();
+    let moving = drift.element_n_min.iter().filter(|n| **n > floor_n).count();
+    if moving > 0 {
+        warnings.push(format!(
+            "{moving} of {} elements move by more than {floor_n:.4} N a minute, from which an element takes part; element {worst} most, \
+             by {most_n:.4} N",
+            drift.element_n_min.len()
+        ));
+    }
+    // A touch begins above the noise and what drifts anyway.
+    let felt_n = thresholds.touch_on_n - thresholds.drift_n_min;
+    match &drift.warmth {
+        Some(warmth) if warmth.total_most_n_k() > felt_n => warnings.push(format!(
+            "a kelvin moves the force by {:.4} N, more than the {felt_n:.4} N that are a touch: take the zero when the sensor is as warm \
+             as in use",
+            warmth.total_most_n_k()
+        )),
+        None if !quiet.temperatures_c.is_empty() => warnings.push(format!(
+            "the temperature moved by less than {WARMING_MIN_K} K: what warmth does cannot be told; record silence while the sensor \
+             warms up"
+        )),
+        _ => {}
     }
     warnings
 }
@@ -275,6 +308,20 @@ fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
         "touch from {:.4} N, until {:.4} N; motion from {:.2} times the noise; drift {:.4} N a minute",
         thresholds.touch_on_n, thresholds.touch_off_n, report.motion_at, thresholds.drift_n_min
     ))?;
+    if let Some(drift) = &report.drift {
+        let (worst, most_n) = drift.worst();
+        output.line(format_args!(
+            "element {worst} drifts most: {most_n:.4} N a minute, watched for {:.0} s",
+            drift.watched_s
+        ))?;
+        if let Some(warmth) = &drift.warmth {
+            let [n, a, b] = warmth.total_n_k;
+            output.line(format_args!(
+                "a kelvin moves the total force by {n:.4} {a:.4} {b:.4} N; the temperature moved by {:.1} K",
+                warmth.span_k
+            ))?;
+        }
+    }
     if let Some(block) = &report.block {
         output.line(format_args!(
             "each tip compresses by {:.0} µm at 1 N, exponent {:.2}, error {:.1} µm",

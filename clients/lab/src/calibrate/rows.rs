@@ -2,10 +2,14 @@
 
 use anyhow::{Context, bail, ensure};
 use atas_evaluation::recorded::Sheet;
-use atas_sensors::calibration::{AXES, Point, Press};
+use atas_sensors::calibration::{AXES, Point, Press, Quiet};
 
 /// Columns of a known force.
 const FORCE: [&str; AXES] = ["normal_n", "tangential1_n", "tangential2_n"];
+/// Columns of the sensor's temperature, each with what must be added for °C.
+const TEMPERATURE: [(&str, f64); 2] = [("temperature_c", 0.0), ("temperature_k", -273.15)];
+/// Frames per second of a table without times.
+pub(super) const USUAL_HZ: f64 = 100.0;
 /// Rows of a stream without steps that count as one press (ours).
 const ROWS_OF_PRESS: usize = 100;
 
@@ -15,6 +19,8 @@ pub(super) struct Recording {
     pub(super) frames: Vec<Vec<f64>>,
     /// Per frame its time, ns; `None` if the table has none.
     pub(super) times_ns: Option<Vec<f64>>,
+    /// Per frame the sensor's temperature, °C; `None` if the table has none.
+    pub(super) temperatures_c: Option<Vec<f64>>,
     /// Whether the values are magnetic flux.
     pub(super) is_flux: bool,
 }
@@ -27,7 +33,13 @@ pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
             "could not find a device's values in {path}: needs the table that `atas-sensor SENSOR --dry-run` prints"
         );
     };
-    let columns: Vec<usize> = (status + 1..arrival).collect();
+    let is_temperature = |column: &usize| {
+        let name = &sheet.columns()[*column];
+        TEMPERATURE.iter().any(|(known, _)| name == known)
+    };
+    let columns: Vec<usize> = (status + 1..arrival)
+        .filter(|column| !is_temperature(column))
+        .collect();
     let first = columns
         .first()
         .map_or("", |&column| sheet.columns()[column].as_str());
@@ -74,6 +86,7 @@ pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
     Ok(Recording {
         frames,
         times_ns: times_ns(sheet),
+        temperatures_c: temperatures_c(sheet),
         is_flux: first.starts_with('b'),
     })
 }
@@ -85,12 +98,41 @@ fn times_ns(sheet: &Sheet) -> Option<Vec<f64>> {
         .collect()
 }
 
+/// A temperature that is missing in some rows tells nothing.
+fn temperatures_c(sheet: &Sheet) -> Option<Vec<f64>> {
+    let known = |(name, offset): (&str, f64)| Some((sheet.column(name)?, offset));
+    let (column, offset) = TEMPERATURE.into_iter().find_map(known)?;
+    let value = |row: usize| Some(sheet.number(row, column)? + offset);
+    (0..sheet.len()).map(value).collect()
+}
+
+impl Recording {
+    /// Some of its frames, in which nothing touched.
+    pub(super) fn quiet(&self, frames: impl Iterator<Item = usize> + Clone) -> Quiet {
+        let time_s = |frame: usize| match &self.times_ns {
+            Some(times_ns) => (times_ns[frame] - times_ns[0]) * 1e-9,
+            None => frame as f64 / USUAL_HZ,
+        };
+        let temperatures_c = self.temperatures_c.iter();
+        Quiet {
+            frames: frames
+                .clone()
+                .map(|frame| self.frames[frame].clone())
+                .collect(),
+            times_s: frames.clone().map(time_s).collect(),
+            temperatures_c: temperatures_c
+                .flat_map(|all| frames.clone().map(|frame| all[frame]))
+                .collect(),
+        }
+    }
+}
+
 /// Presses with known forces, and the frames of which it is known that nothing touched.
 pub(super) fn presses(
     sheet: &Sheet,
     recording: &Recording,
     reference: Option<&Sheet>,
-) -> anyhow::Result<(Vec<Press>, Vec<Vec<f64>>)> {
+) -> anyhow::Result<(Vec<Press>, Quiet)> {
     let known: Vec<Option<(usize, [f64; AXES])>> = match reference {
         None => own(sheet)?,
         Some(steps) if steps.column("from_ns").is_some() => by_steps(sheet, recording, steps)?,
@@ -98,12 +140,12 @@ pub(super) fn presses(
     };
     let (mut presses, mut silence) = (Vec::<Press>::new(), Vec::new());
     let mut last = None;
-    for (frame, known) in recording.frames.iter().zip(known) {
+    for (number, (frame, known)) in recording.frames.iter().zip(known).enumerate() {
         let Some((press, force_n)) = known else {
             continue;
         };
         if force_n == [0.0; AXES] {
-            silence.push(frame.clone());
+            silence.push(number);
             continue;
         }
         if last != Some(press) {
@@ -115,7 +157,7 @@ pub(super) fn presses(
             press.points.push(Point { values, force_n });
         }
     }
-    Ok((presses, silence))
+    Ok((presses, recording.quiet(silence.into_iter())))
 }
 
 fn columns(sheet: &Sheet) -> anyhow::Result<[usize; AXES]> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use atas_console::arguments::RecordedEvaluation;
 use atas_console::{Ended, Exit, Output, table};
-use atas_evaluation::recorded::{Fit, Labels, Model, Rates, Sheet, Verdict, judge, train};
+use atas_evaluation::recorded::{Fit, Labels, Model, Rates, Verdict, judge, open, train};
 use comfy_table::Cell;
 
 /// `atas eval recording`.
@@ -38,7 +38,8 @@ fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
             file: None,
             ..labels.clone()
         };
-        model = train(&Sheet::open(path)?, &own, &model)?;
+        let (sheet, own) = open(path, &own)?;
+        model = train(&sheet, &own, &model)?;
     }
     if let Some(path) = &arguments.save {
         model.save(path)?;
@@ -48,7 +49,8 @@ fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
     } else {
         Fit::Given
     };
-    judge(&Sheet::open(&arguments.file)?, &labels, &model, fit)
+    let (sheet, labels) = open(&arguments.file, &labels)?;
+    judge(&sheet, &labels, &model, fit)
 }
 
 fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<()> {

@@ -94,6 +94,7 @@ pub fn fit(
         zero: silence.zero.clone(),
         newtons,
         quality: Quality::default(),
+        drift: None,
     };
     let mut residuals = Vec::new();
     for fold in 0..FOLDS {

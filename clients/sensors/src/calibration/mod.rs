@@ -17,11 +17,13 @@
 //! * **Absent on purpose:** the device and the bus; files with rows (`atas calibrate` reads them); filters.
 
 mod block;
+mod drift;
 mod fit;
 mod least_squares;
 mod silence;
 
 pub use block::{Block, press_block};
+pub use drift::{Drift, Quiet, WARMING_MIN_K, Warmth};
 pub use fit::{FitError, Fitted, Point, Press, fit, total_n};
 pub use silence::{Silence, Thresholds, listen};
 
@@ -62,6 +64,9 @@ pub struct Calibration {
     pub newtons: Vec<[Vec<f64>; AXES]>,
     /// How good it is.
     pub quality: Quality,
+    /// How its zero moved when it was calibrated; for people, nothing is corrected by it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<Drift>,
 }
 
 /// How good a calibration is.
@@ -234,7 +239,8 @@ impl Calibration {
             .zero
             .iter()
             .chain(self.newtons.iter().flatten().flatten());
-        if numbers.any(|number| !number.is_finite()) {
+        let drift_is_finite = self.drift.as_ref().is_none_or(Drift::is_finite);
+        if numbers.any(|number| !number.is_finite()) || !drift_is_finite {
             return Err("it holds a number that is not finite".to_owned());
         }
         Ok(())

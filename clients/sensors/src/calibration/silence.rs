@@ -5,10 +5,10 @@ use serde::Serialize;
 use super::{AXES, Calibration};
 
 /// Fewest frames that tell noise (ours: a standard deviation within 10 %).
-const FRAMES_MIN: usize = 50;
+pub(super) const FRAMES_MIN: usize = 50;
 
 /// Standard deviations that are no chance (ours).
-const SURE: f64 = 3.0;
+pub(super) const SURE: f64 = 3.0;
 
 /// A sensor in silence, in its own unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,13 +100,13 @@ impl Thresholds {
     }
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
 
 /// Standard deviation against a running mean of 32 frames: what changes slowly is drift.
-fn flicker(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn flicker(values: impl Iterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.collect();
     let around = |index: usize| {
         let from = index.saturating_sub(16);

@@ -4,6 +4,7 @@ mod listen;
 mod manual;
 mod probe;
 mod read;
+mod replay;
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -35,6 +36,7 @@ pub fn run(matches: &ArgMatches) -> Result<(), Failure> {
         Tool::Probe { device, format } => probe::run(&device, format),
         Tool::Hz { at, seconds } => listen::hz(&at, seconds),
         Tool::Echo { at, frames } => listen::echo(&at, frames),
+        Tool::Replay(arguments) => replay::run(arguments),
         Tool::Completions { shell } => manual::completions(shell),
         Tool::Man { folder } => manual::pages(&folder),
     }

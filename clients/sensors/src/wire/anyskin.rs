@@ -67,10 +67,11 @@ pub struct Format {
     pub taxels: usize,
 }
 
-/// One frame: its offset, and flux per magnetometer, µT.
+/// One frame: its offset, the mean temperature, °C, and flux per magnetometer, µT.
 #[derive(Clone, Copy, Debug)]
 pub struct Flux {
     byte_offset: u64,
+    temperature_c: f64,
     values: [f64; 3 * MAX_TAXELS],
 }
 
@@ -93,17 +94,20 @@ impl Wire for Format {
             return Candidate::None;
         };
         let mut values = [0.0; 3 * MAX_TAXELS];
+        let mut warmth_c = 0.0;
         for (value, taxel) in values
             .chunks_exact_mut(3)
             .zip(numbers.chunks_exact(TAXEL_BYTES))
         {
-            let Some(flux) = plausible(taxel) else {
+            let Some((temperature_c, flux)) = plausible(taxel) else {
                 return Candidate::Corrupt;
             };
+            warmth_c += f64::from(temperature_c);
             value.copy_from_slice(&flux.map(f64::from));
         }
         let flux = Flux {
             byte_offset,
+            temperature_c: warmth_c / self.taxels as f64,
             values,
         };
         Candidate::Valid(flux, length)
@@ -114,8 +118,8 @@ impl Wire for Format {
     }
 }
 
-/// Flux of one magnetometer, if all its numbers can be true.
-fn plausible(taxel: &[u8]) -> Option<[f32; 3]> {
+/// Temperature and flux of one magnetometer, if all its numbers can be true.
+fn plausible(taxel: &[u8]) -> Option<(f32, [f32; 3])> {
     let (words, _) = taxel.as_chunks::<4>();
     let [temperature, x, y, z] = <[[u8; 4]; 4]>::try_from(words)
         .ok()?
@@ -123,7 +127,8 @@ fn plausible(taxel: &[u8]) -> Option<[f32; 3]> {
     let flux = [x, y, z];
     // False for NaN as well.
     let believed = |value: &f32| value.abs() <= FLUX_MAX_UT;
-    (TEMPERATURE_C.contains(&temperature) && flux.iter().all(believed)).then_some(flux)
+    let is_plausible = TEMPERATURE_C.contains(&temperature) && flux.iter().all(believed);
+    is_plausible.then_some((temperature, flux))
 }
 
 /// One board.
@@ -166,6 +171,7 @@ fn pass_on(flux: &Flux, taxels: usize, report: &mut dyn FnMut(Event<'_>)) {
         byte_offset: flux.byte_offset,
         count: None,
         status: 0,
+        temperature_c: Some(flux.temperature_c),
         condition: Condition::Well,
         values: &flux.values[..3 * taxels],
     }));

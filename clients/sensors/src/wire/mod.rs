@@ -9,14 +9,16 @@ pub mod netft;
 pub mod optoforce;
 pub mod papillarray;
 pub mod paxini;
+pub mod paxini_hand;
 pub mod uskin;
 
 pub use driver::{Dialogue, Driver, Event, Make, Request, SensorType, Way, Zero};
 
 /// Every sensor that can be read.
-pub const SENSORS: [SensorType; 6] = [
+pub const SENSORS: [SensorType; 7] = [
     optoforce::TYPE,
     paxini::TYPE,
+    paxini_hand::TYPE,
     anyskin::TYPE,
     netft::TYPE,
     uskin::TYPE,

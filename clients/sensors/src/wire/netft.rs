@@ -114,6 +114,7 @@ fn pass_on(record: &[u8], byte_offset: u64, report: &mut dyn FnMut(Event<'_>)) {
         byte_offset,
         count: Some(word(0)),
         status,
+        temperature_c: None,
         condition: match status {
             0 => Condition::Well,
             LATCHED_MONITOR => Condition::Strained,

@@ -263,6 +263,7 @@ fn pass_on(packet: &Packet, expected: usize, report: &mut dyn FnMut(Event<'_>)) 
         byte_offset: packet.byte_offset,
         count: Some(packet.counter),
         status: 0,
+        temperature_c: None,
         condition: Condition::Well,
         values: &packet.forces_n[..3 * PILLARS * packet.sensors],
     }));

@@ -13,7 +13,7 @@
 //! board's firmware answers reads with status 1 although the data are good, so 0 and 1 both count as well.
 //!
 //! A reply is recognised by all thirteen bytes of its header, which one request fixes; so one byte of checksum is
-//! enough. Absent on purpose: the high-speed board for whole hands, which pushes frames of another layout. Source: the
+//! enough. The high-speed board for whole hands, which pushes frames of another layout, is [`super::paxini_hand`]. Source: the
 //! vendor's protocol as the public `paxini-sdk` implements it, checked against that in `tests/independent_paxini.py`.
 
 use clap::{ArgMatches, Args, FromArgMatches, ValueEnum};
@@ -260,6 +260,7 @@ fn pass_on(reply: &Reply, taxels: usize, report: &mut dyn FnMut(Event<'_>)) {
                 byte_offset: *byte_offset,
                 count: None,
                 status: (*status).into(),
+                temperature_c: None,
                 condition: if *status <= 1 {
                     Condition::Well
                 } else {

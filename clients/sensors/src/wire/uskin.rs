@@ -161,6 +161,7 @@ impl Driver for USkin {
                     byte_offset,
                     count: Some(count),
                     status: 0,
+                    temperature_c: None,
                     condition: Condition::Well,
                     values: &self.values,
                 }));

@@ -112,6 +112,26 @@ pub(crate) fn uskin_update(message: u32) -> Vec<u8> {
     .into_bytes()
 }
 
+/// A frame that a Paxini high-speed board pushes, of modules with so many taxels.
+pub(crate) fn paxini_hand_frame(frame: u32, modules: &[usize]) -> Vec<u8> {
+    let mut data = Vec::new();
+    let mut index = 0;
+    for taxels in modules {
+        data.extend([1, 0, 2, 0, 3, 0]);
+        for _ in 0..3 * taxels {
+            data.push(magnitude(frame, index) as u8);
+            index += 1;
+        }
+    }
+    let mut bytes = vec![0xAA, 0x56, 0];
+    bytes.extend((data.len() as u16 + 1).to_le_bytes());
+    bytes.push(0);
+    bytes.extend(data);
+    let sum = bytes.iter().map(|&b| u32::from(b)).sum::<u32>() as u8;
+    bytes.push(sum.wrapping_neg());
+    bytes
+}
+
 /// A frame of an OptoForce dome.
 pub(crate) fn optoforce_frame(frame: u32) -> Vec<u8> {
     let mut bytes = vec![0xAA, 0x07, 0x08, 0x0A];
@@ -130,6 +150,7 @@ pub(crate) fn frame(sensor: &str, n: u32) -> Vec<u8> {
     match sensor {
         "optoforce" => optoforce_frame(n),
         "paxini" => paxini_reply(n, 31),
+        "paxini-hand" => paxini_hand_frame(n, &[31]),
         "anyskin" => anyskin_frame(n),
         "netft" => netft_record(n),
         "uskin" => uskin_update(n),

@@ -140,6 +140,7 @@ fn pass_on_frame(frame: &DataFrame, report: &mut dyn FnMut(Event<'_>)) {
         byte_offset: frame.byte_offset,
         count: Some(frame.count.into()),
         status: frame.status.0.into(),
+        temperature_c: None,
         condition: condition(frame.status),
         values: &values[..frame.values().len()],
     }));

@@ -1,0 +1,210 @@
+//! A recorded run as a table: what its fingertips felt while the spans of a table of labels lasted.
+//!
+//! The labels are rows of `from_s,to_s` and of what was true then; with `hand` and `finger` they are of one fingertip, without of
+//! all. Each span of each fingertip is a case. Times count from the run's first tick.
+
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+use atas_recording::{Felt, Frames, is_recording};
+use shm_schemas::Hand;
+use shm_schemas::capacity::FINGERS;
+
+use super::cases::Labels;
+use super::sheet::Sheet;
+
+/// Columns that say when and where a label is true; all others are what is true.
+const PLACE: [&str; 4] = ["from_s", "to_s", "hand", "finger"];
+
+/// Opens a recording of ours, or a table, and says where its labels are.
+///
+/// # Errors
+/// It cannot be read, or a run has no table of labels, or that says nothing about it.
+pub fn open(path: &Path, labels: &Labels) -> anyhow::Result<(Sheet, Labels)> {
+    if !is_recording(path)? {
+        return Ok((Sheet::open(path)?, labels.clone()));
+    }
+    let file = labels
+        .file
+        .clone()
+        .unwrap_or_else(|| path.with_extension("csv"));
+    let table = Sheet::open(&file).with_context(|| {
+        format!(
+            "could not judge the run {} without a table of labels: rows of from_s,to_s and a label, for one fingertip also \
+             hand,finger; name it with --labels-file",
+            path.display()
+        )
+    })?;
+    let labels = Labels {
+        file: None,
+        ..labels.clone()
+    };
+    Ok((sheet(path, &table)?, labels))
+}
+
+/// While something was true.
+struct Span {
+    from_s: f64,
+    to_s: f64,
+    hand: Option<Hand>,
+    finger: Option<usize>,
+}
+
+/// What one fingertip felt in one frame.
+struct Touch {
+    span: usize,
+    hand: Hand,
+    finger: usize,
+    at_s: f64,
+    /// Per element; `None` for one that was not valid.
+    forces_n: Vec<Option<[f32; 3]>>,
+}
+
+fn sheet(path: &Path, table: &Sheet) -> anyhow::Result<Sheet> {
+    let spans = spans(table)?;
+    let mut touches = Vec::new();
+    for felt in Frames::of(&[path.to_owned()]) {
+        take(&felt?, &spans, &mut touches);
+    }
+    ensure!(
+        !touches.is_empty(),
+        "could not judge {} because no frame of it lies within the {} spans of {}; times count from its first tick, s",
+        path.display(),
+        spans.len(),
+        table.path.display()
+    );
+    let elements = touches.iter().map(|touch| touch.forces_n.len()).max();
+    let elements = elements.unwrap_or(0);
+    ensure!(
+        elements > 1 || is_one_fingertip(&touches),
+        "could not judge touches of several fingertips in {} at once; name one in columns hand and finger of {}",
+        path.display(),
+        table.path.display()
+    );
+    let truths: Vec<usize> = (0..table.columns().len())
+        .filter(|&column| !PLACE.contains(&&*table.columns()[column]))
+        .collect();
+    let rows = touches
+        .iter()
+        .map(|touch| row(touch, elements, table, &truths));
+    let names = truths.iter().map(|&column| table.columns()[column].clone());
+    let header = ["sequence".to_owned(), "t_s".to_owned()].into_iter();
+    let header = header.chain(names).chain(element_columns(elements));
+    Ok(Sheet::made(path, header.collect(), rows.collect()))
+}
+
+fn take(felt: &Felt, spans: &[Span], touches: &mut Vec<Touch>) {
+    if !felt.frame.is_intact() {
+        return;
+    }
+    let captured_ns = felt.frame.stamp.captured_ns;
+    let at_s = (captured_ns as i128 - i128::from(felt.begun_ns)) as f64 * 1e-9;
+    let fingers = (felt.frame.finger_count as usize).min(FINGERS);
+    for (number, span) in spans.iter().enumerate() {
+        if !span.holds(at_s, felt.hand) {
+            continue;
+        }
+        for finger in (0..fingers).filter(|finger| span.finger.is_none_or(|only| only == *finger)) {
+            let mask = felt.frame.valid_mask[finger];
+            let count = (u64::BITS - mask.leading_zeros()) as usize;
+            let force_n = |element: usize| {
+                let is_valid = mask >> element & 1 == 1;
+                is_valid.then(|| felt.frame.force_n[finger][element])
+            };
+            touches.push(Touch {
+                span: number,
+                hand: felt.hand,
+                finger,
+                at_s,
+                forces_n: (0..count).map(force_n).collect(),
+            });
+        }
+    }
+}
+
+impl Span {
+    fn holds(&self, at_s: f64, hand: Hand) -> bool {
+        (self.from_s..self.to_s).contains(&at_s) && self.hand.is_none_or(|only| only == hand)
+    }
+}
+
+fn spans(table: &Sheet) -> anyhow::Result<Vec<Span>> {
+    let name = table.path.display();
+    let [from_s, to_s, hand, finger] = PLACE.map(|column| table.column(column));
+    let (Some(from_s), Some(to_s)) = (from_s, to_s) else {
+        bail!(
+            "could not take labels of a run from {name} because it has the columns {:?}, needs from_s, to_s and a label",
+            table.columns()
+        );
+    };
+    let cell = |row: usize, column: Option<usize>| {
+        let text = column.map_or("", |column| table.text(row, column));
+        (!text.is_empty()).then_some(text)
+    };
+    let span = |row: usize| {
+        let (from_s, to_s) = (table.number(row, from_s)?, table.number(row, to_s)?);
+        let hand = cell(row, hand).map(Hand::from_name);
+        let finger = cell(row, finger).map(|text| text.parse().ok().filter(|n| *n < FINGERS));
+        let span = Span {
+            from_s,
+            to_s,
+            hand: hand.map_or(Some(None), |known| known.map(Some))?,
+            finger: finger.map_or(Some(None), |known| known.map(Some))?,
+        };
+        (from_s < to_s).then_some(span)
+    };
+    (0..table.len())
+        .map(|row| {
+            span(row).with_context(|| {
+                format!(
+                    "could not use row {} of {name}: needs from_s below to_s, a hand (left, right or nothing) and a finger (0 to {}, \
+                     or nothing)",
+                    row + 1,
+                    FINGERS - 1
+                )
+            })
+        })
+        .collect()
+}
+
+fn is_one_fingertip(touches: &[Touch]) -> bool {
+    let place = |touch: &Touch| (touch.hand, touch.finger);
+    touches
+        .iter()
+        .all(|touch| place(touch) == place(&touches[0]))
+}
+
+fn row(touch: &Touch, elements: usize, table: &Sheet, truths: &[usize]) -> csv::StringRecord {
+    let Touch {
+        span,
+        hand,
+        finger,
+        at_s,
+        forces_n,
+    } = touch;
+    let mut row = csv::StringRecord::new();
+    row.push_field(&format!("{} {hand} {finger}", span + 1));
+    row.push_field(&at_s.to_string());
+    for &column in truths {
+        row.push_field(table.text(*span, column));
+    }
+    for element in 0..elements {
+        let force_n = forces_n.get(element).copied().flatten();
+        for axis in 0..3 {
+            row.push_field(&force_n.map_or_else(String::new, |force_n| force_n[axis].to_string()));
+        }
+    }
+    row
+}
+
+/// As the table of a sensor names them.
+fn element_columns(elements: usize) -> impl Iterator<Item = String> {
+    (0..elements).flat_map(move |element| {
+        let number = if elements == 1 {
+            String::new()
+        } else {
+            element.to_string()
+        };
+        ["normal", "tangential1", "tangential2"].map(|axis| format!("{axis}{number}_n"))
+    })
+}

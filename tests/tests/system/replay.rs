@@ -1,0 +1,92 @@
+//! What a simulated hand felt, recorded: played by `atas-sensor replay` to another daemon, and judged by labels.
+
+use serde_json::Value;
+use shm_bus::{Bus, FreshBus, Realtime};
+use shm_schemas::{Status, service};
+use system_tests::{Process, alone, binary, wait_for};
+
+use crate::recorded;
+
+/// A daemon that only feels; the layout is the one that hands have by default.
+const CONFIG: &str = "
+[robot]
+joints_required = false
+[hands.left]
+required = false
+";
+
+#[test]
+fn a_daemon_feels_a_recorded_grasp_without_loss() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let file = path("run.mcap");
+    assert_eq!(recorded::grasp("wood", &file), Some(0));
+    let config = path("feels.toml");
+    std::fs::write(&config, CONFIG).expect("writable");
+    let bus = FreshBus::new("played");
+    let name = bus.as_str();
+    let _daemon = Process::start("atasd", &["--bus", name, "--config", &config]);
+    let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
+    let mut statuses = observer
+        .subscriber::<Status>(service::STATUS)
+        .expect("a subscriber");
+    let mut status = Status::default();
+    let mut look = || {
+        let is_new = statuses.newest(&mut status).expect("readable");
+        is_new.then_some(status)
+    };
+    wait_for("the daemon", &mut look);
+    let replay = ["replay", &file, "--hand", "right", "--bus", name];
+    let mut replay = Process::start("atas-sensor", &replay);
+    assert_eq!(replay.wait().code(), Some(0), "{}", replay.log());
+    let played = replay.log();
+    let frames = played.split(" frames played, 0 lost").next();
+    let frames = frames.and_then(|text| text.rsplit(' ').next()?.parse().ok());
+    let frames: u64 = frames.unwrap_or_else(|| panic!("{played}"));
+    assert!(frames > 5000, "{played}");
+    let hand = wait_for("every frame", || {
+        let hand = look()?.hands[1];
+        (hand.frames + hand.lost >= frames).then_some(hand)
+    });
+    assert_eq!((hand.frames, hand.lost), (frames, 0), "{played}");
+    assert_eq!((hand.corrupt, hand.foreign, hand.mistimed), (0, 0, 0));
+    assert!(
+        hand.touches[..2].iter().all(|touches| *touches >= 1),
+        "{:?}",
+        hand.touches
+    );
+}
+
+#[test]
+fn a_recorded_grasp_is_judged_by_a_table_of_spans() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let file = path("run.mcap");
+    assert_eq!(recorded::grasp("wood", &file), Some(0));
+    // Before it is touched nothing moves; while it is lifted its weight comes on the fingertips.
+    let spans = "from_s,to_s,label,hand\n0,2,stable,right\n2,4,stable,right\n4.7,8,moving,right\n";
+    std::fs::write(path("run.csv"), spans).expect("writable");
+    let output = std::process::Command::new(binary("atas"))
+        .args([
+            "eval",
+            "recording",
+            &file,
+            "--labels",
+            "label",
+            "--format",
+            "json",
+        ])
+        .args(["--negative", "stable"])
+        .output()
+        .expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let verdict: Value = serde_json::from_str(&text).unwrap_or_default();
+    // Three spans of two fingertips.
+    assert_eq!(
+        (&verdict["judged"], &verdict["n"]),
+        (&"slip".into(), &6.into()),
+        "{output:?}"
+    );
+    assert_eq!(verdict["balanced_accuracy"], 1.0, "{verdict}");
+}
