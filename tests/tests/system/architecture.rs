@@ -1,13 +1,15 @@
 //! The arrows between the crates, the top level, and what must not be in the tree.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use robot_model::RobotModel;
 
 /// Which of our packages each of our packages may use. Tests and benches (dev-dependencies) are free.
 const ARROWS: &[(&str, &[&str])] = &[
     ("shm-schemas", &[]),
     ("shm-bus", &["shm-schemas"]),
-    ("robot-model", &[]),
+    ("robot-model", &["shm-schemas"]),
     ("atas-core", &["shm-schemas", "robot-model"]),
     ("atas-process", &[]),
     (
@@ -228,6 +230,61 @@ fn the_top_level_holds_only_what_is_agreed() {
             "{name} does not belong at the top level"
         );
     }
+}
+
+/// Robots differ in their joints: only their own files, and the model that reads them, know how many there are.
+#[test]
+fn no_code_outside_the_model_contains_a_robots_joint_count() {
+    let mut counts = BTreeSet::new();
+    for name in robot_model::shipped_names() {
+        let robot = RobotModel::find(&name).expect("it ships");
+        let of_hands = robot.sides().map(|side| robot.hand(side).joints().len());
+        counts.extend(of_hands.chain([robot.joint_count()]));
+    }
+    // Smaller numbers count other things as well.
+    counts.retain(|count| *count >= 8);
+    assert!(counts.contains(&22), "{counts:?}");
+    let packages = packages();
+    let others = packages
+        .iter()
+        .filter(|package| *package.name != "robot-model");
+    for package in others {
+        let folder = package.manifest_path.parent().expect("a folder");
+        for (path, line) in code_lines(folder.join("src").as_std_path()) {
+            let words = || line.split(|c: char| !c.is_alphanumeric() && c != '_');
+            let of_joints = words().any(|word| word.to_lowercase().contains("joint"));
+            let count = words().find_map(|word| counts.get(&word.parse().ok()?));
+            assert!(
+                !of_joints || count.is_none(),
+                "{} has {count:?} joints: {line}; ask the robot's model",
+                path.display()
+            );
+        }
+    }
+}
+
+/// Every line of production code below a folder, without its comment.
+fn code_lines(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut lines = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.expect("readable").path();
+        if path.is_dir() {
+            lines.extend(code_lines(&path));
+            continue;
+        }
+        let is_production = path.extension().is_some_and(|ending| ending == "rs")
+            && path.file_name().is_some_and(|name| name != "tests.rs");
+        if is_production {
+            let text = std::fs::read_to_string(&path).expect("readable");
+            let tested = text.find("#[cfg(test)]").unwrap_or(text.len());
+            let code = text[..tested].lines().map(|line| {
+                let code = line.split("//").next().unwrap_or_default();
+                (path.clone(), code.to_owned())
+            });
+            lines.extend(code);
+        }
+    }
+    lines
 }
 
 /// CI builds once: its figures and its tests stand for a release only if both are the same code.

@@ -13,6 +13,7 @@ mod file;
 mod jog;
 mod play;
 
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use atas_client::{Leader, Led, POLL, Session, json};
@@ -51,7 +52,7 @@ struct Stream {
 impl Stream {
     /// Opens it, and waits until the daemon follows.
     fn open(session: &Session, led: Led) -> anyhow::Result<Self> {
-        let (_statuses, _alive) = session.watch_status()?;
+        session.wait_until_armed(&AtomicBool::new(false))?;
         let mut leader = Leader::open(session, led)?;
         let events = session.bus().subscriber(service::MODULE_EVENT)?;
         let begin = Instant::now();

@@ -16,7 +16,7 @@ pub struct Circumstances<'a> {
     pub settings: &'a Settings,
     /// The user's own tasks.
     pub tasks: &'a [Task],
-    /// Where the joints were commanded last, rad; `None` before the first command.
+    /// Where the joints were commanded last, rad; `None` before the first command: ways are not checked then.
     pub commanded_rad: Option<&'a RobotVector>,
 }
 

@@ -64,10 +64,13 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
     if goal.demands().turns && !now.robot.hand(goal.side()).abilities().turns_caps {
         return Err(Reason::of(Cause::CANNOT_TURN).about(goal.side().index()));
     }
-    if request.kind.is_stream() {
-        check_sides(&goal, now)?;
+    // Before the first command nobody knows where the arms are. The tick takes no goal then, and says so.
+    if now.commanded_rad.is_some() {
+        if request.kind.is_stream() {
+            check_sides(&goal, now)?;
+        }
+        check_paths(&goal, now)?;
     }
-    check_paths(&goal, now)?;
     Ok(goal)
 }
 
