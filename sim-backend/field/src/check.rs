@@ -1,5 +1,7 @@
 //! Which numbers a preset may have.
 
+use std::borrow::Cow;
+
 use thiserror::Error;
 
 use crate::chance::Noise;
@@ -11,24 +13,51 @@ const MAX_DRAWS: u8 = 64;
 /// A chance of one.
 const MOST_PARTS: u16 = 1024;
 
-/// A preset or a layout that cannot be simulated.
+/// A preset or a layout that cannot be simulated, and everything that is wrong with it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "could not use preset {preset:?} because {key} was {value}, needs {needs}; correct that value"
+    "could not use preset {preset:?} because {}; correct {}",
+    .findings.iter().map(Finding::to_string).collect::<Vec<_>>().join(", and "),
+    if let [_] = .findings[..] { "that value" } else { "those values" }
 )]
 pub struct PresetError {
     /// Name of the preset.
     pub preset: String,
+    /// One or more.
+    pub findings: Vec<Finding>,
+}
+
+/// A value that is out of range.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{key} was {value}, needs {needs}")]
+pub struct Finding {
     /// Which value.
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     /// What it was.
     pub value: f32,
     /// What it may be.
     pub needs: &'static str,
 }
 
+impl Finding {
+    pub(crate) fn new(key: impl Into<Cow<'static, str>>, value: f32, needs: &'static str) -> Self {
+        let key = key.into();
+        Self { key, value, needs }
+    }
+}
+
+impl PresetError {
+    /// Which values.
+    #[must_use]
+    pub fn keys(&self) -> Vec<&str> {
+        self.findings.iter().map(|found| &*found.key).collect()
+    }
+}
+
+/// Everything that is wrong with a preset but for its walls and posts.
+///
 /// Every comparison is written so that NaN fails it.
-pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
+pub(crate) fn check(preset: &Preset) -> Vec<Finding> {
     let p = preset;
     let touch = p.agent_radius_px + p.object_radius_px;
     let (Goals::CirclePx(goal_distance) | Goals::SquarePx(goal_distance)) = p.goals;
@@ -118,15 +147,10 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
         noise(p.noise),
         training(p.training, p.noise),
     ];
-    match rows.into_iter().find(|(_, _, good, _)| !good) {
-        None => Ok(()),
-        Some((key, value, _, needs)) => Err(PresetError {
-            preset: p.name.to_string(),
-            key,
-            value,
-            needs,
-        }),
-    }
+    let wrong = rows.into_iter().filter(|(_, _, good, _)| !good);
+    wrong
+        .map(|(key, value, _, needs)| Finding::new(key, value, needs))
+        .collect()
 }
 
 /// The first number of the push that is out of range, else any of them.
@@ -219,8 +243,9 @@ mod tests {
                 training,
                 ..Preset::R3
             };
-            let found = check(&preset).map_err(|e| e.key).err();
-            assert_eq!(found, expected, "{noise:?} {training:?}");
+            let found = check(&preset);
+            let keys: Vec<&str> = found.iter().map(|found| &*found.key).collect();
+            assert_eq!(keys, Vec::from_iter(expected), "{noise:?} {training:?}");
         }
     }
 
@@ -256,10 +281,10 @@ mod tests {
             for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e9] {
                 let mut preset = Preset::R3;
                 spoil(&mut preset, value);
-                assert_eq!(
-                    check(&preset).map_err(|e| e.key).err(),
-                    Some(key),
-                    "{key} = {value}"
+                let found = check(&preset);
+                assert!(
+                    found.iter().any(|found| found.key == key),
+                    "{key} = {value}: {found:?}"
                 );
             }
         }

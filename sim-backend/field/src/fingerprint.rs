@@ -6,8 +6,8 @@ use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
 
 impl Preset {
     /// Names the numbers of this field, whatever it is called: the first eight bytes of the SHA-256 over all of them, in the
-    /// order of a file, little-endian, words as their place in their list, noise only where there is some. Never 0. What
-    /// tables are evolved on is no part of the field.
+    /// order of a file, little-endian, words as their place in their list, obstacles and noise only where there are some. Never
+    /// 0. What tables are evolved on is no part of the field.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Sha256::new();
@@ -52,6 +52,7 @@ impl Preset {
             Contact::Blocking => 1.0,
         });
         add(self.half_side_px);
+        self.obstacles().into_iter().for_each(&mut add);
         if !self.noise.is_none() {
             add(self.noise.sensor_flips_per_1024.into());
             add(self.noise.wheel_slips_per_1024.into());
@@ -61,6 +62,29 @@ impl Preset {
             .first_chunk()
             .map_or(0, |bytes| u64::from_le_bytes(*bytes));
         first.max(1)
+    }
+
+    /// The numbers of walls and posts, each list behind its length; nothing where there are none.
+    fn obstacles(&self) -> Vec<f32> {
+        let drawn = self.drawn_posts;
+        if self.walls.is_empty() && self.posts.is_empty() && drawn.is_none() {
+            return Vec::new();
+        }
+        let mut numbers = vec![self.walls.len() as f32];
+        for wall in self.walls.iter() {
+            numbers.extend(wall.from_px.into_iter().chain(wall.to_px));
+        }
+        numbers.push(self.posts.len() as f32);
+        for post in self.posts.iter() {
+            numbers.extend(post.at_px.into_iter().chain([post.radius_px]));
+        }
+        if let Some(posts) = drawn {
+            // No f32 holds every seed.
+            let halves = [posts.seed >> 16, posts.seed & 0xffff].map(|half| half as f32);
+            numbers.extend([f32::from(posts.count), posts.radius_px]);
+            numbers.extend(halves);
+        }
+        numbers
     }
 }
 

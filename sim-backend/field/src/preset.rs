@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 use crate::chance::Noise;
+use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
 
@@ -45,6 +46,12 @@ pub struct Preset {
     pub contact: Contact,
     /// Half the side of the square field; 400 in every preset that ships (paper III.b.3: 800 × 800 px).
     pub half_side_px: f32,
+    /// Straight walls inside the field; none in every preset that ships.
+    pub walls: Cow<'static, [Wall]>,
+    /// Round posts, likewise.
+    pub posts: Cow<'static, [Post]>,
+    /// Further posts at drawn places.
+    pub drawn_posts: Option<DrawnPosts>,
     /// What goes wrong by chance; nothing in every preset that ships.
     pub noise: Noise,
     /// What tables are evolved on; `None` for the eight goals from these starts, again and again (the paper).
@@ -177,6 +184,9 @@ impl Preset {
         },
         contact: Contact::Blocking,
         half_side_px: HALF_SIDE_PX,
+        walls: Cow::Borrowed(&[]),
+        posts: Cow::Borrowed(&[]),
+        drawn_posts: None,
         noise: Noise::NONE,
         training: None,
     };
@@ -207,6 +217,9 @@ impl Preset {
         },
         contact: Contact::Sliding,
         half_side_px: HALF_SIDE_PX,
+        walls: Cow::Borrowed(&[]),
+        posts: Cow::Borrowed(&[]),
+        drawn_posts: None,
         noise: Noise::NONE,
         training: None,
     };
@@ -243,6 +256,9 @@ impl Preset {
         },
         contact: Contact::Blocking,
         half_side_px: HALF_SIDE_PX,
+        walls: Cow::Borrowed(&[]),
+        posts: Cow::Borrowed(&[]),
+        drawn_posts: None,
         noise: Noise::NONE,
         training: None,
     };
@@ -328,6 +344,13 @@ impl Preset {
         Self::LB4,
         Self::PAPER,
     ];
+
+    /// Whether there are walls or posts inside the field.
+    #[must_use]
+    pub fn has_obstacles(&self) -> bool {
+        let drawn = self.drawn_posts.map_or(0, |drawn| drawn.count);
+        !self.walls.is_empty() || !self.posts.is_empty() || drawn > 0
+    }
 
     /// The shipped preset of this name, whatever the case.
     #[must_use]

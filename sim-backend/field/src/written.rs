@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use crate::chance::Noise;
+use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::preset::{Contact, Corner, Goals, HALF_SIDE_PX, Photo, Preset, Push, Start, Starts};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
@@ -63,6 +64,13 @@ struct Written {
     /// Left out where it is the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     half_side_px: Option<f32>,
+    /// Left out where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    walls: Option<Vec<Wall>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    posts: Option<Vec<Post>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drawn_posts: Option<DrawnPosts>,
     /// Left out where nothing goes wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     noise: Option<Noise>,
@@ -123,6 +131,9 @@ impl From<Preset> for Written {
             friction_per_stall_force,
             contact: Some(p.contact),
             half_side_px: (p.half_side_px != HALF_SIDE_PX).then_some(p.half_side_px),
+            walls: (!p.walls.is_empty()).then(|| p.walls.into_owned()),
+            posts: (!p.posts.is_empty()).then(|| p.posts.into_owned()),
+            drawn_posts: p.drawn_posts,
             noise: (!p.noise.is_none()).then_some(p.noise),
             training: p.training,
         }
@@ -198,6 +209,9 @@ impl Written {
                 .half_side_px
                 .or(base.half_side_px)
                 .unwrap_or(HALF_SIDE_PX),
+            walls: file.walls.or(base.walls).unwrap_or_default().into(),
+            posts: file.posts.or(base.posts).unwrap_or_default().into(),
+            drawn_posts: file.drawn_posts.or(base.drawn_posts),
             noise: file.noise.or(base.noise).unwrap_or_default(),
             training: file.training.or(base.training),
         })
