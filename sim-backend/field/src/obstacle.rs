@@ -81,7 +81,7 @@ pub(crate) struct Obstacle {
     pub radius_sq: f32,
     /// Of an agent and of the object.
     pub reach: [Reach; 2],
-    /// An agent this far from the middle of the line neither sees nor meets the obstacle in this frame, unless bodies meet
+    /// An agent this far from the line neither sees nor meets the obstacle in this frame, unless bodies meet
     /// before.
     pub cull_sq: f32,
 }
@@ -191,7 +191,7 @@ impl Obstacle {
                 inside_sq: inside * inside,
             }
         });
-        let cull = 0.5 * length + radius + range;
+        let cull = radius + range;
         Self {
             ends,
             middle: point([0.5 * (from.x_px + to.x_px), 0.5 * (from.y_px + to.y_px)]),

@@ -39,7 +39,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         each_agent!(i of N {
             let from = (self.x[i], self.y[i]);
             let to = self.turn_and_step(i, codes[i]);
-            (self.x[i], self.y[i]) = match self.near[i].obstacles {
+            (self.x[i], self.y[i]) = match WALLED && self.near[i].obstacles {
                 true => self.settled(Body::Agent, from, to),
                 false => to,
             };
@@ -173,7 +173,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         let from = (self.x[i], self.y[i]);
         let mut to = self.turn_and_step(i, code);
         let mut blocked = T::mask(self.cpu, 0);
-        if self.near[i].obstacles {
+        if WALLED && self.near[i].obstacles {
             (to, blocked) = self.settle(Body::Agent, from, to);
         }
         if *met || self.near[i].agents {

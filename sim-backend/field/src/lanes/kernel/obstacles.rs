@@ -5,6 +5,7 @@ use super::sense::Ray;
 use crate::arithmetic::COINCIDENT_SQ;
 use crate::lanes::{Lanes, Mask};
 use crate::obstacle::{Body, Obstacle};
+use crate::trial::Point;
 
 impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// Adds what agent `i` sees by IR of walls and posts; says whether any is near in some lane.
@@ -12,10 +13,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     pub(super) fn see_obstacles(&self, mut seen: T::Ints, i: usize) -> (T::Ints, bool) {
         let mut near = false;
         for obstacle in self.obstacles.iter() {
-            let (dx, dy) = (
-                self.x[i] - self.v(obstacle.middle.x_px),
-                self.y[i] - self.v(obstacle.middle.y_px),
-            );
+            let (dx, dy) = self.from_obstacle(obstacle, (self.x[i], self.y[i]));
             if (dx * dx + dy * dy).lt(self.v(obstacle.cull_sq)).any() {
                 near = true;
                 seen = self.see_obstacle(seen, i, obstacle);
@@ -26,17 +24,21 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
 
     #[inline(always)]
     fn see_obstacle(&self, seen: T::Ints, i: usize, obstacle: &Obstacle) -> T::Ints {
-        let [from, to] = obstacle.ends.map(|end| {
-            let (x, y) = (self.v(end.x_px), self.v(end.y_px));
-            self.ray(i, x - self.x[i], y - self.y[i])
-        });
+        let [from, to] = obstacle.ends;
+        let from = self.ray_to(i, from);
         if obstacle.radius > 0.0 {
             return self.ir(seen, from, obstacle.radius_sq);
         }
-        let (from, to) = (self.turned(from), self.turned(to));
+        let (from, to) = (self.turned(from), self.turned(self.ray_to(i, to)));
         seen | self.bit(self.crosses(from[0], to[0]), 4)
             | self.bit(self.crosses(from[1], to[1]), 8)
             | self.bit(self.crosses(from[2], to[2]), 16)
+    }
+
+    #[inline(always)]
+    fn ray_to(&self, i: usize, at: Point) -> Ray<T> {
+        let (x, y) = (self.v(at.x_px), self.v(at.y_px));
+        self.ray(i, x - self.x[i], y - self.y[i])
     }
 
     /// A place with the left, the front and the right IR sensor straight ahead.
@@ -67,7 +69,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     #[inline(always)]
     pub(super) fn settle(&self, body: Body, from: (T, T), to: (T, T)) -> ((T, T), T::Mask) {
         let moved = self.moved(from, to);
-        if !WALLED || !moved.any() {
+        if !moved.any() {
             return (to, T::mask(self.cpu, 0));
         }
         let mut at = to;
@@ -86,14 +88,14 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// The same, where obstacles stop a body: it stays where it was in the lanes in which they do not let it.
     #[inline(always)]
     pub(super) fn settled(&self, body: Body, from: (T, T), to: (T, T)) -> (T, T) {
-        let (at, barred) = self.settle(body, from, to);
-        match WALLED {
-            true => (
-                T::select(barred, from.0, at.0),
-                T::select(barred, from.1, at.1),
-            ),
-            false => at,
+        if !WALLED {
+            return to;
         }
+        let (at, barred) = self.settle(body, from, to);
+        (
+            T::select(barred, from.0, at.0),
+            T::select(barred, from.1, at.1),
+        )
     }
 
     /// Lanes in which a body may not go `from` → `to` as it is.
