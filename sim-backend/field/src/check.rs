@@ -7,9 +7,12 @@ use thiserror::Error;
 use crate::chance::Noise;
 use crate::preset::{Goals, Preset, Push};
 use crate::training::{Places, Training};
+use crate::weights::Weights;
 
 /// Sets of trials per generation: beyond, a generation takes longer than it is worth (ours).
 const MAX_DRAWS: u8 = 64;
+/// Beyond ten times what a goal is worth a weight says no more (ours).
+const MOST_WEIGHT: f32 = 1000.0;
 /// A chance of one.
 const MOST_PARTS: u16 = 1024;
 
@@ -146,6 +149,7 @@ pub(crate) fn check(preset: &Preset) -> Vec<Finding> {
         push(p.push),
         noise(p.noise),
         training(p.training, p.noise),
+        fitness(p.fitness),
     ];
     let wrong = rows.into_iter().filter(|(_, _, good, _)| !good);
     wrong
@@ -179,6 +183,24 @@ fn noise(noise: Noise) -> (&'static str, f32, bool, &'static str) {
         ("noise.wheel_slips_per_1024", slips)
     };
     (key, f32::from(parts), parts <= MOST_PARTS, "0 to 1024")
+}
+
+/// The first weight that is out of range, else whether any counts.
+fn fitness(weights: Option<Weights>) -> (&'static str, f32, bool, &'static str) {
+    let terms = weights.map(|weights| weights.terms());
+    let wrong = |(_, weight): &&(&str, f32)| !(-MOST_WEIGHT..=MOST_WEIGHT).contains(weight);
+    match terms.as_ref().and_then(|terms| terms.iter().find(wrong)) {
+        Some(&(key, weight)) => (key, weight, false, "-1000 to 1000"),
+        None => {
+            let counts = terms.is_none_or(|terms| terms.iter().any(|(_, weight)| *weight > 0.0));
+            (
+                "fitness",
+                0.0,
+                counts,
+                "a weight above 0, or nothing is worth anything",
+            )
+        }
+    }
 }
 
 fn training(training: Option<Training>, noise: Noise) -> (&'static str, f32, bool, &'static str) {
@@ -252,7 +274,7 @@ mod tests {
     #[test]
     fn bad_values_are_refused_by_name() {
         type Spoil = fn(&mut Preset, f32);
-        let keys: [(&str, Spoil); 13] = [
+        let keys: [(&str, Spoil); 14] = [
             ("agent_radius_px", |p, v| p.agent_radius_px = v),
             ("object_radius_px", |p, v| p.object_radius_px = v),
             ("medium_speed_px_per_frame", |p, v| {
@@ -276,6 +298,13 @@ mod tests {
                 p.push = Push::Friction(v)
             }),
             ("half_side_px", |p, v| p.half_side_px = v),
+            ("fitness", |p, v| {
+                let accuracy = if v < 0.0 { 0.0 } else { v };
+                p.fitness = Some(Weights {
+                    accuracy,
+                    ..Weights::default()
+                });
+            }),
         ];
         for (key, spoil) in keys {
             for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e9] {
@@ -283,7 +312,7 @@ mod tests {
                 spoil(&mut preset, value);
                 let found = check(&preset);
                 assert!(
-                    found.iter().any(|found| found.key == key),
+                    found.iter().any(|found| found.key.starts_with(key)),
                     "{key} = {value}: {found:?}"
                 );
             }

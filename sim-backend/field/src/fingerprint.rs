@@ -7,7 +7,7 @@ use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
 impl Preset {
     /// Names the numbers of this field, whatever it is called: the first eight bytes of the SHA-256 over all of them, in the
     /// order of a file, little-endian, words as their place in their list, obstacles and noise only where there are some. Never
-    /// 0. What tables are evolved on is no part of the field.
+    /// 0. What tables are evolved on and for is no part of the field.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Sha256::new();
@@ -92,7 +92,9 @@ impl Preset {
 mod tests {
     use super::*;
     use crate::chance::Noise;
+    use crate::obstacle::{DrawnPosts, Post, Wall};
     use crate::training::Training;
+    use crate::weights::Weights;
 
     #[test]
     fn every_field_has_a_name_of_its_own() {
@@ -112,12 +114,38 @@ mod tests {
             }
             .fingerprint(),
         );
+        let obstacle = Preset {
+            walls: vec![Wall {
+                from_px: [0.0, 1.0],
+                to_px: [2.0, 3.0],
+            }]
+            .into(),
+            ..Preset::R3
+        };
+        names.push(obstacle.fingerprint());
+        let at_px = [0.0, 1.0];
+        let post = |radius_px| Preset {
+            posts: vec![Post { at_px, radius_px }].into(),
+            ..Preset::R3
+        };
+        names.extend([post(1.0).fingerprint(), post(2.0).fingerprint()]);
+        let drawn = |seed| Preset {
+            drawn_posts: Some(DrawnPosts {
+                count: 1,
+                radius_px: 1.0,
+                seed,
+            }),
+            ..Preset::R3
+        };
+        let seeds = [1, 2, 1 << 31, (1 << 31) + 1];
+        names.extend(seeds.map(|seed| drawn(seed).fingerprint()));
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), Preset::ALL.len() + 2);
+        assert_eq!(names.len(), Preset::ALL.len() + 2 + 7);
         let renamed = Preset {
             name: "mine".into(),
             training: Some(Training::default()),
+            fitness: Some(Weights::default()),
             ..Preset::R3
         };
         assert_eq!(renamed.fingerprint(), Preset::R3.fingerprint());

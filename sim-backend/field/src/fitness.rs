@@ -2,7 +2,8 @@
 //!
 //! The paper prints E₁ and E₂ and adds that the places of agent and object "at the termination of the execution time" were
 //! compared with those "at the termination of the evaluation time", but not what followed from the comparison. So there are
-//! three rules: its formulas alone, its formulas with the comparison as we read it, and one of ours.
+//! three rules: its formulas alone, its formulas with the comparison as we read it, and one of ours. A preset may weigh what
+//! they are made of as it likes ([`Weights`]).
 
 use std::fmt;
 
@@ -11,20 +12,21 @@ use serde::{Deserialize, Serialize};
 use crate::model::TeamSize;
 use crate::preset::Preset;
 use crate::trial::{Outcome, Snapshot};
+use crate::weights::Weights;
 
 /// K₁ of Eq. (2), points · px.
 const K1: f32 = 1000.0;
 /// K₂ of Eq. (3), points · frames.
 const K2: f32 = 600.0;
 /// Points of one goal (paper III.b.3).
-const GOAL_POINTS: f32 = 100.0;
+pub const GOAL_POINTS: f32 = 100.0;
 /// Distances below this count as this, so that a perfect trial has a finite E₁ (ours: it makes K₁ / d the 100 points).
 const NEAREST_PX: f32 = 10.0;
 /// An agent this much further than contact is still with the object (ours; the paper "compared the positioning").
 const WITH_OBJECT_PX: f32 = 20.0;
 
 /// How a trial is scored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FitnessRule {
     /// The 100 points if the object was [delivered], else E₁, at most what it is on the goal's edge. An object that was
@@ -36,27 +38,31 @@ pub enum FitnessRule {
     /// and still is at the end of the evaluation time; else an accident, which earns no E₂ and no more E₁ than the goal's
     /// edge.
     Compared,
+    /// The sum that a preset asks for, 0 to 100 points.
+    Weighted(Weights),
 }
 
 impl fmt::Display for FitnessRule {
     /// The name, as files and command lines have it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::AntiAccident => "anti-accident",
-            Self::Literal => "literal",
-            Self::Compared => "compared",
-        })
+        match self {
+            Self::AntiAccident => f.write_str("anti-accident"),
+            Self::Literal => f.write_str("literal"),
+            Self::Compared => f.write_str("compared"),
+            Self::Weighted(weights) => write!(f, "weighted ({weights})"),
+        }
     }
 }
 
 impl FitnessRule {
-    /// The rule of a preset when nobody asks for another: the literal one for the paper's literal constants.
+    /// The rule of a preset when nobody asks for another: its weights, or the literal one for the paper's
+    /// literal constants.
     #[must_use]
     pub fn usual(preset: &Preset) -> Self {
-        if *preset == Preset::PAPER {
-            Self::Literal
-        } else {
-            Self::AntiAccident
+        match preset.fitness {
+            Some(weights) => Self::Weighted(weights),
+            None if *preset == Preset::PAPER => Self::Literal,
+            None => Self::AntiAccident,
         }
     }
 
@@ -71,6 +77,7 @@ impl FitnessRule {
             Self::Compared if accompanied(preset, team, outcome) => both(),
             Self::AntiAccident | Self::Compared => accuracy(distance).min(edge),
             Self::Literal => both(),
+            Self::Weighted(weights) => weights.points(preset, team, outcome),
         }
     }
 }
@@ -92,10 +99,16 @@ pub fn efficiency(reached_frame: u32) -> f32 {
 }
 
 /// Whether one and the same agent is with the object at both instants.
-fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
-    let near = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
-    let with = |snapshot: &Snapshot, agent: usize| snapshot.agents_px[agent] <= near;
+#[must_use]
+pub fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
+    let with = |snapshot: &Snapshot, agent: usize| is_with_object(preset, snapshot, agent);
     (0..team.get()).any(|agent| with(&outcome.executed, agent) && with(&outcome.evaluated, agent))
+}
+
+/// Whether an agent is with the object at one instant.
+pub(crate) fn is_with_object(preset: &Preset, snapshot: &Snapshot, agent: usize) -> bool {
+    let near_px = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
+    snapshot.agents_px[agent] <= near_px
 }
 
 /// Whether a trial is solved, whatever the rule: the object is at the goal in the end, and not by accident.

@@ -41,13 +41,14 @@ mod run;
 mod sight;
 mod training;
 mod trial;
+mod weights;
 mod world;
 mod written;
 
 pub use chance::Noise;
 pub use check::{Finding, PresetError};
 pub use engine::{Engine, EngineError};
-pub use fitness::{FitnessRule, accuracy, delivered, efficiency, solved};
+pub use fitness::{FitnessRule, GOAL_POINTS, accompanied, accuracy, delivered, efficiency, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
 pub use obstacle::{DrawnPosts, MAX_OBSTACLES, Post, Wall};
@@ -59,4 +60,5 @@ pub use trial::{
     EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
     TRIAL_FRAMES, Trial,
 };
+pub use weights::Weights;
 pub use world::World;

@@ -8,6 +8,7 @@ use crate::chance::Noise;
 use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
+use crate::weights::Weights;
 
 /// Half the side of the paper's field (III.b.3: 800 × 800 px).
 pub(crate) const HALF_SIDE_PX: f32 = 400.0;
@@ -56,6 +57,8 @@ pub struct Preset {
     pub noise: Noise,
     /// What tables are evolved on; `None` for the eight goals from these starts, again and again (the paper).
     pub training: Option<Training>,
+    /// What trials are worth; `None` for the rules that ship.
+    pub fitness: Option<Weights>,
 }
 
 /// The part of an overlap by which pushing agents move the object; below 1 it is too heavy for them to keep their speed.
@@ -189,6 +192,7 @@ impl Preset {
         drawn_posts: None,
         noise: Noise::NONE,
         training: None,
+        fitness: None,
     };
 
     /// Near starts, short light, bodies that slide: the order 3 > 2 > 4 of the means (ours).
@@ -222,6 +226,7 @@ impl Preset {
         drawn_posts: None,
         noise: Noise::NONE,
         training: None,
+        fitness: None,
     };
 
     /// Large agents that block each other: redundant agents learn to keep out (ours).
@@ -261,6 +266,7 @@ impl Preset {
         drawn_posts: None,
         noise: Noise::NONE,
         training: None,
+        fitness: None,
     };
 
     /// LB with a wider goal and a larger object (ours).

@@ -9,6 +9,7 @@ use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::preset::{Contact, Corner, Goals, HALF_SIDE_PX, Photo, Preset, Push, Start, Starts};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
+use crate::weights::Weights;
 
 impl Serialize for Preset {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -77,6 +78,9 @@ struct Written {
     /// Left out where nothing is drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     training: Option<Training>,
+    /// Left out where a rule that ships is meant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fitness: Option<Weights>,
 }
 
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
@@ -136,6 +140,7 @@ impl From<Preset> for Written {
             drawn_posts: p.drawn_posts,
             noise: (!p.noise.is_none()).then_some(p.noise),
             training: p.training,
+            fitness: p.fitness,
         }
     }
 }
@@ -214,6 +219,7 @@ impl Written {
             drawn_posts: file.drawn_posts.or(base.drawn_posts),
             noise: file.noise.or(base.noise).unwrap_or_default(),
             training: file.training.or(base.training),
+            fitness: file.fitness.or(base.fitness),
         })
     }
 
