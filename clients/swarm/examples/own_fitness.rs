@@ -42,6 +42,7 @@ pub(crate) fn evolved(seed: u64) -> Result<TableFile> {
     TableFile::from_record(&condition, &record, GENERATIONS)
 }
 
+#[expect(clippy::print_stdout, reason = "what the example has to say")]
 fn main() -> Result<()> {
     let out = std::env::args().nth(1).unwrap_or("quick.toml".to_owned());
     let file = evolved(1)?;

@@ -82,8 +82,11 @@ impl Scoring {
         } = *trial;
         match self {
             Self::Rule(rule) => rule.points(preset, team, outcome),
-            // Not NaN, whatever the rule says: `max` and `min` take the number.
-            Self::Own(own) => own.points(trial).max(0.0).min(GOAL_POINTS),
+            Self::Own(own) => match own.points(trial) {
+                points if points > 0.0 => points.min(GOAL_POINTS),
+                // NaN included.
+                _ => 0.0,
+            },
             Self::Elsewhere(_) => 0.0,
         }
     }

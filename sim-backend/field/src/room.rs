@@ -51,7 +51,7 @@ pub(crate) fn shapes(preset: &Preset) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut find = |key: String, value: f32, needs| findings.push(Finding::new(key, value, needs));
     let half = preset.half_side_px;
-    let outside = |value: &f32| !(value.abs() <= half);
+    let outside = |value: &f32| !(-half..=half).contains(value);
     const INSIDE: &str = "finite numbers inside the field";
     for (k, wall) in preset.walls.iter().enumerate() {
         for (key, end) in [("from_px", wall.from_px), ("to_px", wall.to_px)] {
@@ -93,7 +93,7 @@ pub(crate) fn shapes(preset: &Preset) -> Vec<Finding> {
     let smaller = preset.agent_radius_px.min(preset.object_radius_px);
     // As far below a leap as a leap is below the radius: what wheels do is never taken for one.
     let fastest = 0.5 * (smaller - 2.0 * LEAP_MARGIN_PX);
-    if count > 0 && !(preset.medium_speed_px_per_frame <= fastest) {
+    if count > 0 && !(0.0..=fastest).contains(&preset.medium_speed_px_per_frame) {
         find(
             "medium_speed_px_per_frame".to_owned(),
             preset.medium_speed_px_per_frame,

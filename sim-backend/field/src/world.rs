@@ -209,8 +209,8 @@ impl World {
             }
         }
         let limit = self.constants.agent_limit;
-        for i in 0..n {
-            let Pose { x_px, y_px, .. } = std::mem::replace(&mut self.agents[i], before[i]);
+        for (i, before) in before.into_iter().enumerate().take(n) {
+            let Pose { x_px, y_px, .. } = std::mem::replace(&mut self.agents[i], before);
             let to = Point {
                 x_px: clamp(x_px, limit),
                 y_px: clamp(y_px, limit),

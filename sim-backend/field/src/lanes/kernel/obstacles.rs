@@ -13,7 +13,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     pub(super) fn see_obstacles(&self, mut seen: T::Ints, i: usize) -> (T::Ints, bool) {
         let mut near = false;
         for obstacle in self.obstacles.iter() {
-            let (dx, dy) = self.from_obstacle(obstacle, (self.x[i], self.y[i]));
+            let (dx, dy) = self.apart_from(obstacle, (self.x[i], self.y[i]));
             if (dx * dx + dy * dy).lt(self.v(obstacle.cull_sq)).any() {
                 near = true;
                 seen = self.see_obstacle(seen, i, obstacle);
@@ -105,7 +105,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         let leap = self.v(self.obstacles.leap_sq[body as usize]);
         let mut barred = leap.lt(dx * dx + dy * dy);
         for obstacle in self.obstacles.iter() {
-            let (dx, dy) = self.from_obstacle(obstacle, to);
+            let (dx, dy) = self.apart_from(obstacle, to);
             let inside = self.v(obstacle.reach[body as usize].inside_sq);
             barred = barred | (dx * dx + dy * dy).lt(inside);
         }
@@ -120,7 +120,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
 
     #[inline(always)]
     fn put_out(&self, body: Body, obstacle: &Obstacle, at: (T, T)) -> (T, T) {
-        let (dx, dy) = self.from_obstacle(obstacle, at);
+        let (dx, dy) = self.apart_from(obstacle, at);
         let (sq, reach) = (dx * dx + dy * dy, obstacle.reach[body as usize]);
         let overlaps = sq.lt(self.v(reach.sq));
         if !overlaps.any() {
@@ -136,7 +136,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
 
     /// The vector from the nearest point of the obstacle's line to a place.
     #[inline(always)]
-    fn from_obstacle(&self, obstacle: &Obstacle, (x, y): (T, T)) -> (T, T) {
+    fn apart_from(&self, obstacle: &Obstacle, (x, y): (T, T)) -> (T, T) {
         let (dx, dy) = (
             x - self.v(obstacle.middle.x_px),
             y - self.v(obstacle.middle.y_px),
