@@ -91,6 +91,15 @@ impl Scoring {
         }
     }
 
+    /// Its name without numbers, where there is little room.
+    #[must_use]
+    pub fn word(&self) -> String {
+        match self {
+            Self::Rule(FitnessRule::Weighted(_)) => "weighted".to_owned(),
+            other => other.to_string(),
+        }
+    }
+
     /// Whether this program has the rule.
     #[must_use]
     pub fn is_here(&self) -> bool {

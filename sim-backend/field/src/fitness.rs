@@ -77,7 +77,7 @@ impl FitnessRule {
             Self::Compared if accompanied(preset, team, outcome) => both(),
             Self::AntiAccident | Self::Compared => accuracy(distance).min(edge),
             Self::Literal => both(),
-            Self::Weighted(weights) => weights.points(preset, team, outcome),
+            Self::Weighted(weights) => weighted(weights, preset, team, outcome),
         }
     }
 }
@@ -105,8 +105,26 @@ pub fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
     (0..team.get()).any(|agent| with(&outcome.executed, agent) && with(&outcome.evaluated, agent))
 }
 
+/// What a preset's weights make of what the field counts.
+fn weighted(weights: Weights, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
+    let is = |is: bool| f32::from(u8::from(is));
+    let with = |agent: &usize| is_with_object(preset, &outcome.evaluated, *agent);
+    let companions = (0..team.get()).filter(with).count() as f32;
+    let counted = [
+        is(delivered(preset, team, outcome)),
+        is(outcome.reached_frame > 0),
+        is(accompanied(preset, team, outcome)),
+        companions,
+        accuracy(outcome.evaluated.goal_px),
+        efficiency(outcome.reached_frame),
+    ];
+    let terms = weights.terms().into_iter().zip(counted);
+    let sum = terms.fold(0.0, |sum, ((_, weight), counted)| sum + weight * counted);
+    sum.clamp(0.0, GOAL_POINTS)
+}
+
 /// Whether an agent is with the object at one instant.
-pub(crate) fn is_with_object(preset: &Preset, snapshot: &Snapshot, agent: usize) -> bool {
+fn is_with_object(preset: &Preset, snapshot: &Snapshot, agent: usize) -> bool {
     let near_px = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
     snapshot.agents_px[agent] <= near_px
 }
@@ -216,5 +234,105 @@ mod tests {
     #[test]
     fn the_largest_score_is_solved() {
         assert!(solved(100.0) && !solved(99.9));
+    }
+
+    #[test]
+    fn a_trial_earns_the_sum_of_what_is_weighed() {
+        // Two of three agents with the object in the end, one of them the whole time; at the goal from frame 60 on.
+        let outcome = Outcome {
+            rows_read: 0,
+            reached_frame: 60,
+            executed: Snapshot {
+                goal_px: 50.0,
+                agents_px: [90.0, 300.0, 300.0, 0.0],
+            },
+            evaluated: Snapshot {
+                goal_px: 50.0,
+                agents_px: [90.0, 90.0, 300.0, 0.0],
+            },
+        };
+        let none = Weights::default();
+        let rows = [
+            (none, 0.0, ""),
+            (
+                Weights {
+                    delivered: 60.0,
+                    ..none
+                },
+                60.0,
+                "60 delivered",
+            ),
+            (
+                Weights {
+                    reached: 5.0,
+                    ..none
+                },
+                5.0,
+                "5 reached",
+            ),
+            (
+                Weights {
+                    accompanied: 7.0,
+                    ..none
+                },
+                7.0,
+                "7 accompanied",
+            ),
+            (
+                Weights {
+                    each_companion: 3.0,
+                    ..none
+                },
+                6.0,
+                "3 each_companion",
+            ),
+            (
+                Weights {
+                    accuracy: 1.5,
+                    ..none
+                },
+                30.0,
+                "1.5 accuracy",
+            ),
+            (
+                Weights {
+                    efficiency: 2.0,
+                    ..none
+                },
+                20.0,
+                "2 efficiency",
+            ),
+            (
+                Weights {
+                    delivered: 60.0,
+                    each_companion: -10.0,
+                    efficiency: 2.0,
+                    ..none
+                },
+                60.0,
+                "60 delivered + -10 each_companion + 2 efficiency",
+            ),
+            (
+                Weights {
+                    delivered: 90.0,
+                    accuracy: 1.0,
+                    ..none
+                },
+                100.0,
+                "90 delivered + 1 accuracy",
+            ),
+            (
+                Weights {
+                    each_companion: -1.0,
+                    ..none
+                },
+                0.0,
+                "-1 each_companion",
+            ),
+        ];
+        for (weights, expected, name) in rows {
+            let points = weighted(weights, &Preset::N, TeamSize::ALL[2], &outcome);
+            assert_eq!((points, &*weights.to_string()), (expected, name));
+        }
     }
 }

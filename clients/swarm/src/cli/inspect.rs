@@ -295,7 +295,7 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
     let shown = &traces[usize::from(args.goal) - 1];
     write_atomically(&strip, behaviour_strip(shown)?.as_bytes())?;
     let behaviour = behaviour_rows(shown, &PAPER_FRAMES);
-    let rule = &file.condition.fitness;
+    let rule = file.condition.fitness.word();
     let panel = |(goal, (trace, points))| Panel {
         title: format!("goal {}: {points:.0} points ({rule})", goal + 1),
         trace,
