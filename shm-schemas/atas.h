@@ -1819,6 +1819,32 @@ _Static_assert(offsetof(atas_trial_truth, solved_fields) == 20, "atas_trial_trut
 _Static_assert(offsetof(atas_trial_truth, missed_frames) == 24, "atas_trial_truth.missed_frames");
 _Static_assert(offsetof(atas_trial_truth, refused_frames) == 28, "atas_trial_truth.refused_frames");
 
+// A straight wall inside a field.
+typedef struct atas_wall_truth {
+    // Where it begins, px.
+    float from_px[2];
+    // Where it ends, px.
+    float to_px[2];
+} atas_wall_truth;
+#define ATAS_WALL_TRUTH_TYPE "atas.WallTruth.v1"
+_Static_assert(sizeof(atas_wall_truth) == 16, "atas_wall_truth");
+_Static_assert(_Alignof(atas_wall_truth) == 4, "atas_wall_truth");
+_Static_assert(offsetof(atas_wall_truth, from_px) == 0, "atas_wall_truth.from_px");
+_Static_assert(offsetof(atas_wall_truth, to_px) == 8, "atas_wall_truth.to_px");
+
+// A round post inside a field.
+typedef struct atas_post_truth {
+    // Its centre, px.
+    float at_px[2];
+    // Its radius, px.
+    float radius_px;
+} atas_post_truth;
+#define ATAS_POST_TRUTH_TYPE "atas.PostTruth.v1"
+_Static_assert(sizeof(atas_post_truth) == 12, "atas_post_truth");
+_Static_assert(_Alignof(atas_post_truth) == 4, "atas_post_truth");
+_Static_assert(offsetof(atas_post_truth, at_px) == 0, "atas_post_truth.at_px");
+_Static_assert(offsetof(atas_post_truth, radius_px) == 8, "atas_post_truth.radius_px");
+
 // The true state of the swarm's fields in one frame.
 typedef struct atas_arena_truth {
     // captured_ns is the frame's time, as in the agents' sensors.
@@ -1853,7 +1879,7 @@ typedef struct atas_arena_truth {
     uint32_t photo_angle_steps;
     // Cosine of half a photo sensor's opening angle: 0 sees a half-plane, towards 1 sees a ray.
     float photo_half_angle_cosine;
-    // Half the side of a field: its walls, px.
+    // Half the side of a field: its border, px.
     float half_side_px;
     // Radius of an agent, px.
     float agent_radius_px;
@@ -1871,6 +1897,14 @@ typedef struct atas_arena_truth {
     float friction_stall_forces;
     // The part of an overlap by which one, two, three and four agents move the object.
     float yielding[4];
+    // Walls that carry data, at most OBSTACLES.
+    uint32_t wall_count;
+    // Posts that carry data, at most OBSTACLES.
+    uint32_t post_count;
+    // The walls inside every field.
+    atas_wall_truth walls[16];
+    // The posts inside every field.
+    atas_post_truth posts[16];
     // How the field's preset is called.
     char preset[32];
     // The newest trials that are over, that of index t in place t modulo 8.
@@ -1880,8 +1914,8 @@ typedef struct atas_arena_truth {
     // The agents.
     atas_agent_truth agents[1024];
 } atas_arena_truth;
-#define ATAS_ARENA_TRUTH_TYPE "atas.ArenaTruth.v1"
-_Static_assert(sizeof(atas_arena_truth) == 65968, "atas_arena_truth");
+#define ATAS_ARENA_TRUTH_TYPE "atas.ArenaTruth.v2"
+_Static_assert(sizeof(atas_arena_truth) == 66424, "atas_arena_truth");
 _Static_assert(_Alignof(atas_arena_truth) == 8, "atas_arena_truth");
 _Static_assert(offsetof(atas_arena_truth, stamp) == 0, "atas_arena_truth.stamp");
 _Static_assert(offsetof(atas_arena_truth, frame) == 24, "atas_arena_truth.frame");
@@ -1908,9 +1942,13 @@ _Static_assert(offsetof(atas_arena_truth, object_light_px) == 116, "atas_arena_t
 _Static_assert(offsetof(atas_arena_truth, goal_light_px) == 120, "atas_arena_truth.goal_light_px");
 _Static_assert(offsetof(atas_arena_truth, friction_stall_forces) == 124, "atas_arena_truth.friction_stall_forces");
 _Static_assert(offsetof(atas_arena_truth, yielding) == 128, "atas_arena_truth.yielding");
-_Static_assert(offsetof(atas_arena_truth, preset) == 144, "atas_arena_truth.preset");
-_Static_assert(offsetof(atas_arena_truth, trials) == 176, "atas_arena_truth.trials");
-_Static_assert(offsetof(atas_arena_truth, fields) == 432, "atas_arena_truth.fields");
-_Static_assert(offsetof(atas_arena_truth, agents) == 41392, "atas_arena_truth.agents");
+_Static_assert(offsetof(atas_arena_truth, wall_count) == 144, "atas_arena_truth.wall_count");
+_Static_assert(offsetof(atas_arena_truth, post_count) == 148, "atas_arena_truth.post_count");
+_Static_assert(offsetof(atas_arena_truth, walls) == 152, "atas_arena_truth.walls");
+_Static_assert(offsetof(atas_arena_truth, posts) == 408, "atas_arena_truth.posts");
+_Static_assert(offsetof(atas_arena_truth, preset) == 600, "atas_arena_truth.preset");
+_Static_assert(offsetof(atas_arena_truth, trials) == 632, "atas_arena_truth.trials");
+_Static_assert(offsetof(atas_arena_truth, fields) == 888, "atas_arena_truth.fields");
+_Static_assert(offsetof(atas_arena_truth, agents) == 41848, "atas_arena_truth.agents");
 
 #endif

@@ -2,7 +2,7 @@
 //!
 //! Lengths are the field's own, px of the paper's 800 × 800 (III.b.3); headings are 1/64 turns; times are frames.
 
-use crate::capacity::{AGENTS, GOALS, TEAM};
+use crate::capacity::{AGENTS, GOALS, OBSTACLES, TEAM};
 use crate::payload::payload;
 use crate::stamp::Stamp;
 use crate::text::Text;
@@ -70,8 +70,28 @@ payload! {
 }
 
 payload! {
+    /// A straight wall inside a field.
+    WallTruth as "atas.WallTruth.v1" {
+        /// Where it begins, px.
+        pub from_px: [f32; 2],
+        /// Where it ends, px.
+        pub to_px: [f32; 2],
+    }
+}
+
+payload! {
+    /// A round post inside a field.
+    PostTruth as "atas.PostTruth.v1" {
+        /// Its centre, px.
+        pub at_px: [f32; 2],
+        /// Its radius, px.
+        pub radius_px: f32,
+    }
+}
+
+payload! {
     /// The true state of the swarm's fields in one frame.
-    ArenaTruth as "atas.ArenaTruth.v1" {
+    ArenaTruth as "atas.ArenaTruth.v2" {
         /// `captured_ns` is the frame's time, as in the agents' sensors.
         pub stamp: Stamp,
         /// Index of the frame within the trial; as many as a trial has when it is over.
@@ -104,7 +124,7 @@ payload! {
         pub photo_angle_steps: u32,
         /// Cosine of half a photo sensor's opening angle: 0 sees a half-plane, towards 1 sees a ray.
         pub photo_half_angle_cosine: f32,
-        /// Half the side of a field: its walls, px.
+        /// Half the side of a field: its border, px.
         pub half_side_px: f32,
         /// Radius of an agent, px.
         pub agent_radius_px: f32,
@@ -122,6 +142,14 @@ payload! {
         pub friction_stall_forces: f32,
         /// The part of an overlap by which one, two, three and four agents move the object.
         pub yielding: [f32; TEAM],
+        /// Walls that carry data, at most [`OBSTACLES`].
+        pub wall_count: u32,
+        /// Posts that carry data, at most [`OBSTACLES`].
+        pub post_count: u32,
+        /// The walls inside every field.
+        pub walls: [WallTruth; OBSTACLES],
+        /// The posts inside every field.
+        pub posts: [PostTruth; OBSTACLES],
         /// How the field's preset is called.
         pub preset: Text<32>,
         /// The newest trials that are over, that of index t in place t modulo 8.

@@ -12,6 +12,8 @@ pub const JOINTS: usize = 32;
 pub const AGENTS: usize = 1024;
 /// Agents on one of its fields (paper Fig. 13).
 pub const TEAM: usize = 4;
+/// Walls, and likewise posts, inside one of its fields.
+pub const OBSTACLES: usize = 16;
 /// Goals of one evaluation of a behaviour table (paper III.b.3).
 pub const GOALS: usize = 8;
 /// Stages of the tick that are timed separately, see [`crate::TickReport::stage_ns`].

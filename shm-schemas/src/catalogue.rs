@@ -67,5 +67,7 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &arena::AgentTruth::PAYLOAD,
     &arena::FieldTruth::PAYLOAD,
     &arena::TrialTruth::PAYLOAD,
+    &arena::WallTruth::PAYLOAD,
+    &arena::PostTruth::PAYLOAD,
     &arena::ArenaTruth::PAYLOAD,
 ];

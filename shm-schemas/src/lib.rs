@@ -52,7 +52,7 @@ mod tick;
 mod truth;
 mod view;
 
-pub use arena::{AgentTruth, ArenaTruth, FieldTruth, TrialTruth};
+pub use arena::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, TrialTruth, WallTruth};
 pub use body::{Body, BodyPair};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
 pub use event::{EventKind, ModuleEvent};

@@ -16,6 +16,8 @@ use shm_schemas::{AgentSensors, TrialTruth, WheelCommands};
 
 /// Goals of one evaluation (paper III.b.3).
 pub const GOALS: u8 = capacity::GOALS as u8;
+// Every obstacle of a field is told.
+const _: () = assert!(field::MAX_OBSTACLES == capacity::OBSTACLES);
 /// Steps of a heading between two goals: the field has 64 directions.
 const GOAL_STEPS: u8 = 8;
 

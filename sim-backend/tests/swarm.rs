@@ -1,7 +1,8 @@
 //! The swarm's host without a bus: what it refuses, and what robots do that are told nothing or nonsense.
 
 use field::{
-    Model, Noise, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wheels, run_trial,
+    DrawnPosts, Model, Noise, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wall,
+    Wheels, run_trial,
 };
 use shm_schemas::{AgentSensors, ArenaTruth, WheelCommands};
 use sim_backend::swarm::{Answer, Swarm, SwarmError, SwarmSettings, TrialReport};
@@ -47,6 +48,45 @@ fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
             return report;
         }
     }
+}
+
+/// Walls and posts are told to onlookers, and robots on the bus meet them as in the field alone.
+#[test]
+fn onlookers_are_told_of_walls_and_posts() {
+    let walled = Preset {
+        walls: vec![Wall {
+            from_px: [-100.0, 120.0],
+            to_px: [100.0, 120.5],
+        }]
+        .into(),
+        drawn_posts: Some(DrawnPosts {
+            count: 2,
+            radius_px: 15.0,
+            seed: 3,
+        }),
+        ..Preset::N
+    };
+    let model = Model::new(walled).expect("valid");
+    let settings = SwarmSettings {
+        model: model.clone(),
+        ..settings(3, 1, &[3])
+    };
+    let mut swarm = Swarm::new(settings).expect("valid settings");
+    let mut arena = Box::<ArenaTruth>::default();
+    swarm.show(Answer::Missing, &mut arena);
+    assert_eq!((arena.wall_count, arena.post_count), (1, 2));
+    assert_eq!(arena.walls[0].to_px, [100.0, 120.5]);
+    for (shown, post) in arena.posts.iter().zip(model.posts()) {
+        assert_eq!((shown.at_px, shown.radius_px), (post.at_px, post.radius_px));
+    }
+    let table = Responses::from_fn(|row| Wheels::from_motor_bits(output(row as u32)));
+    let alone = Trial {
+        layout: model.training_layout(model.training_goals()[2]),
+        tables: [table; 4],
+    };
+    let team = TeamSize::new(3).expect("three");
+    let report = trial(&mut swarm, |_| ());
+    assert_eq!(report.outcomes, [run_trial(&model, team, &alone)]);
 }
 
 #[test]

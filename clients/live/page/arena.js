@@ -84,6 +84,8 @@ export class Arena {
     const parts = [`field ${preset}`, `${number(2 * half, 0)} px between walls`];
     if (friction === null) parts.push(`the object yields to one ${percent(yielding[0])}, to two ${percent(yielding[1])}`);
     else parts.push(`friction ${number(friction, 2)} of what stalls a robot: the object yields to ${yielding.map((part, k) => `${k + 1} ${percent(part)}`).join(", ")}`);
+    const obstacles = this.arena.walls.length + this.arena.posts.length;
+    if (obstacles > 0) parts.push(`${this.arena.walls.length} walls and ${this.arena.posts.length} posts inside`);
     if (fields > 1) parts.push(`${fields} fields, ${fields > this.arena.fields.length ? `the first ${this.arena.fields.length} drawn, ` : ""}numbers of the first`);
     return parts.join(" · ");
   }
@@ -128,6 +130,7 @@ class View {
     context.clip();
     this.circle(field.goal_px, arena.goal_light_px, { stroke: colours.ok, width: 1, dash: [1, 5] });
     this.circle(field.goal_px, arena.goal_radius_px, { stroke: colours.ok, width: 2, dash: [6, 4] });
+    this.obstacles();
     this.path(paths[0], colours.d, 2.5);
     agents.forEach((_, index) => this.path(paths[index + 1], colours[TINTS[index]], 1.25));
     this.circle(field.object_px, arena.object_radius_px, { fill: colours.d, stroke: colours.ink, width: field.solved ? 3 : 1 });
@@ -137,6 +140,20 @@ class View {
     context.lineWidth = this.isDetailed ? 3 : 1.5;
     context.strokeRect(-this.side / 2, -this.side / 2, this.side, this.side);
     if (this.isDetailed) this.labels(field);
+  }
+
+  /** Walls and posts inside the field, as dark as its border. */
+  obstacles() {
+    const { context, colours, arena } = this;
+    for (const { at_px: at, radius_px: radius } of arena.posts) this.circle(at, radius, { fill: colours.ink });
+    context.strokeStyle = colours.ink;
+    context.lineWidth = this.isDetailed ? 3 : 1.5;
+    for (const { from_px: from, to_px: to } of arena.walls) {
+      context.beginPath();
+      context.moveTo(...this.at(from));
+      context.lineTo(...this.at(to));
+      context.stroke();
+    }
   }
 
   /** A line every 100 px. */

@@ -163,7 +163,9 @@ impl Checkpoint {
 
 impl Content {
     fn restore(self) -> Option<Checkpoint> {
+        // Points by a rule that this program does not have cannot be true.
         let condition = self.condition.build().ok()?;
+        condition.fitness.is_here().then_some(())?;
         let bits = condition.genome_bits();
         let member = |member: Member| {
             Some(Individual {

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use field::{FitnessRule, Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize, Training};
+use field::{Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize, Training};
 
 use crate::genome::Genome;
+use crate::scoring::{Fitness, Judged, Scoring};
 use crate::sensors::SensorOrder;
 use crate::table::{Shape, Table};
 
@@ -35,7 +36,7 @@ pub struct Condition {
     /// What S1–S5 are.
     pub sensors: SensorOrder,
     /// How trials are scored.
-    pub fitness: FitnessRule,
+    pub fitness: Scoring,
 }
 
 /// A condition as files keep it.
@@ -49,7 +50,7 @@ pub struct Setup {
     /// What S1–S5 are.
     pub sensors: SensorOrder,
     /// How trials are scored.
-    pub fitness_rule: FitnessRule,
+    pub fitness_rule: Scoring,
     /// The field.
     pub preset: Preset,
 }
@@ -60,7 +61,7 @@ impl From<&Condition> for Setup {
             agents: condition.team.get(),
             sharing: condition.sharing,
             sensors: condition.sensors,
-            fitness_rule: condition.fitness,
+            fitness_rule: condition.fitness.clone(),
             preset: condition.model.preset().clone(),
         }
     }
@@ -69,13 +70,22 @@ impl From<&Condition> for Setup {
 impl Condition {
     /// The paper's condition: a shared table, the default sensor order.
     #[must_use]
-    pub fn new(model: Arc<Model>, team: TeamSize, fitness: FitnessRule) -> Self {
+    pub fn new(model: Arc<Model>, team: TeamSize, fitness: impl Into<Scoring>) -> Self {
         Self {
             model,
             team,
             sharing: Sharing::Shared,
             sensors: SensorOrder::default(),
-            fitness,
+            fitness: fitness.into(),
+        }
+    }
+
+    /// The same, judged by a rule of one's own.
+    #[must_use]
+    pub fn judged_by(self, fitness: impl Fitness + 'static) -> Self {
+        Self {
+            fitness: Scoring::Own(Arc::new(fitness)),
+            ..self
         }
     }
 
@@ -134,6 +144,10 @@ impl Condition {
     /// The points of one outcome.
     #[must_use]
     pub fn points(&self, outcome: &field::Outcome) -> f32 {
-        self.fitness.points(self.model.preset(), self.team, outcome)
+        self.fitness.points(&Judged {
+            preset: self.model.preset(),
+            team: self.team,
+            outcome,
+        })
     }
 }

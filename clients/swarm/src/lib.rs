@@ -1,6 +1,6 @@
 //! EBTS: behaviour tables for teams of mobile robots, evolved by a genetic algorithm (paper section III).
 //!
-//! **In**: a [`condition::Condition`] (field preset, team size, scoring), a seed. **Out**: the best table found, with its
+//! **In**: a [`condition::Condition`] (field preset, team size, [`scoring`]), a seed. **Out**: the best table found, with its
 //! provenance ([`table_file`]), and, over many seeds, what of the paper holds ([`experiment`], [`analysis`], [`plot`]).
 //!
 //! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
@@ -41,6 +41,7 @@ pub mod replay;
 pub mod results;
 pub mod rng;
 pub mod run;
+pub mod scoring;
 pub mod search;
 pub mod sensors;
 mod setup;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use field::EXECUTION_FRAMES;
+use field::{EXECUTION_FRAMES, Post, Wall};
 
 use crate::analysis::{Trace, trace};
 use crate::condition::{Condition, GOALS};
@@ -23,6 +23,8 @@ struct Data<'a> {
     goal_radius: f32,
     object_light: f32,
     goal_light: f32,
+    walls: &'a [Wall],
+    posts: &'a [Post],
     trials: Vec<Trial>,
 }
 
@@ -80,6 +82,8 @@ pub fn replay(
         goal_radius: preset.goal_radius_px,
         object_light: preset.object_light_px,
         goal_light: preset.goal_light_px,
+        walls: condition.model.walls(),
+        posts: condition.model.posts(),
         trials: traces
             .iter()
             .zip(points)

@@ -109,13 +109,19 @@ fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
         .map(|preset| layout(preset, eighth.next().unwrap_or(0)))
 }
 
-/// Anywhere in an eighth of the circle or square, the preset's goal in its middle.
+/// Anywhere in an eighth of the circle or square, the preset's goal in its middle, where no obstacle is in the object's way.
 fn goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
-    let steps = 8 * eighth + 60 + rng.below(8);
-    model.goal_beyond((steps % field::HEADINGS) as u8, rng.unit() as f32)
+    let mut anywhere = || {
+        let steps = 8 * eighth + 60 + rng.below(8);
+        model.goal_beyond((steps % field::HEADINGS) as u8, rng.unit() as f32)
+    };
+    let object_px = model.preset().object_radius_px;
+    let free = (0..ATTEMPTS).map(|_| anywhere());
+    let mut free = free.filter(|goal| model.is_clear(*goal, object_px));
+    free.next().unwrap_or(model.training_goals()[eighth])
 }
 
-/// Four starts anywhere on the field that touch neither the object nor each other, any heading.
+/// Four starts anywhere on the field that touch neither the object nor an obstacle nor each other, any heading.
 fn starts(model: &Model, rng: &mut SplitMix64) -> Option<[Pose; MAX_AGENTS]> {
     let preset = model.preset();
     let limit = f64::from(preset.half_side_px - preset.agent_radius_px);
@@ -128,7 +134,9 @@ fn starts(model: &Model, rng: &mut SplitMix64) -> Option<[Pose; MAX_AGENTS]> {
     let mut placed: Vec<Pose> = Vec::with_capacity(MAX_AGENTS);
     for _ in 0..MAX_AGENTS {
         let free = |pose: &Pose| {
+            let (x_px, y_px) = (pose.x_px, pose.y_px);
             apart(pose, 0.0, 0.0, touch)
+                && model.is_clear(Point { x_px, y_px }, preset.agent_radius_px)
                 && placed.iter().all(|p| apart(p, pose.x_px, pose.y_px, pair))
         };
         let mut anywhere = || {

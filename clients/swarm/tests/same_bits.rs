@@ -15,7 +15,10 @@ use ebts::sensors::SensorOrder;
 use ebts::training::of_choice;
 use ebts::workers::Workers;
 use ebts::{genome::Genome, run};
-use field::{Engine, FitnessRule, Noise, Places, Preset, Training, Trial, run_trial};
+use field::{
+    DrawnPosts, Engine, FitnessRule, Noise, Places, Preset, Training, Trial, Wall, Weights,
+    run_trial,
+};
 
 const GENERATIONS: u32 = 18;
 const ISLANDS: IslandSettings = IslandSettings {
@@ -23,13 +26,14 @@ const ISLANDS: IslandSettings = IslandSettings {
     migrate_every: 4,
 };
 
-/// Conditions that take every path: presets, team sizes, sharing, scoring, sensor order, noise, trials drawn anew.
+/// Conditions that take every path: presets, team sizes, sharing, scoring, sensor order, noise, trials drawn anew,
+/// obstacles.
 fn conditions() -> Vec<Condition> {
     let paper_team = |preset: Preset, agents| Setup {
         agents,
         sharing: Sharing::Shared,
         sensors: SensorOrder::default(),
-        fitness_rule: FitnessRule::AntiAccident,
+        fitness_rule: FitnessRule::AntiAccident.into(),
         preset,
     };
     let mut setups: Vec<Setup> = [Preset::R3, Preset::N, Preset::LB]
@@ -41,11 +45,11 @@ fn conditions() -> Vec<Condition> {
         ..paper_team(Preset::N, 3)
     });
     setups.push(Setup {
-        fitness_rule: FitnessRule::Literal,
+        fitness_rule: FitnessRule::Literal.into(),
         ..paper_team(Preset::PAPER, 2)
     });
     setups.push(Setup {
-        fitness_rule: FitnessRule::Compared,
+        fitness_rule: FitnessRule::Compared.into(),
         ..paper_team(Preset::LB3, 4)
     });
     let sensors = "photo-right,ir-left,ir-front,photo-left,ir-right"
@@ -78,6 +82,31 @@ fn conditions() -> Vec<Condition> {
         };
         setups.push(paper_team(preset, agents));
     }
+    let walled = Preset {
+        walls: vec![Wall {
+            from_px: [-90.0, 120.0],
+            to_px: [90.0, 120.0],
+        }]
+        .into(),
+        drawn_posts: Some(DrawnPosts {
+            count: 5,
+            radius_px: 15.0,
+            seed: 1,
+        }),
+        ..Preset::N
+    };
+    setups.push(paper_team(walled.clone(), 2));
+    let training = drawn(Places::Drawn, Places::Drawn, 1);
+    let weights = Weights {
+        reached: 40.0,
+        each_companion: 5.0,
+        accuracy: 1.0,
+        ..Weights::default()
+    };
+    setups.push(Setup {
+        fitness_rule: FitnessRule::Weighted(weights).into(),
+        ..paper_team(Preset { training, ..walled }, 3)
+    });
     setups
         .into_iter()
         .map(|setup| setup.build().expect("a valid setup"))

@@ -15,7 +15,7 @@ fn table_file(sharing: Sharing) -> TableFile {
         agents: 2,
         sharing,
         sensors: SensorOrder::default(),
-        fitness_rule: FitnessRule::AntiAccident,
+        fitness_rule: FitnessRule::AntiAccident.into(),
         preset: Preset::R3,
     };
     let condition: Condition = setup.build().expect("a valid setup");

@@ -8,7 +8,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use field::{Engine, Model, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial};
+use field::{
+    DrawnPosts, Engine, Model, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wall,
+};
 
 const TABLES: u64 = 64;
 
@@ -31,6 +33,24 @@ fn trials(model: &Model) -> Vec<Trial> {
     tables
 }
 
+/// N with two walls and four posts: what obstacles cost.
+fn walled() -> Preset {
+    let wall = |y_px: f32| Wall {
+        from_px: [-120.0, y_px],
+        to_px: [120.0, y_px],
+    };
+    Preset {
+        name: "N walled".into(),
+        walls: vec![wall(150.0), wall(-150.0)].into(),
+        drawn_posts: Some(DrawnPosts {
+            count: 4,
+            radius_px: 20.0,
+            seed: 1,
+        }),
+        ..Preset::N
+    }
+}
+
 fn main() {
     let mut criterion = Criterion::default()
         .configure_from_args()
@@ -38,7 +58,7 @@ fn main() {
         .measurement_time(Duration::from_secs(1))
         .sample_size(10);
     let mut rows = Vec::new();
-    for preset in [Preset::R3, Preset::N, Preset::LB] {
+    for preset in [Preset::R3, Preset::N, Preset::LB, walled()] {
         let model = Model::new(preset).expect("a shipped preset");
         let trials = trials(&model);
         for team in TeamSize::ALL {

@@ -52,7 +52,7 @@ pub(crate) struct Upset {
 }
 
 impl Stream {
-    fn word(&mut self) -> u32 {
+    pub(crate) fn word(&mut self) -> u32 {
         let [left, right, last] = XORSHIFT;
         self.0 ^= self.0 << left;
         self.0 ^= self.0 >> right;

@@ -1,34 +1,66 @@
 //! Which numbers a preset may have.
 
+use std::borrow::Cow;
+
 use thiserror::Error;
 
 use crate::chance::Noise;
 use crate::preset::{Goals, Preset, Push};
 use crate::training::{Places, Training};
+use crate::weights::Weights;
 
 /// Sets of trials per generation: beyond, a generation takes longer than it is worth (ours).
 const MAX_DRAWS: u8 = 64;
+/// Beyond ten times what a goal is worth a weight says no more (ours).
+const MOST_WEIGHT: f32 = 1000.0;
 /// A chance of one.
 const MOST_PARTS: u16 = 1024;
 
-/// A preset or a layout that cannot be simulated.
+/// A preset or a layout that cannot be simulated, and everything that is wrong with it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "could not use preset {preset:?} because {key} was {value}, needs {needs}; correct that value"
+    "could not use preset {preset:?} because {}; correct {}",
+    .findings.iter().map(Finding::to_string).collect::<Vec<_>>().join(", and "),
+    if let [_] = .findings[..] { "that value" } else { "those values" }
 )]
 pub struct PresetError {
     /// Name of the preset.
     pub preset: String,
+    /// One or more.
+    pub findings: Vec<Finding>,
+}
+
+/// A value that is out of range.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{key} was {value}, needs {needs}")]
+pub struct Finding {
     /// Which value.
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     /// What it was.
     pub value: f32,
     /// What it may be.
     pub needs: &'static str,
 }
 
+impl Finding {
+    pub(crate) fn new(key: impl Into<Cow<'static, str>>, value: f32, needs: &'static str) -> Self {
+        let key = key.into();
+        Self { key, value, needs }
+    }
+}
+
+impl PresetError {
+    /// Which values.
+    #[must_use]
+    pub fn keys(&self) -> Vec<&str> {
+        self.findings.iter().map(|found| &*found.key).collect()
+    }
+}
+
+/// Everything that is wrong with a preset but for its walls and posts.
+///
 /// Every comparison is written so that NaN fails it.
-pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
+pub(crate) fn check(preset: &Preset) -> Vec<Finding> {
     let p = preset;
     let touch = p.agent_radius_px + p.object_radius_px;
     let (Goals::CirclePx(goal_distance) | Goals::SquarePx(goal_distance)) = p.goals;
@@ -117,16 +149,12 @@ pub(crate) fn check(preset: &Preset) -> Result<(), PresetError> {
         push(p.push),
         noise(p.noise),
         training(p.training, p.noise),
+        fitness(p.fitness),
     ];
-    match rows.into_iter().find(|(_, _, good, _)| !good) {
-        None => Ok(()),
-        Some((key, value, _, needs)) => Err(PresetError {
-            preset: p.name.to_string(),
-            key,
-            value,
-            needs,
-        }),
-    }
+    let wrong = rows.into_iter().filter(|(_, _, good, _)| !good);
+    wrong
+        .map(|(key, value, _, needs)| Finding::new(key, value, needs))
+        .collect()
 }
 
 /// The first number of the push that is out of range, else any of them.
@@ -155,6 +183,24 @@ fn noise(noise: Noise) -> (&'static str, f32, bool, &'static str) {
         ("noise.wheel_slips_per_1024", slips)
     };
     (key, f32::from(parts), parts <= MOST_PARTS, "0 to 1024")
+}
+
+/// The first weight that is out of range, else whether any counts.
+fn fitness(weights: Option<Weights>) -> (&'static str, f32, bool, &'static str) {
+    let terms = weights.map(|weights| weights.terms());
+    let wrong = |(_, weight): &&(&str, f32)| !(-MOST_WEIGHT..=MOST_WEIGHT).contains(weight);
+    match terms.as_ref().and_then(|terms| terms.iter().find(wrong)) {
+        Some(&(key, weight)) => (key, weight, false, "-1000 to 1000"),
+        None => {
+            let counts = terms.is_none_or(|terms| terms.iter().any(|(_, weight)| *weight > 0.0));
+            (
+                "fitness",
+                0.0,
+                counts,
+                "a weight above 0, or nothing is worth anything",
+            )
+        }
+    }
 }
 
 fn training(training: Option<Training>, noise: Noise) -> (&'static str, f32, bool, &'static str) {
@@ -219,15 +265,16 @@ mod tests {
                 training,
                 ..Preset::R3
             };
-            let found = check(&preset).map_err(|e| e.key).err();
-            assert_eq!(found, expected, "{noise:?} {training:?}");
+            let found = check(&preset);
+            let keys: Vec<&str> = found.iter().map(|found| &*found.key).collect();
+            assert_eq!(keys, Vec::from_iter(expected), "{noise:?} {training:?}");
         }
     }
 
     #[test]
     fn bad_values_are_refused_by_name() {
         type Spoil = fn(&mut Preset, f32);
-        let keys: [(&str, Spoil); 13] = [
+        let keys: [(&str, Spoil); 14] = [
             ("agent_radius_px", |p, v| p.agent_radius_px = v),
             ("object_radius_px", |p, v| p.object_radius_px = v),
             ("medium_speed_px_per_frame", |p, v| {
@@ -251,15 +298,22 @@ mod tests {
                 p.push = Push::Friction(v)
             }),
             ("half_side_px", |p, v| p.half_side_px = v),
+            ("fitness", |p, v| {
+                let accuracy = if v < 0.0 { 0.0 } else { v };
+                p.fitness = Some(Weights {
+                    accuracy,
+                    ..Weights::default()
+                });
+            }),
         ];
         for (key, spoil) in keys {
             for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e9] {
                 let mut preset = Preset::R3;
                 spoil(&mut preset, value);
-                assert_eq!(
-                    check(&preset).map_err(|e| e.key).err(),
-                    Some(key),
-                    "{key} = {value}"
+                let found = check(&preset);
+                assert!(
+                    found.iter().any(|found| found.key.starts_with(key)),
+                    "{key} = {value}: {found:?}"
                 );
             }
         }

@@ -3,13 +3,12 @@
 use crate::arithmetic::{greater, lesser};
 use crate::chance::Noise;
 use crate::heading::cos_sin;
+use crate::obstacle::{Obstacles, Post, Wall};
 use crate::preset::{Contact, Preset};
 use crate::trial::MAX_AGENTS;
 
 /// An agent this much further than contact still faces the object for the count of pushing agents (ours).
 const FACING_MARGIN_PX: f32 = 1.0;
-/// Below this squared distance two centres coincide; keeps `0 / 0` out of the contact direction (ours).
-pub(crate) const COINCIDENT_SQ: f32 = 1e-12;
 /// Culls leave out only what is at least this much too far to matter: their rounding can never change a result (ours).
 const CULL_MARGIN_PX: f32 = 1.0;
 
@@ -64,8 +63,11 @@ impl Constants {
         let (photo_cos, photo_sin) = cos_sin(p.photo.angle_steps);
         let half_speed = 0.5 * p.medium_speed_px_per_frame;
         let agent_limit = p.half_side_px - p.agent_radius_px;
-        // The furthest that wheels take an agent in a frame.
-        let stride = 4.0 * half_speed;
+        // The furthest that wheels take an agent in a frame, or, along obstacles, a leap.
+        let stride = match p.has_obstacles() {
+            true => greater(4.0 * half_speed, p.agent_radius_px),
+            false => 4.0 * half_speed,
+        };
         let near_object = greater(p.ir_range_px + p.object_radius_px, touch + stride);
         let near_agent = greater(p.ir_range_px + p.agent_radius_px, pair + 2.0 * stride);
         let near_wall = lesser(agent_limit - stride, p.half_side_px - p.ir_range_px);
@@ -97,5 +99,13 @@ impl Constants {
             cull_agent_sq: sq(near_agent + CULL_MARGIN_PX),
             cull_wall: near_wall - CULL_MARGIN_PX,
         }
+    }
+
+    /// Some of the obstacles of a field.
+    pub(crate) fn obstacles(p: &Preset, walls: &[Wall], posts: &[Post]) -> Obstacles {
+        let radii = [p.agent_radius_px, p.object_radius_px];
+        let stride = 2.0 * p.medium_speed_px_per_frame;
+        let range = greater(p.ir_range_px, p.agent_radius_px + stride) + CULL_MARGIN_PX;
+        Obstacles::new(walls, posts, radii, range)
     }
 }

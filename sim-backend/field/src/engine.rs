@@ -3,10 +3,11 @@
 use thiserror::Error;
 
 use crate::constants::Constants;
+use crate::lanes::{Lanes, portable, stream};
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::{Lanes, avx2, avx512, twice::Twice};
-use crate::lanes::{portable, stream};
+use crate::lanes::{avx2, avx512, twice::Twice};
 use crate::model::{Model, TeamSize};
+use crate::obstacle::Obstacles;
 use crate::run::run_trial;
 use crate::trial::{Outcome, Trial};
 
@@ -79,7 +80,7 @@ impl Engine {
     pub fn run(self, model: &Model, team: TeamSize, trials: &[Trial], outcomes: &mut Vec<Outcome>) {
         outcomes.clear();
         outcomes.resize(trials.len(), Outcome::default());
-        let c = &model.constants;
+        let c = (&model.constants, &model.obstacles);
         match self.0 {
             Kind::Scalar => {
                 for (trial, outcome) in trials.iter().zip(outcomes) {
@@ -97,22 +98,40 @@ impl Engine {
     }
 }
 
-/// Runs the kernel of a team size known only at run time, with one type of lanes for a single agent, whose frame is one long
+/// What a field is like, and what stands on it.
+type Field<'a> = (&'a Constants, &'a Obstacles);
+
+/// Runs the kernel of a team size and a kind of field known only at run time, with one type of lanes for a single agent, whose frame is one long
 /// chain of steps that wait for each other, and one for more.
 macro_rules! for_team {
-    ($run:ident, $alone:ty, $together:ty, $team:expr, $($argument:expr),*) => {
+    ($run:ident, $alone:ty, $together:ty, $team:expr, $cpu:expr, $c:expr, $trials:expr, $outcomes:expr) => {
+        match $c.1.is_empty() {
+            true => for_team!($run, $alone, $together, $team, false, $cpu, $c, $trials, $outcomes),
+            false => for_team!($run, $alone, $together, $team, true, $cpu, $c, $trials, $outcomes),
+        }
+    };
+    ($run:ident, $alone:ty, $together:ty, $team:expr, $walled:literal, $($argument:expr),*) => {
         match $team.get() {
-            1 => $run::<$alone, 1>($($argument),*),
-            2 => $run::<$together, 2>($($argument),*),
-            3 => $run::<$together, 3>($($argument),*),
-            _ => $run::<$together, 4>($($argument),*),
+            1 => $run::<$alone, 1, $walled>($($argument),*),
+            2 => $run::<$together, 2, $walled>($($argument),*),
+            3 => $run::<$together, 3, $walled>($($argument),*),
+            _ => $run::<$together, 4, $walled>($($argument),*),
         }
     };
 }
 
-fn run_portable(c: &Constants, team: TeamSize, trials: &[Trial], outcomes: &mut [Outcome]) {
+fn run_portable(c: Field<'_>, team: TeamSize, trials: &[Trial], outcomes: &mut [Outcome]) {
     use portable::Floats;
-    use stream::run;
+    /// A function of its own for every kernel: together, some of them are a third slower (measured).
+    #[inline(never)]
+    fn run<T: Lanes<Cpu = ()>, const N: usize, const WALLED: bool>(
+        (): (),
+        c: Field<'_>,
+        trials: &[Trial],
+        outcomes: &mut [Outcome],
+    ) {
+        stream::run::<T, N, WALLED>((), c, trials, outcomes);
+    }
     for_team!(run, Floats, Floats, team, (), c, trials, outcomes);
 }
 
@@ -120,7 +139,7 @@ fn run_portable(c: &Constants, team: TeamSize, trials: &[Trial], outcomes: &mut 
 #[target_feature(enable = "avx2")]
 fn run_avx2(
     cpu: avx2::Cpu,
-    c: &Constants,
+    c: Field<'_>,
     team: TeamSize,
     trials: &[Trial],
     outcomes: &mut [Outcome],
@@ -129,13 +148,13 @@ fn run_avx2(
     /// A function of its own for every kernel, so that each has all registers.
     #[inline(never)]
     #[target_feature(enable = "avx2")]
-    fn run<T: Lanes<Cpu = avx2::Cpu>, const N: usize>(
+    fn run<T: Lanes<Cpu = avx2::Cpu>, const N: usize, const WALLED: bool>(
         cpu: avx2::Cpu,
-        c: &Constants,
+        c: Field<'_>,
         trials: &[Trial],
         outcomes: &mut [Outcome],
     ) {
-        stream::run::<T, N>(cpu, c, trials, outcomes);
+        stream::run::<T, N, WALLED>(cpu, c, trials, outcomes);
     }
     for_team!(run, Twice<F32x8>, F32x8, team, cpu, c, trials, outcomes);
 }
@@ -144,7 +163,7 @@ fn run_avx2(
 #[target_feature(enable = "avx512f,avx512dq")]
 fn run_avx512(
     cpu: avx512::Cpu,
-    c: &Constants,
+    c: Field<'_>,
     team: TeamSize,
     trials: &[Trial],
     outcomes: &mut [Outcome],
@@ -152,13 +171,13 @@ fn run_avx512(
     use avx512::F32x16;
     #[inline(never)]
     #[target_feature(enable = "avx512f,avx512dq")]
-    fn run<T: Lanes<Cpu = avx512::Cpu>, const N: usize>(
+    fn run<T: Lanes<Cpu = avx512::Cpu>, const N: usize, const WALLED: bool>(
         cpu: avx512::Cpu,
-        c: &Constants,
+        c: Field<'_>,
         trials: &[Trial],
         outcomes: &mut [Outcome],
     ) {
-        stream::run::<T, N>(cpu, c, trials, outcomes);
+        stream::run::<T, N, WALLED>(cpu, c, trials, outcomes);
     }
     for_team!(run, Twice<F32x16>, F32x16, team, cpu, c, trials, outcomes);
 }

@@ -6,8 +6,8 @@ use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
 
 impl Preset {
     /// Names the numbers of this field, whatever it is called: the first eight bytes of the SHA-256 over all of them, in the
-    /// order of a file, little-endian, words as their place in their list, noise only where there is some. Never 0. What
-    /// tables are evolved on is no part of the field.
+    /// order of a file, little-endian, words as their place in their list, obstacles and noise only where there are some. Never
+    /// 0. What tables are evolved on and for is no part of the field.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Sha256::new();
@@ -52,6 +52,7 @@ impl Preset {
             Contact::Blocking => 1.0,
         });
         add(self.half_side_px);
+        self.obstacles().into_iter().for_each(&mut add);
         if !self.noise.is_none() {
             add(self.noise.sensor_flips_per_1024.into());
             add(self.noise.wheel_slips_per_1024.into());
@@ -62,13 +63,38 @@ impl Preset {
             .map_or(0, |bytes| u64::from_le_bytes(*bytes));
         first.max(1)
     }
+
+    /// The numbers of walls and posts, each list behind its length; nothing where there are none.
+    fn obstacles(&self) -> Vec<f32> {
+        let drawn = self.drawn_posts;
+        if self.walls.is_empty() && self.posts.is_empty() && drawn.is_none() {
+            return Vec::new();
+        }
+        let mut numbers = vec![self.walls.len() as f32];
+        for wall in self.walls.iter() {
+            numbers.extend(wall.from_px.into_iter().chain(wall.to_px));
+        }
+        numbers.push(self.posts.len() as f32);
+        for post in self.posts.iter() {
+            numbers.extend(post.at_px.into_iter().chain([post.radius_px]));
+        }
+        if let Some(posts) = drawn {
+            // No f32 holds every seed.
+            let halves = [posts.seed >> 16, posts.seed & 0xffff].map(|half| half as f32);
+            numbers.extend([f32::from(posts.count), posts.radius_px]);
+            numbers.extend(halves);
+        }
+        numbers
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chance::Noise;
+    use crate::obstacle::{DrawnPosts, Post, Wall};
     use crate::training::Training;
+    use crate::weights::Weights;
 
     #[test]
     fn every_field_has_a_name_of_its_own() {
@@ -88,12 +114,38 @@ mod tests {
             }
             .fingerprint(),
         );
+        let obstacle = Preset {
+            walls: vec![Wall {
+                from_px: [0.0, 1.0],
+                to_px: [2.0, 3.0],
+            }]
+            .into(),
+            ..Preset::R3
+        };
+        names.push(obstacle.fingerprint());
+        let at_px = [0.0, 1.0];
+        let post = |radius_px| Preset {
+            posts: vec![Post { at_px, radius_px }].into(),
+            ..Preset::R3
+        };
+        names.extend([post(1.0).fingerprint(), post(2.0).fingerprint()]);
+        let drawn = |seed| Preset {
+            drawn_posts: Some(DrawnPosts {
+                count: 1,
+                radius_px: 1.0,
+                seed,
+            }),
+            ..Preset::R3
+        };
+        let seeds = [1, 2, 1 << 31, (1 << 31) + 1];
+        names.extend(seeds.map(|seed| drawn(seed).fingerprint()));
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), Preset::ALL.len() + 2);
+        assert_eq!(names.len(), Preset::ALL.len() + 2 + 7);
         let renamed = Preset {
             name: "mine".into(),
             training: Some(Training::default()),
+            fitness: Some(Weights::default()),
             ..Preset::R3
         };
         assert_eq!(renamed.fingerprint(), Preset::R3.fingerprint());

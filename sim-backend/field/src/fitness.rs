@@ -2,7 +2,8 @@
 //!
 //! The paper prints E₁ and E₂ and adds that the places of agent and object "at the termination of the execution time" were
 //! compared with those "at the termination of the evaluation time", but not what followed from the comparison. So there are
-//! three rules: its formulas alone, its formulas with the comparison as we read it, and one of ours.
+//! three rules: its formulas alone, its formulas with the comparison as we read it, and one of ours. A preset may weigh what
+//! they are made of as it likes ([`Weights`]).
 
 use std::fmt;
 
@@ -11,20 +12,21 @@ use serde::{Deserialize, Serialize};
 use crate::model::TeamSize;
 use crate::preset::Preset;
 use crate::trial::{Outcome, Snapshot};
+use crate::weights::Weights;
 
 /// K₁ of Eq. (2), points · px.
 const K1: f32 = 1000.0;
 /// K₂ of Eq. (3), points · frames.
 const K2: f32 = 600.0;
 /// Points of one goal (paper III.b.3).
-const GOAL_POINTS: f32 = 100.0;
+pub const GOAL_POINTS: f32 = 100.0;
 /// Distances below this count as this, so that a perfect trial has a finite E₁ (ours: it makes K₁ / d the 100 points).
 const NEAREST_PX: f32 = 10.0;
 /// An agent this much further than contact is still with the object (ours; the paper "compared the positioning").
 const WITH_OBJECT_PX: f32 = 20.0;
 
 /// How a trial is scored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FitnessRule {
     /// The 100 points if the object was [delivered], else E₁, at most what it is on the goal's edge. An object that was
@@ -36,27 +38,31 @@ pub enum FitnessRule {
     /// and still is at the end of the evaluation time; else an accident, which earns no E₂ and no more E₁ than the goal's
     /// edge.
     Compared,
+    /// The sum that a preset asks for, 0 to 100 points.
+    Weighted(Weights),
 }
 
 impl fmt::Display for FitnessRule {
     /// The name, as files and command lines have it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::AntiAccident => "anti-accident",
-            Self::Literal => "literal",
-            Self::Compared => "compared",
-        })
+        match self {
+            Self::AntiAccident => f.write_str("anti-accident"),
+            Self::Literal => f.write_str("literal"),
+            Self::Compared => f.write_str("compared"),
+            Self::Weighted(weights) => write!(f, "weighted ({weights})"),
+        }
     }
 }
 
 impl FitnessRule {
-    /// The rule of a preset when nobody asks for another: the literal one for the paper's literal constants.
+    /// The rule of a preset when nobody asks for another: its weights, or the literal one for the paper's
+    /// literal constants.
     #[must_use]
     pub fn usual(preset: &Preset) -> Self {
-        if *preset == Preset::PAPER {
-            Self::Literal
-        } else {
-            Self::AntiAccident
+        match preset.fitness {
+            Some(weights) => Self::Weighted(weights),
+            None if *preset == Preset::PAPER => Self::Literal,
+            None => Self::AntiAccident,
         }
     }
 
@@ -71,6 +77,7 @@ impl FitnessRule {
             Self::Compared if accompanied(preset, team, outcome) => both(),
             Self::AntiAccident | Self::Compared => accuracy(distance).min(edge),
             Self::Literal => both(),
+            Self::Weighted(weights) => weighted(weights, preset, team, outcome),
         }
     }
 }
@@ -92,10 +99,34 @@ pub fn efficiency(reached_frame: u32) -> f32 {
 }
 
 /// Whether one and the same agent is with the object at both instants.
-fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
-    let near = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
-    let with = |snapshot: &Snapshot, agent: usize| snapshot.agents_px[agent] <= near;
+#[must_use]
+pub fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
+    let with = |snapshot: &Snapshot, agent: usize| is_with_object(preset, snapshot, agent);
     (0..team.get()).any(|agent| with(&outcome.executed, agent) && with(&outcome.evaluated, agent))
+}
+
+/// What a preset's weights make of what the field counts.
+fn weighted(weights: Weights, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
+    let is = |is: bool| f32::from(u8::from(is));
+    let with = |agent: &usize| is_with_object(preset, &outcome.evaluated, *agent);
+    let companions = (0..team.get()).filter(with).count() as f32;
+    let counted = [
+        is(delivered(preset, team, outcome)),
+        is(outcome.reached_frame > 0),
+        is(accompanied(preset, team, outcome)),
+        companions,
+        accuracy(outcome.evaluated.goal_px),
+        efficiency(outcome.reached_frame),
+    ];
+    let terms = weights.terms().into_iter().zip(counted);
+    let sum = terms.fold(0.0, |sum, ((_, weight), counted)| sum + weight * counted);
+    sum.clamp(0.0, GOAL_POINTS)
+}
+
+/// Whether an agent is with the object at one instant.
+fn is_with_object(preset: &Preset, snapshot: &Snapshot, agent: usize) -> bool {
+    let near_px = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
+    snapshot.agents_px[agent] <= near_px
 }
 
 /// Whether a trial is solved, whatever the rule: the object is at the goal in the end, and not by accident.
@@ -203,5 +234,105 @@ mod tests {
     #[test]
     fn the_largest_score_is_solved() {
         assert!(solved(100.0) && !solved(99.9));
+    }
+
+    #[test]
+    fn a_trial_earns_the_sum_of_what_is_weighed() {
+        // Two of three agents with the object in the end, one of them the whole time; at the goal from frame 60 on.
+        let outcome = Outcome {
+            rows_read: 0,
+            reached_frame: 60,
+            executed: Snapshot {
+                goal_px: 50.0,
+                agents_px: [90.0, 300.0, 300.0, 0.0],
+            },
+            evaluated: Snapshot {
+                goal_px: 50.0,
+                agents_px: [90.0, 90.0, 300.0, 0.0],
+            },
+        };
+        let none = Weights::default();
+        let rows = [
+            (none, 0.0, ""),
+            (
+                Weights {
+                    delivered: 60.0,
+                    ..none
+                },
+                60.0,
+                "60 delivered",
+            ),
+            (
+                Weights {
+                    reached: 5.0,
+                    ..none
+                },
+                5.0,
+                "5 reached",
+            ),
+            (
+                Weights {
+                    accompanied: 7.0,
+                    ..none
+                },
+                7.0,
+                "7 accompanied",
+            ),
+            (
+                Weights {
+                    each_companion: 3.0,
+                    ..none
+                },
+                6.0,
+                "3 each_companion",
+            ),
+            (
+                Weights {
+                    accuracy: 1.5,
+                    ..none
+                },
+                30.0,
+                "1.5 accuracy",
+            ),
+            (
+                Weights {
+                    efficiency: 2.0,
+                    ..none
+                },
+                20.0,
+                "2 efficiency",
+            ),
+            (
+                Weights {
+                    delivered: 60.0,
+                    each_companion: -10.0,
+                    efficiency: 2.0,
+                    ..none
+                },
+                60.0,
+                "60 delivered + -10 each_companion + 2 efficiency",
+            ),
+            (
+                Weights {
+                    delivered: 90.0,
+                    accuracy: 1.0,
+                    ..none
+                },
+                100.0,
+                "90 delivered + 1 accuracy",
+            ),
+            (
+                Weights {
+                    each_companion: -1.0,
+                    ..none
+                },
+                0.0,
+                "-1 each_companion",
+            ),
+        ];
+        for (weights, expected, name) in rows {
+            let points = weighted(weights, &Preset::N, TeamSize::ALL[2], &outcome);
+            assert_eq!((points, &*weights.to_string()), (expected, name));
+        }
     }
 }

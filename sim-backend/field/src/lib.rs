@@ -33,21 +33,25 @@ mod fitness;
 mod heading;
 mod lanes;
 mod model;
+mod obstacle;
 mod preset;
 mod responses;
+mod room;
 mod run;
 mod sight;
 mod training;
 mod trial;
+mod weights;
 mod world;
 mod written;
 
 pub use chance::Noise;
-pub use check::PresetError;
+pub use check::{Finding, PresetError};
 pub use engine::{Engine, EngineError};
-pub use fitness::{FitnessRule, accuracy, delivered, efficiency, solved};
+pub use fitness::{FitnessRule, GOAL_POINTS, accompanied, accuracy, delivered, efficiency, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
+pub use obstacle::{DrawnPosts, MAX_OBSTACLES, Post, Wall};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};
 pub use run::{TrialRun, run_trial};
@@ -56,4 +60,5 @@ pub use trial::{
     EVALUATION_FRAMES, EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, Point, Pose, Snapshot,
     TRIAL_FRAMES, Trial,
 };
+pub use weights::Weights;
 pub use world::World;

@@ -2,10 +2,12 @@
 
 use thiserror::Error;
 
-use crate::check::{PresetError, check};
+use crate::check::{Finding, PresetError, check};
 use crate::constants::Constants;
 use crate::heading::cos_sin;
+use crate::obstacle::{Body, Obstacles, Post, Wall};
 use crate::preset::{Corner, Goals, Preset, Start};
+use crate::room;
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose};
 
 /// How many agents share a field: 1 to [`MAX_AGENTS`].
@@ -42,22 +44,40 @@ impl TeamSize {
 pub struct Model {
     preset: Preset,
     starts: [Pose; MAX_AGENTS],
+    posts: Vec<Post>,
     pub(crate) constants: Constants,
+    pub(crate) obstacles: Obstacles,
 }
 
 impl Model {
     /// Checks a preset.
     ///
     /// # Errors
-    /// The first value that is not finite or outside its range.
+    /// Every value that is not finite or outside its range, and every place that a wall or a post is in the way of.
     pub fn new(preset: Preset) -> Result<Self, PresetError> {
-        check(&preset)?;
-        let starts = start_poses(&preset);
+        let refused = |findings: Vec<Finding>| PresetError {
+            preset: preset.name.to_string(),
+            findings,
+        };
+        let mut findings = check(&preset);
+        let (starts, goals) = (start_poses(&preset), training_goals(preset.goals));
+        let places = room::places(&preset, &starts, &goals);
+        if findings.is_empty() {
+            findings = room::crowded(&preset, &places);
+        }
+        findings.extend(room::shapes(&preset));
+        if !findings.is_empty() {
+            return Err(refused(findings));
+        }
+        let posts = room::posts(&preset, &places).map_err(|found| refused(vec![found]))?;
         let constants = Constants::new(&preset);
+        let obstacles = Constants::obstacles(&preset, &preset.walls, &posts);
         let model = Self {
             preset,
             starts,
+            posts,
             constants,
+            obstacles,
         };
         model.layout(starts, model.training_goals()[0])?;
         Ok(model)
@@ -72,30 +92,31 @@ impl Model {
     /// The eight goals of an evaluation, goal 1 on +x, counter-clockwise (paper Fig. 13 right).
     #[must_use]
     pub fn training_goals(&self) -> [Point; 8] {
-        std::array::from_fn(|k| self.goal_towards(k as u8 * 8))
+        training_goals(self.preset.goals)
+    }
+
+    /// The walls inside the field.
+    #[must_use]
+    pub fn walls(&self) -> &[Wall] {
+        &self.preset.walls
+    }
+
+    /// The posts, those at drawn places last.
+    #[must_use]
+    pub fn posts(&self) -> &[Post] {
+        &self.posts
+    }
+
+    /// Whether a body of this radius touches neither wall nor post at this place.
+    #[must_use]
+    pub fn is_clear(&self, at: Point, radius_px: f32) -> bool {
+        self.obstacles.clearance_px(at) >= radius_px
     }
 
     /// The goal in any of the 64 directions, on the same circle or square as the training goals.
     #[must_use]
     pub fn goal_towards(&self, heading: u8) -> Point {
-        let (cos, sin) = cos_sin(heading);
-        match self.preset.goals {
-            Goals::CirclePx(radius) => Point {
-                x_px: radius * cos,
-                y_px: radius * sin,
-            },
-            Goals::SquarePx(half) => {
-                let longest = if cos.abs() > sin.abs() {
-                    cos.abs()
-                } else {
-                    sin.abs()
-                };
-                Point {
-                    x_px: half * (cos / longest),
-                    y_px: half * (sin / longest),
-                }
-            }
-        }
+        goal_towards(self.preset.goals, heading)
     }
 
     /// A goal on the way from one of the 64 directions to the next: `part` is 0 to 1. On the square it stays on its side, on
@@ -121,7 +142,8 @@ impl Model {
     /// Any starts with any goal, for held-out trials.
     ///
     /// # Errors
-    /// A pose or a goal that is not finite or outside the field, or a start that overlaps the object or another start.
+    /// A pose or a goal that is not finite or outside the field, or a start that overlaps the object, an obstacle or
+    /// another start.
     pub fn layout(&self, starts: [Pose; MAX_AGENTS], goal: Point) -> Result<Layout, PresetError> {
         let limit = self.constants.agent_limit;
         for pose in &starts {
@@ -142,6 +164,12 @@ impl Model {
                 self.constants.touch_sq,
                 "no overlap",
             )?;
+            let obstacles = &self.obstacles;
+            if !obstacles.lets(Body::Agent, a.position(), a.position()) {
+                let key = "distance from a start to a wall or post";
+                let clearance_px = obstacles.clearance_px(a.position());
+                return Err(self.refusal(key, clearance_px, "no overlap"));
+            }
             for b in &starts[..i] {
                 let (dx, dy) = (a.x_px - b.x_px, a.y_px - b.y_px);
                 apart(
@@ -165,9 +193,32 @@ impl Model {
     fn refusal(&self, key: &'static str, value: f32, needs: &'static str) -> PresetError {
         PresetError {
             preset: self.preset.name.to_string(),
-            key,
-            value,
-            needs,
+            findings: vec![Finding::new(key, value, needs)],
+        }
+    }
+}
+
+fn training_goals(goals: Goals) -> [Point; 8] {
+    std::array::from_fn(|k| goal_towards(goals, k as u8 * 8))
+}
+
+fn goal_towards(goals: Goals, heading: u8) -> Point {
+    let (cos, sin) = cos_sin(heading);
+    match goals {
+        Goals::CirclePx(radius) => Point {
+            x_px: radius * cos,
+            y_px: radius * sin,
+        },
+        Goals::SquarePx(half) => {
+            let longest = if cos.abs() > sin.abs() {
+                cos.abs()
+            } else {
+                sin.abs()
+            };
+            Point {
+                x_px: half * (cos / longest),
+                y_px: half * (sin / longest),
+            }
         }
     }
 }
@@ -214,12 +265,14 @@ mod tests {
         let mut preset = Preset::N;
         preset.starts.distance_px = 20.0;
         let error = Model::new(preset).expect_err("agents inside the object");
-        assert_eq!(error.key, "distance from a start to the object");
+        assert_eq!(error.keys(), ["distance from a start to the object"]);
         let mut preset = Preset::N;
         preset.starts.corners[1] = preset.starts.corners[0];
         assert_eq!(
-            Model::new(preset).expect_err("two agents in one place").key,
-            "distance between two starts"
+            Model::new(preset)
+                .expect_err("two agents in one place")
+                .keys(),
+            ["distance between two starts"]
         );
     }
 

@@ -5,8 +5,10 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 use crate::chance::Noise;
+use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
+use crate::weights::Weights;
 
 /// Half the side of the paper's field (III.b.3: 800 × 800 px).
 pub(crate) const HALF_SIDE_PX: f32 = 400.0;
@@ -45,10 +47,18 @@ pub struct Preset {
     pub contact: Contact,
     /// Half the side of the square field; 400 in every preset that ships (paper III.b.3: 800 × 800 px).
     pub half_side_px: f32,
+    /// Straight walls inside the field; none in every preset that ships.
+    pub walls: Cow<'static, [Wall]>,
+    /// Round posts, likewise.
+    pub posts: Cow<'static, [Post]>,
+    /// Further posts at drawn places.
+    pub drawn_posts: Option<DrawnPosts>,
     /// What goes wrong by chance; nothing in every preset that ships.
     pub noise: Noise,
     /// What tables are evolved on; `None` for the eight goals from these starts, again and again (the paper).
     pub training: Option<Training>,
+    /// What trials are worth; `None` for the rules that ship.
+    pub fitness: Option<Weights>,
 }
 
 /// The part of an overlap by which pushing agents move the object; below 1 it is too heavy for them to keep their speed.
@@ -177,8 +187,12 @@ impl Preset {
         },
         contact: Contact::Blocking,
         half_side_px: HALF_SIDE_PX,
+        walls: Cow::Borrowed(&[]),
+        posts: Cow::Borrowed(&[]),
+        drawn_posts: None,
         noise: Noise::NONE,
         training: None,
+        fitness: None,
     };
 
     /// Near starts, short light, bodies that slide: the order 3 > 2 > 4 of the means (ours).
@@ -207,8 +221,12 @@ impl Preset {
         },
         contact: Contact::Sliding,
         half_side_px: HALF_SIDE_PX,
+        walls: Cow::Borrowed(&[]),
+        posts: Cow::Borrowed(&[]),
+        drawn_posts: None,
         noise: Noise::NONE,
         training: None,
+        fitness: None,
     };
 
     /// Large agents that block each other: redundant agents learn to keep out (ours).
@@ -243,8 +261,12 @@ impl Preset {
         },
         contact: Contact::Blocking,
         half_side_px: HALF_SIDE_PX,
+        walls: Cow::Borrowed(&[]),
+        posts: Cow::Borrowed(&[]),
+        drawn_posts: None,
         noise: Noise::NONE,
         training: None,
+        fitness: None,
     };
 
     /// LB with a wider goal and a larger object (ours).
@@ -328,6 +350,13 @@ impl Preset {
         Self::LB4,
         Self::PAPER,
     ];
+
+    /// Whether there are walls or posts inside the field.
+    #[must_use]
+    pub fn has_obstacles(&self) -> bool {
+        let drawn = self.drawn_posts.map_or(0, |drawn| drawn.count);
+        !self.walls.is_empty() || !self.posts.is_empty() || drawn > 0
+    }
 
     /// The shipped preset of this name, whatever the case.
     #[must_use]

@@ -3,6 +3,7 @@
 use crate::arithmetic::greater;
 use crate::constants::Constants;
 use crate::heading::cos_sin;
+use crate::obstacle::Obstacle;
 use crate::trial::{Point, Pose};
 
 /// An agent's place and direction, from which it looks.
@@ -57,6 +58,32 @@ impl Sight {
             cuts(ahead, left),
             cuts(ahead_cos - left_sin, left_cos + ahead_sin),
         ]
+    }
+
+    /// Whether the left, front and right IR sensors' segments cut a post or cross a wall.
+    pub(crate) fn obstacle(&self, obstacle: &Obstacle, c: &Constants) -> [bool; 3] {
+        let [from, to] = obstacle.ends.map(|end| self.to(end));
+        if obstacle.radius > 0.0 {
+            return self.ir(from, obstacle.radius_sq, c);
+        }
+        // The ends of the wall, with the sensor straight ahead.
+        let crosses = |from: (f32, f32), to: (f32, f32)| {
+            // Where the wall crosses the sensor's line: so far ahead, times `across`.
+            let across = from.1 - to.1;
+            let ahead = (to.0 * from.1 - from.0 * to.1) * across;
+            from.1 * to.1 < 0.0 && ahead > 0.0 && ahead < c.ir_range * (across * across)
+        };
+        let turned = |Ray { ahead, left, .. }: Ray| {
+            let (ahead_cos, left_sin) = (ahead * c.ir_cos, left * c.ir_sin);
+            let (left_cos, ahead_sin) = (left * c.ir_cos, ahead * c.ir_sin);
+            [
+                (ahead_cos + left_sin, left_cos - ahead_sin),
+                (ahead, left),
+                (ahead_cos - left_sin, left_cos + ahead_sin),
+            ]
+        };
+        let (from, to) = (turned(from), turned(to));
+        std::array::from_fn(|k| crosses(from[k], to[k]))
     }
 
     /// Whether the tips of the left, front and right IR sensors lie beyond a wall.

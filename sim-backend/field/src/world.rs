@@ -3,11 +3,12 @@
 //! One frame (swarm model, in this order): every agent senses the state at the start of the frame; every agent turns and
 //! drives; bodies that overlap are separated and the object is pushed. [`Contact`] says how bodies meet.
 
-use crate::arithmetic::{clamp, greater};
+use crate::arithmetic::{COINCIDENT_SQ, clamp, greater};
 use crate::chance::{Stream, Upset};
-use crate::constants::{COINCIDENT_SQ, Constants};
+use crate::constants::Constants;
 use crate::heading::cos_sin;
 use crate::model::{Model, TeamSize};
+use crate::obstacle::{Body, Obstacles};
 use crate::preset::Contact;
 use crate::responses::Wheels;
 use crate::sight::Sight;
@@ -17,6 +18,7 @@ use crate::trial::{Layout, MAX_AGENTS, Point, Pose, Snapshot};
 #[derive(Clone, Debug)]
 pub struct World {
     constants: Constants,
+    obstacles: Obstacles,
     team: TeamSize,
     agents: [Pose; MAX_AGENTS],
     object: Point,
@@ -41,6 +43,7 @@ impl World {
         let (upsets, noise) = layout.noise.frame(model.constants.noise, team.get());
         Self {
             constants: model.constants,
+            obstacles: model.obstacles,
             team,
             agents: layout.starts,
             object: Point::default(),
@@ -112,8 +115,8 @@ impl World {
         match self.constants.contact {
             Contact::Sliding => {
                 for (i, wheels) in wheels.iter().enumerate().take(self.team.get()) {
-                    let Point { x_px, y_px } = self.turn_and_step(i, *wheels);
-                    (self.agents[i].x_px, self.agents[i].y_px) = (x_px, y_px);
+                    let to = self.turn_and_step(i, *wheels);
+                    self.move_agent(i, to);
                 }
                 self.separate_agents();
                 self.push_object();
@@ -138,6 +141,10 @@ impl World {
                 let seen = sight.ir(sight.to(other.position()), c.agent_radius_sq, c);
                 ir = std::array::from_fn(|k| ir[k] | seen[k]);
             }
+        }
+        for obstacle in self.obstacles.iter() {
+            let seen = sight.obstacle(obstacle, c);
+            ir = std::array::from_fn(|k| ir[k] | seen[k]);
         }
         let walls = sight.walls(c);
         let lit = |light, range_sq: f32| sight.photo(light, range_sq, c);
@@ -171,9 +178,18 @@ impl World {
         }
     }
 
+    /// Sliding: agent `i` goes to a place inside the field, or as near to it as obstacles let it.
+    fn move_agent(&mut self, i: usize, to: Point) {
+        let (from, limit) = (self.agents[i].position(), self.constants.agent_limit);
+        let at = self.obstacles.settle(Body::Agent, from, to, limit);
+        let Point { x_px, y_px } = at.unwrap_or(from);
+        (self.agents[i].x_px, self.agents[i].y_px) = (x_px, y_px);
+    }
+
     /// Sliding: agents that overlap move apart by half the overlap each, pair by pair; then all are put back into the field.
     fn separate_agents(&mut self) {
         let n = self.team.get();
+        let before = self.agents;
         for i in 0..n {
             for j in i + 1..n {
                 let (dx, dy) = (
@@ -193,8 +209,13 @@ impl World {
             }
         }
         let limit = self.constants.agent_limit;
-        for agent in &mut self.agents[..n] {
-            (agent.x_px, agent.y_px) = (clamp(agent.x_px, limit), clamp(agent.y_px, limit));
+        for (i, before) in before.into_iter().enumerate().take(n) {
+            let Pose { x_px, y_px, .. } = std::mem::replace(&mut self.agents[i], before);
+            let to = Point {
+                x_px: clamp(x_px, limit),
+                y_px: clamp(y_px, limit),
+            };
+            self.move_agent(i, to);
         }
     }
 
@@ -223,14 +244,23 @@ impl World {
             1.0
         };
         let part = capped * c.push[pushers - 1];
-        self.object.x_px = clamp(self.object.x_px + part * sum_x, c.object_limit);
-        self.object.y_px = clamp(self.object.y_px + part * sum_y, c.object_limit);
+        let to = Point {
+            x_px: clamp(self.object.x_px + part * sum_x, c.object_limit),
+            y_px: clamp(self.object.y_px + part * sum_y, c.object_limit),
+        };
+        let settled = self
+            .obstacles
+            .settle(Body::Object, self.object, to, c.object_limit);
+        self.object = settled.unwrap_or(self.object);
         for i in 0..self.team.get() {
             if let Some((overlap, dx, dy, distance)) = self.overlap(i) {
                 let per_px = overlap / distance;
-                let agent = &mut self.agents[i];
-                agent.x_px = clamp(agent.x_px - per_px * dx, c.agent_limit);
-                agent.y_px = clamp(agent.y_px - per_px * dy, c.agent_limit);
+                let agent = self.agents[i];
+                let to = Point {
+                    x_px: clamp(agent.x_px - per_px * dx, c.agent_limit),
+                    y_px: clamp(agent.y_px - per_px * dy, c.agent_limit),
+                };
+                self.move_agent(i, to);
             }
         }
     }
@@ -257,11 +287,15 @@ impl World {
         c.push[facing.saturating_sub(1)]
     }
 
-    /// Blocking: agent `i` drives, unless that would press into another agent or press the object into one or into a wall.
+    /// Blocking: agent `i` drives, along obstacles where they are in its way, unless that would press into another agent or
+    /// press the object into one, into the border or into an obstacle.
     fn drive_blocking(&mut self, i: usize, wheels: Wheels, push: f32) {
         let c = self.constants;
-        let mut target = self.turn_and_step(i, wheels);
-        let mut blocked = self.others_press(i, self.agents[i].position(), target, c.pair_sq);
+        let from = self.agents[i].position();
+        let to = self.turn_and_step(i, wheels);
+        let settled = self.obstacles.settle(Body::Agent, from, to, c.agent_limit);
+        let mut target = settled.unwrap_or(to);
+        let mut blocked = settled.is_none() || self.others_press(i, from, target, c.pair_sq);
         let (dx, dy) = (
             self.object.x_px - target.x_px,
             self.object.y_px - target.y_px,
@@ -279,9 +313,17 @@ impl World {
                 y_px: self.object.y_px + yielded * dy,
             };
             blocked |= c.object_limit < greater(pushed.x_px.abs(), pushed.y_px.abs())
+                || !self.obstacles.lets(Body::Object, self.object, pushed)
                 || self.others_press(i, self.object, pushed, c.touch_sq);
-            target.x_px = clamp(target.x_px - refused * dx, c.agent_limit);
-            target.y_px = clamp(target.y_px - refused * dy, c.agent_limit);
+            let back = Point {
+                x_px: clamp(target.x_px - refused * dx, c.agent_limit),
+                y_px: clamp(target.y_px - refused * dy, c.agent_limit),
+            };
+            let settled = self
+                .obstacles
+                .settle(Body::Agent, target, back, c.agent_limit);
+            blocked |= settled.is_none();
+            target = settled.unwrap_or(back);
             if !blocked {
                 self.object = pushed;
             }

@@ -5,9 +5,11 @@ use std::borrow::Cow;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use crate::chance::Noise;
+use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::preset::{Contact, Corner, Goals, HALF_SIDE_PX, Photo, Preset, Push, Start, Starts};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
+use crate::weights::Weights;
 
 impl Serialize for Preset {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -63,12 +65,22 @@ struct Written {
     /// Left out where it is the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     half_side_px: Option<f32>,
+    /// Left out where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    walls: Option<Vec<Wall>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    posts: Option<Vec<Post>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drawn_posts: Option<DrawnPosts>,
     /// Left out where nothing goes wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     noise: Option<Noise>,
     /// Left out where nothing is drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     training: Option<Training>,
+    /// Left out where a rule that ships is meant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fitness: Option<Weights>,
 }
 
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
@@ -123,8 +135,12 @@ impl From<Preset> for Written {
             friction_per_stall_force,
             contact: Some(p.contact),
             half_side_px: (p.half_side_px != HALF_SIDE_PX).then_some(p.half_side_px),
+            walls: (!p.walls.is_empty()).then(|| p.walls.into_owned()),
+            posts: (!p.posts.is_empty()).then(|| p.posts.into_owned()),
+            drawn_posts: p.drawn_posts,
             noise: (!p.noise.is_none()).then_some(p.noise),
             training: p.training,
+            fitness: p.fitness,
         }
     }
 }
@@ -198,8 +214,12 @@ impl Written {
                 .half_side_px
                 .or(base.half_side_px)
                 .unwrap_or(HALF_SIDE_PX),
+            walls: file.walls.or(base.walls).unwrap_or_default().into(),
+            posts: file.posts.or(base.posts).unwrap_or_default().into(),
+            drawn_posts: file.drawn_posts.or(base.drawn_posts),
             noise: file.noise.or(base.noise).unwrap_or_default(),
             training: file.training.or(base.training),
+            fitness: file.fitness.or(base.fitness),
         })
     }
 

@@ -2,8 +2,8 @@
 //! the trials; and those bits are the ones on record.
 
 use field::{
-    Contact, Engine, Model, Noise, Outcome, Photo, Pose, Preset, Push, Responses, TeamSize, Trial,
-    Wheels,
+    Contact, DrawnPosts, Engine, Model, Noise, Outcome, Photo, Pose, Post, Preset, Push, Responses,
+    TeamSize, Trial, Wall, Wheels,
 };
 
 /// Numbers for tables and starts (SplitMix64).
@@ -48,7 +48,7 @@ impl Random {
 }
 
 /// The shipped presets and those that leave their paths: narrow eyes, slow sliding in a crowd, agents that reach further in a
-/// frame than they see, sliding and blocking, and noise from seldom to always.
+/// frame than they see, sliding and blocking, noise from seldom to always, and obstacles.
 fn presets() -> Vec<Preset> {
     let mut presets = Preset::ALL.to_vec();
     presets.push(Preset {
@@ -95,7 +95,73 @@ fn presets() -> Vec<Preset> {
             ..preset
         });
     }
+    presets.extend(walled());
     presets
+}
+
+/// A pen of walls with an acute corner, gaps narrower than an agent and than an object, posts that touch walls and each other,
+/// drawn ones, as many as there may be; bodies that slide and bodies that block.
+fn walled() -> Vec<Preset> {
+    let wall = |from_px, to_px| Wall { from_px, to_px };
+    let post = |at_px, radius_px| Post { at_px, radius_px };
+    let corner = [
+        wall([-150.0, 110.0], [150.0, 110.0]),
+        wall([150.0, 110.0], [40.0, 160.0]),
+        wall([-150.0, -150.0], [-150.0, 70.0]),
+    ];
+    let gate = [
+        post([140.0, -30.0], 12.0),
+        post([140.0, 45.0], 18.0),
+        post([0.0, -130.0], 25.0),
+        post([55.0, -130.0], 30.5),
+        post([-150.0, -150.0], 40.0),
+    ];
+    let drawn = |count, seed| {
+        Some(DrawnPosts {
+            count,
+            radius_px: 15.0,
+            seed,
+        })
+    };
+    let around = |preset: &Preset, drawn_posts| Preset {
+        name: format!("{} walled", preset.name).into(),
+        walls: corner.to_vec().into(),
+        posts: gate.to_vec().into(),
+        drawn_posts,
+        goals: field::Goals::SquarePx(290.0),
+        ..preset.clone()
+    };
+    let noisy = Preset {
+        noise: Noise {
+            sensor_flips_per_1024: 30,
+            wheel_slips_per_1024: 30,
+        },
+        ..around(&Preset::N, None)
+    };
+    let fast = Preset {
+        medium_speed_px_per_frame: 12.0,
+        push: Push::Fitted {
+            solo: 1.0,
+            team: 1.0,
+        },
+        ..around(&Preset::PAPER, drawn(8, 3))
+    };
+    let close = Preset {
+        medium_speed_px_per_frame: 14.0,
+        ..around(&Preset::LB, drawn(8, 4))
+    };
+    vec![
+        around(&Preset::N, drawn(8, 1)),
+        around(&Preset::LB2, drawn(8, 2)),
+        Preset {
+            walls: Vec::new().into(),
+            posts: Vec::new().into(),
+            ..around(&Preset::R3, drawn(16, 5))
+        },
+        noisy,
+        fast,
+        close,
+    ]
 }
 
 fn trials(model: &Model, seed: u64) -> Vec<Trial> {
@@ -180,7 +246,7 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
 /// A change of these numbers is a change of the model: every table ever evolved and every figure would be another.
 #[test]
 fn the_bits_are_the_ones_on_record() {
-    let record: [(&str, [u64; 4]); 9] = [
+    let record: [(&str, [u64; 4]); 11] = [
         (
             "R3",
             [
@@ -262,6 +328,24 @@ fn the_bits_are_the_ones_on_record() {
                 0x271d_323c_37ba_a38c,
             ],
         ),
+        (
+            "N walled",
+            [
+                0xc48e_47ed_2b89_9ff7,
+                0xe02a_4f0c_375f_fa08,
+                0x2dfa_cdf1_0b67_586b,
+                0x0a60_e924_c366_61c5,
+            ],
+        ),
+        (
+            "LB2 walled",
+            [
+                0xfa4a_7291_155c_3699,
+                0x7804_c5a5_8f19_cd13,
+                0x775c_71b5_a8b1_210b,
+                0x04d6_e469_9ec7_cbf4,
+            ],
+        ),
     ];
     let noisy = Preset {
         noise: Noise {
@@ -270,7 +354,9 @@ fn the_bits_are_the_ones_on_record() {
         },
         ..Preset::R3
     };
-    let now = Preset::ALL.into_iter().chain([noisy]).map(|preset| {
+    let walled = walled().into_iter().take(2);
+    let presets = Preset::ALL.into_iter().chain([noisy]).chain(walled);
+    let now = presets.map(|preset| {
         let model = Model::new(preset).expect("a shipped preset");
         let trials = trials(&model, 1);
         TeamSize::ALL.map(|team| fingerprint(&run(Engine::fastest(), &model, team, &trials)))

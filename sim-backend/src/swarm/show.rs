@@ -3,7 +3,7 @@
 use field::{
     EXECUTION_FRAMES, HEADINGS, Model, Push, TRIAL_FRAMES, TrialRun, accuracy, efficiency, solved,
 };
-use shm_schemas::{AgentTruth, ArenaTruth, FieldTruth, Text};
+use shm_schemas::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, Text, WallTruth};
 
 use super::{Answer, Swarm};
 
@@ -91,5 +91,19 @@ fn describe(model: &Model, arena: &mut ArenaTruth) {
         Push::Fitted { .. } => 0.0,
     };
     arena.yielding = preset.push.by_agents();
+    let (walls, posts) = (model.walls(), model.posts());
+    (arena.wall_count, arena.post_count) = (walls.len() as u32, posts.len() as u32);
+    for (shown, wall) in arena.walls.iter_mut().zip(walls) {
+        *shown = WallTruth {
+            from_px: wall.from_px,
+            to_px: wall.to_px,
+        };
+    }
+    for (shown, post) in arena.posts.iter_mut().zip(posts) {
+        *shown = PostTruth {
+            at_px: post.at_px,
+            radius_px: post.radius_px,
+        };
+    }
     arena.preset = Text::new(&preset.name);
 }

@@ -25,7 +25,7 @@ fn evolved(preset: Preset, agents: usize, sharing: Sharing, seed: u64) -> TableF
         agents,
         sharing,
         sensors: SensorOrder::default(),
-        fitness_rule: FitnessRule::usual(&preset),
+        fitness_rule: FitnessRule::usual(&preset).into(),
         preset,
     };
     let condition = setup.build().expect("a valid setup");

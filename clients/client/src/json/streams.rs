@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 use shm_schemas::{
     AgentSensors, AgentTruth, ArenaTruth, FieldTruth, FingerReport, HandFrame, HandReport,
-    JointState, ObjectTruth, RunHeader, SensorStatus, Stamp, TickReport, TrialTruth, View,
-    WheelCommands, WorldTruth,
+    JointState, ObjectTruth, PostTruth, RunHeader, SensorStatus, Stamp, TickReport, TrialTruth,
+    View, WallTruth, WheelCommands, WorldTruth,
 };
 
 use super::{age_ns, names};
@@ -199,6 +199,10 @@ pub fn arena(arena: &ArenaTruth) -> Value {
     let fields = arena.fields.iter().take(arena.field_count as usize);
     let mut past: Vec<&TrialTruth> = arena.trials.iter().filter(|past| past.goal != 0).collect();
     past.sort_unstable_by_key(|past| past.trial);
+    let walls = arena.walls.iter().take(arena.wall_count as usize);
+    let wall = |wall: &WallTruth| json!({ "from_px": wall.from_px, "to_px": wall.to_px });
+    let posts = arena.posts.iter().take(arena.post_count as usize);
+    let post = |post: &PostTruth| json!({ "at_px": post.at_px, "radius_px": post.radius_px });
     let value = json!({
         "frame": arena.frame,
         "trial": arena.trial,
@@ -223,6 +227,8 @@ pub fn arena(arena: &ArenaTruth) -> Value {
         "goal_light_px": arena.goal_light_px,
         "friction_stall_forces": (arena.friction_stall_forces > 0.0).then_some(arena.friction_stall_forces),
         "yielding": arena.yielding,
+        "walls": walls.map(wall).collect::<Vec<_>>(),
+        "posts": posts.map(post).collect::<Vec<_>>(),
         "fields": fields.map(field).collect::<Vec<_>>(),
         "agents": agents.map(agent).collect::<Vec<_>>(),
         "trials": past.into_iter().map(trial).collect::<Vec<_>>(),

@@ -15,9 +15,9 @@ use ebts::error::{Error, Result};
 use ebts::evaluate::GoalPoints;
 use ebts::files::{remove_if_there, sibling};
 use ebts::run::{self, Census, Rise, Run};
+use ebts::scoring::Scoring;
 use ebts::table_file::TableFile;
 use ebts::workers::Workers;
-use field::FitnessRule;
 
 use super::options::{EngineArgs, EvolutionArgs};
 use super::progress::style;
@@ -75,7 +75,7 @@ struct Evolved<'a> {
     agents: usize,
     seed: u64,
     generations: u32,
-    fitness_rule: FitnessRule,
+    fitness_rule: &'a Scoring,
     fitness: f32,
     points: GoalPoints,
     rises: &'a [Rise],
@@ -117,7 +117,7 @@ pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
         agents: record.agents,
         seed: record.seed,
         generations: state.generations,
-        fitness_rule: state.condition.fitness,
+        fitness_rule: &state.condition.fitness,
         fitness: record.fitness(),
         points: record.points,
         rises: &record.rises,
@@ -148,7 +148,7 @@ fn begin(args: &EvolveArgs, checkpoint: &Path) -> Result<Checkpoint> {
         agents: args.agents,
         sharing: args.evolution.sharing(),
         sensors: args.evolution.sensors(),
-        fitness_rule: args.evolution.fitness_rule(&preset),
+        fitness_rule: args.evolution.fitness_rule(&preset).into(),
         preset,
     }
     .build()?;

@@ -13,9 +13,10 @@ use ebts::experiment::read_folder;
 use ebts::files::write_atomically;
 use ebts::plot::{BehaviourRow, Panel, behaviour_rows, behaviour_strip, fig14, trajectories};
 use ebts::replay::traces;
+use ebts::scoring::Scoring;
 use ebts::table::behaviour;
 use ebts::table_file::TableFile;
-use field::{Engine, FitnessRule, SENSORS, run_trial};
+use field::{Engine, SENSORS, run_trial};
 
 use super::{Format, answer, course, grasp};
 
@@ -36,16 +37,17 @@ pub(crate) struct ShowArgs {
 struct Shown {
     agents: usize,
     preset: String,
-    fitness_rule: FitnessRule,
+    fitness_rule: Scoring,
     seed: Option<u64>,
     generations: Option<u32>,
     edited: bool,
     hash: String,
     fitness: f32,
     points: GoalPoints,
-    /// Whether this version of the program evaluates the table to the same bits.
-    fitness_repeats: bool,
-    held_out: HeldOut,
+    /// Whether this version of the program evaluates the table to the same bits; null if it does not have the rule.
+    fitness_repeats: Option<bool>,
+    /// Null likewise.
+    held_out: Option<HeldOut>,
     tables: Vec<Vec<ShownRow>>,
 }
 
@@ -78,6 +80,15 @@ fn rehash(path: &Path) -> Result<TableFile> {
     let mut file = TableFile::read_edited(path)?;
     let before = TableFile::read(path).ok().map(|intact| intact.hash());
     if before.is_none() {
+        let rule = &file.condition.fitness;
+        if !rule.is_here() {
+            return Err(Error::refused(
+                format_args!("judge {}", path.display()),
+                format_args!("its rule {rule} is of a type of somebody's own"),
+                "a rule that ships",
+                "judge it where it was evolved, or name a fitness_rule that ships",
+            ));
+        }
         file.edited = true;
         file.code_version = env!("CARGO_PKG_VERSION").to_owned();
         file.individual.points = Evaluator::points_of(&file.condition, &file.individual.genome);
@@ -88,6 +99,7 @@ fn rehash(path: &Path) -> Result<TableFile> {
 
 fn shown(file: &TableFile) -> Shown {
     let condition = &file.condition;
+    let genome = &file.individual.genome;
     let rows_read = rows_read(file);
     let row = |table: &ebts::table::Table, row: usize| ShownRow {
         sensors: std::array::from_fn(|s| (row >> s & 1) as u8),
@@ -95,20 +107,25 @@ fn shown(file: &TableFile) -> Shown {
         behaviour: behaviour(table.level(row, 0), table.level(row, 1)),
         read: rows_read >> row & 1 == 1,
     };
-    let tables = condition.tables_of(&file.individual.genome);
+    let tables = condition.tables_of(genome);
     Shown {
         agents: condition.team.get(),
         preset: condition.model.preset().name.to_string(),
-        fitness_rule: condition.fitness,
+        fitness_rule: condition.fitness.clone(),
         seed: file.origin.map(|origin| origin.seed),
         generations: file.origin.map(|origin| origin.generations),
         edited: file.edited,
         hash: file.hash(),
         fitness: file.individual.fitness(),
         points: file.individual.points,
-        fitness_repeats: Evaluator::points_of(condition, &file.individual.genome)
-            == file.individual.points,
-        held_out: held_out(condition, Engine::fastest(), &file.individual.genome),
+        fitness_repeats: condition
+            .fitness
+            .is_here()
+            .then(|| Evaluator::points_of(condition, genome) == file.individual.points),
+        held_out: condition
+            .fitness
+            .is_here()
+            .then(|| held_out(condition, Engine::fastest(), genome)),
         tables: tables
             .iter()
             .map(|table| (0..table.shape().rows()).map(|r| row(table, r)).collect())
@@ -149,10 +166,10 @@ fn describe(path: &Path, shown: &Shown) -> String {
         shown.agents,
         shown.preset
     );
-    let repeats = if shown.fitness_repeats {
-        "repeats to the bit"
-    } else {
-        "DOES NOT REPEAT with this version"
+    let repeats = match shown.fitness_repeats {
+        Some(true) => "repeats to the bit",
+        Some(false) => "DOES NOT REPEAT with this version",
+        None => "not judged again: that rule is a type of somebody's own",
     };
     let points = shown.points.map(|points| format!("{points:.1}")).join("  ");
     let _ = writeln!(
@@ -160,16 +177,18 @@ fn describe(path: &Path, shown: &Shown) -> String {
         "fitness {:.1} of 800 by the rule {} ({repeats})\npoints per goal: {points}",
         shown.fitness, shown.fitness_rule
     );
-    let HeldOut {
+    if let Some(HeldOut {
         goals,
         starts,
         goals_and_starts,
         ..
-    } = shown.held_out;
-    let _ = writeln!(
-        text,
-        "held out: other goals {goals:.1}, other starts {starts:.1}, both {goals_and_starts:.1}"
-    );
+    }) = shown.held_out
+    {
+        let _ = writeln!(
+            text,
+            "held out: other goals {goals:.1}, other starts {starts:.1}, both {goals_and_starts:.1}"
+        );
+    }
     let _ = writeln!(text, "hash {}", shown.hash);
     for (index, table) in shown.tables.iter().enumerate() {
         if shown.tables.len() > 1 {
@@ -276,7 +295,7 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
     let shown = &traces[usize::from(args.goal) - 1];
     write_atomically(&strip, behaviour_strip(shown)?.as_bytes())?;
     let behaviour = behaviour_rows(shown, &PAPER_FRAMES);
-    let rule = file.condition.fitness;
+    let rule = file.condition.fitness.word();
     let panel = |(goal, (trace, points))| Panel {
         title: format!("goal {}: {points:.0} points ({rule})", goal + 1),
         trace,

@@ -25,7 +25,7 @@ pub(super) struct EvolutionArgs {
     /// Generations after the random population.
     #[arg(long, default_value_t = 2000)]
     pub(super) generations: u32,
-    /// How trials are scored [default: anti-accident; literal for the preset "paper"].
+    /// How trials are scored [default: as the preset's key fitness says, else anti-accident; literal for the preset "paper"].
     #[arg(long, value_enum)]
     fitness: Option<Fitness>,
     /// Individuals per population, an even number.

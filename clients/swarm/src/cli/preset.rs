@@ -23,7 +23,7 @@ pub(crate) struct PresetArgs {
 }
 
 /// What every key means, in the order in which a file has them.
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 23] = [
     ("name", "how people call it"),
     ("agent_radius_px", "1 to 100"),
     ("object_radius_px", "1 to 100"),
@@ -81,12 +81,28 @@ const KEYS: [(&str, &str); 19] = [
         "half the side of the square field; 400 if left out",
     ),
     (
+        "walls",
+        "straight walls inside the field, each { from_px = [x, y], to_px = [x, y] }; nobody passes, IR sees them",
+    ),
+    (
+        "posts",
+        "round posts likewise, each { at_px = [x, y], radius_px = r }",
+    ),
+    (
+        "drawn_posts",
+        "further posts at places that a seed names: { count, radius_px, seed }; with walls and posts at most 16",
+    ),
+    (
         "noise",
         "chances in 1024 per frame: a sensor says the opposite; a wheel slips and stands still",
     ),
     (
         "training",
         "trials drawn for every generation: starts, goals: drawn or preset; draws: sets of eight goals",
+    ),
+    (
+        "fitness",
+        "points of a trial, 0 to 100: the sum of delivered, reached, accompanied, each_companion, and times E1 accuracy, times E2 efficiency",
     ),
 ];
 
@@ -170,6 +186,26 @@ mod tests {
                 wheel_slips_per_1024: 20,
             },
             training: Some(field::Training::default()),
+            walls: vec![field::Wall {
+                from_px: [-10.0, 90.5],
+                to_px: [10.0, 90.0],
+            }]
+            .into(),
+            posts: vec![field::Post {
+                at_px: [0.0, 120.0],
+                radius_px: 3.0,
+            }]
+            .into(),
+            drawn_posts: Some(field::DrawnPosts {
+                count: 2,
+                radius_px: 9.5,
+                seed: u32::MAX,
+            }),
+            fitness: Some(field::Weights {
+                delivered: 60.0,
+                each_companion: -1.5,
+                ..field::Weights::default()
+            }),
             ..Preset::N
         };
         for preset in Preset::ALL.into_iter().chain([wide, drawn]) {

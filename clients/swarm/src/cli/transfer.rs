@@ -6,11 +6,12 @@ use clap::Args;
 use serde::Serialize;
 
 use ebts::analysis::{Transfer, UNSEEN_SETS, transfer, transfers};
-use ebts::error::Result;
+use ebts::error::{Error, Result};
 use ebts::experiment::read_folder;
+use ebts::scoring::Scoring;
 use ebts::table_file::TableFile;
 use ebts::workers::pool;
-use field::{FitnessRule, Places, Preset};
+use field::{Places, Preset};
 
 use super::options::EngineArgs;
 use super::report;
@@ -37,7 +38,7 @@ pub(crate) struct TransferArgs {
 #[derive(Serialize)]
 struct Transferred {
     preset: String,
-    fitness_rule: FitnessRule,
+    fitness_rule: Scoring,
     /// Whether starts, goals or both were drawn while the tables were evolved.
     training: Option<field::Training>,
     /// Sets of eight unseen trials of each kind.
@@ -46,7 +47,7 @@ struct Transferred {
 }
 
 impl Transferred {
-    fn new(preset: &Preset, fitness_rule: FitnessRule, teams: Vec<Transfer>) -> Self {
+    fn new(preset: &Preset, fitness_rule: Scoring, teams: Vec<Transfer>) -> Self {
         Self {
             preset: preset.name.to_string(),
             fitness_rule,
@@ -67,14 +68,29 @@ fn measure(args: &TransferArgs) -> Result<Transferred> {
     if args.what.is_dir() {
         let (plan, records) = read_folder(&args.what)?;
         let teams = transfers(&plan, engine, &records)?;
-        return Ok(Transferred::new(&plan.preset, plan.fitness_rule, teams));
+        return Ok(Transferred::new(
+            &plan.preset,
+            plan.fitness_rule.into(),
+            teams,
+        ));
     }
     let file = TableFile::read(&args.what)?;
     let condition = &file.condition;
+    if !condition.fitness.is_here() {
+        return Err(Error::refused(
+            format_args!("judge {}", args.what.display()),
+            format_args!(
+                "its rule {} is of a type of somebody's own",
+                condition.fitness
+            ),
+            "a rule that ships",
+            "judge it where it was evolved",
+        ));
+    }
     let teams = vec![transfer(&file, engine)];
     Ok(Transferred::new(
         condition.model.preset(),
-        condition.fitness,
+        condition.fitness.clone(),
         teams,
     ))
 }

@@ -78,7 +78,7 @@ impl Plan {
                 team: TeamSize::new(agents).map_err(Error::from_part)?,
                 sharing: self.sharing,
                 sensors: self.sensors,
-                fitness: self.fitness_rule,
+                fitness: self.fitness_rule.into(),
             };
             training::check(&condition).map(|()| condition)
         };

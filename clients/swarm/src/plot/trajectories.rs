@@ -8,7 +8,7 @@ use super::{COLOURS, failed};
 use crate::analysis::{Frame, Trace};
 use crate::condition::Condition;
 use crate::error::Result;
-use field::{EXECUTION_FRAMES, Preset};
+use field::{EXECUTION_FRAMES, Model};
 
 /// Frames between two drawn outlines of a body.
 const OUTLINE_EVERY: usize = 45;
@@ -57,14 +57,15 @@ fn draw(condition: &Condition, panels: &[Panel], svg: &mut String) -> Drawing {
         .iter()
         .zip(above.split_evenly((rows.max(1), columns)))
     {
-        draw_trial(condition.model.preset(), panel, &area)?;
+        draw_trial(&condition.model, panel, &area)?;
     }
     legend(&below, condition.team.get())?;
     area.present()?;
     Ok(())
 }
 
-fn draw_trial(preset: &Preset, Panel { title, trace }: &Panel, area: &Area<'_>) -> Drawing {
+fn draw_trial(model: &Model, Panel { title, trace }: &Panel, area: &Area<'_>) -> Drawing {
+    let preset = model.preset();
     let half = preset.half_side_px;
     let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 14))
@@ -83,6 +84,14 @@ fn draw_trial(preset: &Preset, Panel { title, trace }: &Panel, area: &Area<'_>) 
         chart.draw_series([Polygon::new(inside(centre, range, half), colour.mix(0.10))])?;
     }
     chart.draw_series([Rectangle::new([(-half, -half), (half, half)], BLACK)])?;
+    for wall in model.walls() {
+        let line = [wall.from_px, wall.to_px].map(|[x, y]| (x, y));
+        chart.draw_series([PathElement::new(line, BLACK.stroke_width(3))])?;
+    }
+    for post in model.posts() {
+        let ([x, y], size) = (post.at_px, radius(post.radius_px));
+        chart.draw_series([Circle::new((x, y), size, BLACK.mix(0.7).filled())])?;
+    }
     chart.draw_series([Circle::new(
         goal,
         radius(preset.goal_radius_px),

@@ -6,6 +6,7 @@ mod program;
 mod search;
 mod tables;
 mod transfer;
+mod worlds;
 
 use std::collections::BTreeSet;
 use std::path::Path;

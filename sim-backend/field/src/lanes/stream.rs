@@ -10,6 +10,7 @@ use super::kernel::Fields;
 use super::results::Results;
 use super::seats::{Seats, WIDEST};
 use crate::constants::Constants;
+use crate::obstacle::Obstacles;
 use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
 
 /// Frames between two looks at the lanes; divides both instants of measurement. Six catches cycles of 1, 2, 3 and 6 frames,
@@ -22,13 +23,13 @@ const FILL_ONE_IN: u32 = 8;
 
 /// Simulates every trial with `N` agents; one outcome per trial.
 #[inline(always)]
-pub(crate) fn run<T: Lanes, const N: usize>(
+pub(crate) fn run<T: Lanes, const N: usize, const WALLED: bool>(
     cpu: T::Cpu,
-    c: &Constants,
+    (c, obstacles): (&Constants, &Obstacles),
     trials: &[Trial],
     outcomes: &mut [Outcome],
 ) {
-    let mut fields = Fields::<T, N>::new(cpu, c);
+    let mut fields = Fields::<T, N, WALLED>::new(cpu, c, obstacles);
     let mut desk = Desk {
         seats: Seats::empty(),
         queue: trials,

@@ -4,7 +4,7 @@ use super::Fields;
 use crate::chance::{PART_BITS, PARTS_LOG2, XORSHIFT};
 use crate::lanes::{Ints, Lanes};
 
-impl<T: Lanes, const N: usize> Fields<'_, T, N> {
+impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// What an agent's sensors say after chance; `ir` as 4 left, 8 front, 16 right.
     #[inline(always)]
     pub(super) fn mislead(&mut self, ir: T::Ints, photo: [T::Mask; 2]) -> (T::Ints, [T::Mask; 2]) {

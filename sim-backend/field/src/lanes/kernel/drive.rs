@@ -1,10 +1,11 @@
 //! How agents turn and drive, and how bodies meet.
 
 use super::{Fields, Team};
-use crate::constants::COINCIDENT_SQ;
+use crate::arithmetic::COINCIDENT_SQ;
 use crate::lanes::{Ints, Lanes, Mask};
+use crate::obstacle::Body;
 
-impl<T: Lanes, const N: usize> Fields<'_, T, N> {
+impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// Turns agent `i` and says where it would go.
     #[inline(always)]
     fn turn_and_step(&mut self, i: usize, code: T::Ints) -> (T, T) {
@@ -36,7 +37,12 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     #[inline(always)]
     pub(super) fn drive_sliding(&mut self, codes: Team<T::Ints, N>) {
         each_agent!(i of N {
-            (self.x[i], self.y[i]) = self.turn_and_step(i, codes[i]);
+            let from = (self.x[i], self.y[i]);
+            let to = self.turn_and_step(i, codes[i]);
+            (self.x[i], self.y[i]) = match WALLED && self.near[i].obstacles {
+                true => self.settled(Body::Agent, from, to),
+                false => to,
+            };
         });
         let met = self.separate_agents();
         self.push_object(met);
@@ -46,6 +52,7 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     #[inline(always)]
     fn separate_agents(&mut self) -> bool {
         let mut met = false;
+        let before = (self.x, self.y);
         each_agent!(i of N {
             each_agent!(j of N {
                 if i < j && (met || self.near[i].agents && self.near[j].agents) {
@@ -55,7 +62,8 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
         });
         if met {
             each_agent!(i of N {
-                (self.x[i], self.y[i]) = (self.inside(self.x[i]), self.inside(self.y[i]));
+                let to = (self.inside(self.x[i]), self.inside(self.y[i]));
+                (self.x[i], self.y[i]) = self.settled(Body::Agent, (before.0[i], before.1[i]), to);
             });
         }
         met
@@ -105,8 +113,12 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
         let capped = deepest / sum_sq.max(self.v(COINCIDENT_SQ)).sqrt();
         let capped = T::select((deepest * deepest).lt(sum_sq), capped, self.v(1.0));
         let part = capped * self.push_for(pushers);
-        self.object_x = self.clamp(self.object_x + part * sum_x, self.c.object_limit);
-        self.object_y = self.clamp(self.object_y + part * sum_y, self.c.object_limit);
+        let from = (self.object_x, self.object_y);
+        let to = (
+            self.clamp(from.0 + part * sum_x, self.c.object_limit),
+            self.clamp(from.1 + part * sum_y, self.c.object_limit),
+        );
+        (self.object_x, self.object_y) = self.settled(Body::Object, from, to);
         each_agent!(i of N { self.give_way(i, pushed) });
     }
 
@@ -119,8 +131,11 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
             let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
             let per_px = (self.v(self.c.touch) - distance) / distance;
             let per_px = T::select(touch, per_px, self.v(0.0));
-            self.x[i] = self.inside(self.x[i] - per_px * dx);
-            self.y[i] = self.inside(self.y[i] - per_px * dy);
+            let to = (
+                self.inside(self.x[i] - per_px * dx),
+                self.inside(self.y[i] - per_px * dy),
+            );
+            (self.x[i], self.y[i]) = self.settled(Body::Agent, (self.x[i], self.y[i]), to);
         }
     }
 
@@ -158,8 +173,11 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
         let from = (self.x[i], self.y[i]);
         let mut to = self.turn_and_step(i, code);
         let mut blocked = T::mask(self.cpu, 0);
+        if WALLED && self.near[i].obstacles {
+            (to, blocked) = self.settle(Body::Agent, from, to);
+        }
         if *met || self.near[i].agents {
-            blocked = self.others_press(i, from, to, self.c.pair_sq);
+            blocked = blocked | self.others_press(i, from, to, self.c.pair_sq);
         }
         if *met || self.near[i].object {
             *met |= self.push_ahead(i, &mut to, &mut blocked, push);
@@ -189,10 +207,18 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
         let walled = self.v(self.c.object_limit).lt_among(farthest, touch);
         let pressed = self.others_press(i, object, pushed, self.c.touch_sq);
         *blocked = *blocked | walled | (touch & pressed);
-        *to = (
+        let back = (
             self.inside(to.0 - refused * dx),
             self.inside(to.1 - refused * dy),
         );
+        if WALLED {
+            let barred = self.bars(Body::Object, object, pushed);
+            let (at, stopped) = self.settle(Body::Agent, *to, back);
+            *blocked = *blocked | (touch & barred) | stopped;
+            *to = at;
+        } else {
+            *to = back;
+        }
         self.object_moved = true;
         self.object_x = T::select(*blocked, object.0, pushed.0);
         self.object_y = T::select(*blocked, object.1, pushed.1);

@@ -30,21 +30,25 @@ macro_rules! each_agent {
 
 mod chance;
 mod drive;
+mod obstacles;
 mod sense;
 
 use super::results::Results;
 use super::seats::{Seats, WIDEST};
 use super::{Ints, Lanes, Mask};
 use crate::constants::Constants;
+use crate::obstacle::Obstacles;
 use crate::preset::Contact;
 
 /// One value per agent.
 type Team<T, const N: usize> = [T; N];
 
-/// The state of `T::WIDTH` fields with `N` agents each.
-pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize> {
+/// The state of `T::WIDTH` fields with `N` agents each; a kernel of its own for fields with walls or posts, so that nobody
+/// else pays for them.
+pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize, const WALLED: bool> {
     cpu: T::Cpu,
     c: &'a Constants,
+    obstacles: &'a Obstacles,
     x: Team<T, N>,
     y: Team<T, N>,
     heading: Team<T::Ints, N>,
@@ -73,6 +77,7 @@ pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize> {
 #[derive(Clone, Copy, Default)]
 struct Near {
     walls: bool,
+    obstacles: bool,
     object: bool,
     agents: bool,
 }
@@ -87,14 +92,15 @@ pub(in crate::lanes) struct Stance<T, const N: usize> {
     object_y: T,
 }
 
-impl<'a, T: Lanes, const N: usize> Fields<'a, T, N> {
+impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> {
     /// Empty fields.
     #[inline(always)]
-    pub(in crate::lanes) fn new(cpu: T::Cpu, c: &'a Constants) -> Self {
+    pub(in crate::lanes) fn new(cpu: T::Cpu, c: &'a Constants, obstacles: &'a Obstacles) -> Self {
         let (zero, none) = (T::splat(cpu, 0.0), T::int_splat(cpu, 0));
         Self {
             cpu,
             c,
+            obstacles,
             x: [zero; N],
             y: [zero; N],
             heading: [none; N],

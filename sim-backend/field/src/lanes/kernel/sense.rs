@@ -6,13 +6,13 @@ use crate::lanes::{Ints, Lanes, Mask};
 
 /// A target in the frame of the agent that looks.
 #[derive(Clone, Copy)]
-struct Ray<T> {
-    ahead: T,
-    left: T,
+pub(super) struct Ray<T> {
+    pub(super) ahead: T,
+    pub(super) left: T,
     distance_sq: T,
 }
 
-impl<T: Lanes, const N: usize> Fields<'_, T, N> {
+impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// The response code of every agent.
     #[inline(always)]
     pub(super) fn sense(&mut self, seats: &Seats<N>) -> Team<T::Ints, N> {
@@ -31,6 +31,9 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
             self.near[i].walls = self.v(self.c.cull_wall).lt(farthest).any();
             if self.near[i].walls {
                 ir = self.see_walls(ir, i);
+            }
+            if WALLED {
+                (ir, self.near[i].obstacles) = self.see_obstacles(ir, i);
             }
             let photo = self.see_lights(i, object);
             codes[i] = self.look_up(seats, i, ir, photo);
@@ -51,7 +54,7 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
     }
 
     #[inline(always)]
-    fn ray(&self, i: usize, dx: T, dy: T) -> Ray<T> {
+    pub(super) fn ray(&self, i: usize, dx: T, dy: T) -> Ray<T> {
         Ray {
             ahead: dx * self.cos[i] + dy * self.sin[i],
             left: dy * self.cos[i] - dx * self.sin[i],
@@ -99,7 +102,12 @@ impl<T: Lanes, const N: usize> Fields<'_, T, N> {
 
     /// Adds the IR sensors whose segments cut a circle.
     #[inline(always)]
-    fn ir(&self, seen: T::Ints, Ray { ahead, left, .. }: Ray<T>, radius_sq: f32) -> T::Ints {
+    pub(super) fn ir(
+        &self,
+        seen: T::Ints,
+        Ray { ahead, left, .. }: Ray<T>,
+        radius_sq: f32,
+    ) -> T::Ints {
         let (cos, sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
         let (ahead_cos, left_sin) = (ahead * cos, left * sin);
         let (left_cos, ahead_sin) = (left * cos, ahead * sin);

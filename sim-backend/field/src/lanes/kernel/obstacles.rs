@@ -1,0 +1,148 @@
+//! Walls and posts over lanes: the operations of [`crate::obstacle`] and of the reference's sight, in the same order.
+
+use super::Fields;
+use super::sense::Ray;
+use crate::arithmetic::COINCIDENT_SQ;
+use crate::lanes::{Lanes, Mask};
+use crate::obstacle::{Body, Obstacle};
+use crate::trial::Point;
+
+impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
+    /// Adds what agent `i` sees by IR of walls and posts; says whether any is near in some lane.
+    #[inline(always)]
+    pub(super) fn see_obstacles(&self, mut seen: T::Ints, i: usize) -> (T::Ints, bool) {
+        let mut near = false;
+        for obstacle in self.obstacles.iter() {
+            let (dx, dy) = self.apart_from(obstacle, (self.x[i], self.y[i]));
+            if (dx * dx + dy * dy).lt(self.v(obstacle.cull_sq)).any() {
+                near = true;
+                seen = self.see_obstacle(seen, i, obstacle);
+            }
+        }
+        (seen, near)
+    }
+
+    #[inline(always)]
+    fn see_obstacle(&self, seen: T::Ints, i: usize, obstacle: &Obstacle) -> T::Ints {
+        let [from, to] = obstacle.ends;
+        let from = self.ray_to(i, from);
+        if obstacle.radius > 0.0 {
+            return self.ir(seen, from, obstacle.radius_sq);
+        }
+        let (from, to) = (self.turned(from), self.turned(self.ray_to(i, to)));
+        seen | self.bit(self.crosses(from[0], to[0]), 4)
+            | self.bit(self.crosses(from[1], to[1]), 8)
+            | self.bit(self.crosses(from[2], to[2]), 16)
+    }
+
+    #[inline(always)]
+    fn ray_to(&self, i: usize, at: Point) -> Ray<T> {
+        let (x, y) = (self.v(at.x_px), self.v(at.y_px));
+        self.ray(i, x - self.x[i], y - self.y[i])
+    }
+
+    /// A place with the left, the front and the right IR sensor straight ahead.
+    #[inline(always)]
+    fn turned(&self, Ray { ahead, left, .. }: Ray<T>) -> [(T, T); 3] {
+        let (cos, sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
+        let (ahead_cos, left_sin) = (ahead * cos, left * sin);
+        let (left_cos, ahead_sin) = (left * cos, ahead * sin);
+        [
+            (ahead_cos + left_sin, left_cos - ahead_sin),
+            (ahead, left),
+            (ahead_cos - left_sin, left_cos + ahead_sin),
+        ]
+    }
+
+    /// Whether the segment straight ahead crosses a wall between these ends.
+    #[inline(always)]
+    fn crosses(&self, from: (T, T), to: (T, T)) -> T::Mask {
+        let zero = self.v(0.0);
+        let across = from.1 - to.1;
+        let ahead = (to.0 * from.1 - from.0 * to.1) * across;
+        let beyond = self.v(self.c.ir_range) * (across * across);
+        let apart = (from.1 * to.1).lt(zero);
+        ahead.lt_among(beyond, zero.lt_among(ahead, apart))
+    }
+
+    /// Where a body ends that goes `from` → `to`, and the lanes in which obstacles do not let it. What does not move stays.
+    #[inline(always)]
+    pub(super) fn settle(&self, body: Body, from: (T, T), to: (T, T)) -> ((T, T), T::Mask) {
+        let moved = self.moved(from, to);
+        if !moved.any() {
+            return (to, T::mask(self.cpu, 0));
+        }
+        let mut at = to;
+        for obstacle in self.obstacles.iter() {
+            at = self.put_out(body, obstacle, at);
+        }
+        let limit = match body {
+            Body::Agent => self.c.agent_limit,
+            Body::Object => self.c.object_limit,
+        };
+        at = (at.0.clamp(self.v(limit)), at.1.clamp(self.v(limit)));
+        let at = (T::select(moved, at.0, to.0), T::select(moved, at.1, to.1));
+        (at, moved & self.bars(body, from, at))
+    }
+
+    /// The same, where obstacles stop a body: it stays where it was in the lanes in which they do not let it.
+    #[inline(always)]
+    pub(super) fn settled(&self, body: Body, from: (T, T), to: (T, T)) -> (T, T) {
+        if !WALLED {
+            return to;
+        }
+        let (at, barred) = self.settle(body, from, to);
+        (
+            T::select(barred, from.0, at.0),
+            T::select(barred, from.1, at.1),
+        )
+    }
+
+    /// Lanes in which a body may not go `from` → `to` as it is.
+    #[inline(always)]
+    pub(super) fn bars(&self, body: Body, from: (T, T), to: (T, T)) -> T::Mask {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let leap = self.v(self.obstacles.leap_sq[body as usize]);
+        let mut barred = leap.lt(dx * dx + dy * dy);
+        for obstacle in self.obstacles.iter() {
+            let (dx, dy) = self.apart_from(obstacle, to);
+            let inside = self.v(obstacle.reach[body as usize].inside_sq);
+            barred = barred | (dx * dx + dy * dy).lt(inside);
+        }
+        barred
+    }
+
+    #[inline(always)]
+    fn moved(&self, from: (T, T), to: (T, T)) -> T::Mask {
+        let zero = self.v(0.0);
+        zero.lt((to.0 - from.0).max_abs(to.1 - from.1))
+    }
+
+    #[inline(always)]
+    fn put_out(&self, body: Body, obstacle: &Obstacle, at: (T, T)) -> (T, T) {
+        let (dx, dy) = self.apart_from(obstacle, at);
+        let (sq, reach) = (dx * dx + dy * dy, obstacle.reach[body as usize]);
+        let overlaps = sq.lt(self.v(reach.sq));
+        if !overlaps.any() {
+            return at;
+        }
+        let distance = sq.max(self.v(COINCIDENT_SQ)).sqrt();
+        let more = self.v(reach.px) / distance - self.v(1.0);
+        (
+            T::select(overlaps, at.0 + more * dx, at.0),
+            T::select(overlaps, at.1 + more * dy, at.1),
+        )
+    }
+
+    /// The vector from the nearest point of the obstacle's line to a place.
+    #[inline(always)]
+    fn apart_from(&self, obstacle: &Obstacle, (x, y): (T, T)) -> (T, T) {
+        let (dx, dy) = (
+            x - self.v(obstacle.middle.x_px),
+            y - self.v(obstacle.middle.y_px),
+        );
+        let (ux, uy) = (self.v(obstacle.along.x_px), self.v(obstacle.along.y_px));
+        let along = (dx * ux + dy * uy).clamp(self.v(obstacle.half));
+        (dx - along * ux, dy - along * uy)
+    }
+}

@@ -1,0 +1,333 @@
+//! Whether walls and posts leave room for everything else on the field, and where drawn posts stand.
+
+use crate::chance::{Stream, seed};
+use crate::check::Finding;
+use crate::constants::Constants;
+use crate::obstacle::{DrawnPosts, LEAP_MARGIN_PX, MAX_OBSTACLES, Obstacles, Post, Wall};
+use crate::preset::Preset;
+use crate::trial::{Point, Pose};
+
+/// A wall is not shorter than this (ours).
+const SHORTEST_PX: f32 = 1.0;
+/// Attempts to place one post before the field counts as too crowded (ours).
+const ATTEMPTS: usize = 1000;
+
+/// What has to be free of obstacles.
+pub(crate) struct Place {
+    name: String,
+    at: Point,
+    /// Of the body that has to fit in.
+    radius_px: f32,
+    needs: &'static str,
+}
+
+/// The starts, the object's, and the eight goals.
+pub(crate) fn places(preset: &Preset, starts: &[Pose], goals: &[Point]) -> Vec<Place> {
+    let place = |name: String, at, radius_px, needs| Place {
+        name,
+        at,
+        radius_px,
+        needs,
+    };
+    let (agent, object) = (preset.agent_radius_px, preset.object_radius_px);
+    let start = |(k, pose): (usize, &Pose)| {
+        let name = format!("the start of agent {}", k + 1);
+        place(name, pose.position(), agent, "at least the agent's radius")
+    };
+    let goal = |(k, &at): (usize, &Point)| {
+        let needs = "at least the object's radius, or it can never be there";
+        place(format!("goal {}", k + 1), at, object, needs)
+    };
+    let middle = Point::default();
+    let needs = "at least the object's radius";
+    let object = place("the start of the object".to_owned(), middle, object, needs);
+    let starts = starts.iter().enumerate().map(start);
+    let goals = goals.iter().enumerate().map(goal);
+    starts.chain([object]).chain(goals).collect()
+}
+
+/// Everything that is wrong with walls and posts by themselves.
+pub(crate) fn shapes(preset: &Preset) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut find = |key: String, value: f32, needs| findings.push(Finding::new(key, value, needs));
+    let half = preset.half_side_px;
+    let outside = |value: &f32| !(-half..=half).contains(value);
+    const INSIDE: &str = "finite numbers inside the field";
+    for (k, wall) in preset.walls.iter().enumerate() {
+        for (key, end) in [("from_px", wall.from_px), ("to_px", wall.to_px)] {
+            if let Some(value) = end.into_iter().find(outside) {
+                find(format!("{key} of wall {}", k + 1), value, INSIDE);
+            }
+        }
+        let length = wall.length_px();
+        if length < SHORTEST_PX {
+            find(
+                format!("the length of wall {}", k + 1),
+                length,
+                "1 px or more",
+            );
+        }
+    }
+    for (k, post) in preset.posts.iter().enumerate() {
+        if let Some(value) = post.at_px.into_iter().find(outside) {
+            find(format!("at_px of post {}", k + 1), value, INSIDE);
+        }
+        if !is_radius(post.radius_px, half) {
+            let key = format!("radius_px of post {}", k + 1);
+            find(key, post.radius_px, RADIUS);
+        }
+    }
+    if let Some(drawn) = preset.drawn_posts.filter(|d| !is_radius(d.radius_px, half)) {
+        find(
+            "radius_px of drawn_posts".to_owned(),
+            drawn.radius_px,
+            RADIUS,
+        );
+    }
+    let drawn = preset.drawn_posts.map_or(0, |drawn| drawn.count.into());
+    let count = preset.walls.len() + preset.posts.len() + drawn;
+    if count > MAX_OBSTACLES {
+        let key = "the number of walls and posts";
+        find(key.to_owned(), count as f32, "at most 16");
+    }
+    let smaller = preset.agent_radius_px.min(preset.object_radius_px);
+    // As far below a leap as a leap is below the radius: what wheels do is never taken for one.
+    let fastest = 0.5 * (smaller - 2.0 * LEAP_MARGIN_PX);
+    if count > 0 && !(0.0..=fastest).contains(&preset.medium_speed_px_per_frame) {
+        find(
+            "medium_speed_px_per_frame".to_owned(),
+            preset.medium_speed_px_per_frame,
+            "at most half of what the smaller radius has above 1 px where there are walls or posts, or bodies leap over them",
+        );
+    }
+    findings
+}
+
+const RADIUS: &str = "1 px to half the field's side";
+
+fn is_radius(value: f32, half_side_px: f32) -> bool {
+    (1.0..=half_side_px).contains(&value)
+}
+
+impl Wall {
+    fn length_px(&self) -> f32 {
+        let [from, to] = self.ends();
+        let (dx, dy) = (to.x_px - from.x_px, to.y_px - from.y_px);
+        (dx * dx + dy * dy).sqrt()
+    }
+}
+
+/// Every place that a wall or a post is too near to. An obstacle that is none is left out: NaN is not nearer than anything.
+pub(crate) fn crowded(preset: &Preset, places: &[Place]) -> Vec<Finding> {
+    let wall = |(k, wall): (usize, &Wall)| {
+        let alone = Constants::obstacles(preset, &[*wall], &[]);
+        (format!("wall {}", k + 1), alone)
+    };
+    let post = |(k, post): (usize, &Post)| {
+        let alone = Constants::obstacles(preset, &[], &[*post]);
+        (format!("post {}", k + 1), alone)
+    };
+    let walls = preset.walls.iter().enumerate().map(wall);
+    let posts = preset.posts.iter().enumerate().map(post);
+    let near = |(name, alone): (String, Obstacles)| {
+        let near = |place: &&Place| alone.clearance_px(place.at) < place.radius_px;
+        let finding = |place: &Place| {
+            let key = format!("the distance from {name} to {}", place.name);
+            Finding::new(key, alone.clearance_px(place.at), place.needs)
+        };
+        places.iter().filter(near).map(finding).collect::<Vec<_>>()
+    };
+    walls.chain(posts).flat_map(near).collect()
+}
+
+/// All posts: those that are given, then those that are drawn, on whole px.
+pub(crate) fn posts(preset: &Preset, places: &[Place]) -> Result<Vec<Post>, Finding> {
+    let mut posts = preset.posts.to_vec();
+    let Some(DrawnPosts {
+        count,
+        radius_px,
+        seed: named,
+    }) = preset.drawn_posts
+    else {
+        return Ok(posts);
+    };
+    let halves = [named >> 16, named & 0xffff].map(|half| half as f32);
+    let mut stream = Stream(seed(halves.into_iter()).max(1));
+    let limit = (preset.half_side_px - radius_px) as i32;
+    for _ in 0..count {
+        let mut coordinate = || (stream.word() % (2 * limit + 1) as u32) as i32 - limit;
+        let anywhere = |_| Post {
+            at_px: [coordinate() as f32, coordinate() as f32],
+            radius_px,
+        };
+        let free = |post: &Post| {
+            let alone = Constants::obstacles(preset, &[], &[*post]);
+            let clear = |place: &Place| alone.clearance_px(place.at) >= place.radius_px;
+            places.iter().all(clear)
+        };
+        let post = (0..ATTEMPTS).map(anywhere).find(free);
+        posts.push(post.ok_or_else(|| {
+            let needs = "room for them beside starts, object and goals: fewer, or smaller ones";
+            Finding::new("count of drawn_posts", count.into(), needs)
+        })?);
+    }
+    Ok(posts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+
+    fn wall(from_px: [f32; 2], to_px: [f32; 2]) -> Wall {
+        Wall { from_px, to_px }
+    }
+
+    fn post(at_px: [f32; 2], radius_px: f32) -> Post {
+        Post { at_px, radius_px }
+    }
+
+    /// N: starts at (±200, ±200), goals on the square of 250, radii of 25 and 50.
+    #[test]
+    fn everything_that_is_wrong_with_obstacles_is_named_at_once() {
+        let nan = f32::NAN;
+        let rows: [(&[Wall], &[Post], &[&str]); 10] = [
+            (
+                &[wall([-150.0, 90.0], [150.0, 90.0])],
+                &[post([100.0, -90.0], 20.0)],
+                &[],
+            ),
+            (
+                &[wall([-300.0, 190.0], [-100.0, 190.0])],
+                &[],
+                &["the distance from wall 1 to the start of agent 1"],
+            ),
+            (
+                &[wall([0.0, 0.0], [0.0, 100.0])],
+                &[],
+                &["the distance from wall 1 to the start of the object"],
+            ),
+            (
+                &[],
+                &[post([250.0, 0.0], 10.0)],
+                &["the distance from post 1 to goal 1"],
+            ),
+            (
+                &[wall([nan, 0.0], [90.0, 90.0])],
+                &[],
+                &["from_px of wall 1"],
+            ),
+            (
+                &[wall([0.0, 90.0], [0.0, 90.0])],
+                &[],
+                &["the length of wall 1"],
+            ),
+            (
+                &[wall([0.0, 90.0], [0.0, 401.0])],
+                &[],
+                &["to_px of wall 1"],
+            ),
+            (
+                &[],
+                &[post([0.0, 150.0], f32::INFINITY)],
+                &["radius_px of post 1", "the distance from post 1"],
+            ),
+            (
+                &[],
+                &[post([0.0, f32::NEG_INFINITY], 10.0)],
+                &["at_px of post 1"],
+            ),
+            (
+                &[
+                    wall([nan, 0.0], [0.0, nan]),
+                    wall([-300.0, -300.0], [300.0, 300.0]),
+                ],
+                &[post([0.0, 500.0], 0.5)],
+                &[
+                    "from_px of wall 1",
+                    "to_px of wall 1",
+                    "the distance from wall 2 to the start of agent 2",
+                    "wall 2 to the start of agent 3",
+                    "wall 2 to the start of the object",
+                    "wall 2 to goal 2",
+                    "wall 2 to goal 6",
+                    "at_px of post 1",
+                    "radius_px of post 1",
+                ],
+            ),
+        ];
+        for (walls, posts, expected) in rows {
+            let preset = Preset {
+                walls: walls.to_vec().into(),
+                posts: posts.to_vec().into(),
+                ..Preset::N
+            };
+            let found = Model::new(preset).map_or_else(|e| e.to_string(), |_| String::new());
+            assert_eq!(found.is_empty(), expected.is_empty(), "{found}");
+            for expected in expected {
+                assert!(
+                    found.contains(expected),
+                    "{found:?} does not say {expected:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn too_many_obstacles_and_bodies_that_leap_over_them_are_refused() {
+        let far = wall([-390.0, 390.0], [-380.0, 390.0]);
+        let drawn = |count| {
+            Some(DrawnPosts {
+                count,
+                radius_px: 5.0,
+                seed: 1,
+            })
+        };
+        let preset = |walls: usize, count, medium_speed_px_per_frame| Preset {
+            walls: vec![far; walls].into(),
+            drawn_posts: drawn(count),
+            medium_speed_px_per_frame,
+            ..Preset::N
+        };
+        let keys = |preset| Model::new(preset).map_err(|e| e.keys().join(" ")).err();
+        assert_eq!(keys(preset(8, 8, 12.0)), None);
+        let number = "the number of walls and posts".to_owned();
+        assert_eq!(keys(preset(8, 9, 12.0)), Some(number));
+        let speed = "medium_speed_px_per_frame".to_owned();
+        assert_eq!(keys(preset(1, 0, 12.1)), Some(speed));
+        let crowd = Preset {
+            drawn_posts: Some(DrawnPosts {
+                count: 1,
+                radius_px: 250.0,
+                seed: 1,
+            }),
+            ..Preset::N
+        };
+        assert_eq!(keys(crowd), Some("count of drawn_posts".to_owned()));
+    }
+
+    #[test]
+    fn drawn_posts_are_those_of_their_seed_and_touch_nothing() {
+        let posts = |seed| {
+            let preset = Preset {
+                drawn_posts: Some(DrawnPosts {
+                    count: 12,
+                    radius_px: 20.0,
+                    seed,
+                }),
+                ..Preset::R3
+            };
+            Model::new(preset).expect("room").posts().to_vec()
+        };
+        assert_eq!(posts(7), posts(7));
+        let mut all: Vec<Post> = (0..50).flat_map(posts).collect();
+        for post in &all {
+            let [x, y] = post.at_px;
+            assert!(x.abs() <= 380.0 && y.abs() <= 380.0, "{post:?}");
+            assert!((x * x + y * y).sqrt() >= 70.0, "{post:?} in the object");
+        }
+        all.sort_by(|a, b| a.at_px.partial_cmp(&b.at_px).expect("finite"));
+        all.dedup();
+        assert!(all.len() > 550, "{} places of 600 are different", all.len());
+    }
+}
