@@ -74,17 +74,19 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_TICK_REPORT "atas/v1/tick-report"
 #define ATAS_SERVICE_VIEW "atas/v1/view"
 #define ATAS_SERVICE_MODULE_EVENT "atas/v1/module-event"
-#define ATAS_SERVICE_RUN_HEADER "atas/v1/run-header"
+#define ATAS_SERVICE_RUN_HEADER "atas/v2/run-header"
 #define ATAS_SERVICE_TICK_INPUTS "atas/v6/tick-inputs"
 #define ATAS_SERVICE_SENSOR_STATUS "atas/v1/sensor-status"
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
 #define ATAS_SERVICE_WHEEL_COMMANDS "atas/v1/wheel-commands"
-#define ATAS_SERVICE_ARENA_TRUTH "atas/v1/arena-truth"
+#define ATAS_SERVICE_ARENA_TRUTH "atas/v2/arena-truth"
 
 // Hashes of the built-in layouts.
 #define ATAS_LAYOUT_HASH_DOME_41 0x952863cb70a35143u
 #define ATAS_LAYOUT_HASH_DOME_1 0xa5e79ed509103aeau
+#define ATAS_LAYOUT_HASH_FLAT_4X4_4.5 0x97e04f9a9ea46b5du
+#define ATAS_LAYOUT_HASH_CYLINDER_4X4_4.5_12 0xfe26b6b80fa0ce8du
 
 // Which hand.
 enum atas_hand {
@@ -1490,13 +1492,13 @@ typedef struct atas_hand_wiring_record {
     double tangent1[64][3];
     // Layout::tangent2.
     double tangent2[64][3];
-    // Layout::radius_m.
-    double radius_m;
+    // Layout::position_m.
+    double position_m[64][3];
     // Layout::element_area_m2.
     double element_area_m2;
 } atas_hand_wiring_record;
-#define ATAS_HAND_WIRING_RECORD_TYPE "atas.HandWiringRecord.v1"
-_Static_assert(sizeof(atas_hand_wiring_record) == 4648, "atas_hand_wiring_record");
+#define ATAS_HAND_WIRING_RECORD_TYPE "atas.HandWiringRecord.v2"
+_Static_assert(sizeof(atas_hand_wiring_record) == 6176, "atas_hand_wiring_record");
 _Static_assert(_Alignof(atas_hand_wiring_record) == 8, "atas_hand_wiring_record");
 _Static_assert(offsetof(atas_hand_wiring_record, fingers) == 0, "atas_hand_wiring_record.fingers");
 _Static_assert(offsetof(atas_hand_wiring_record, required) == 4, "atas_hand_wiring_record.required");
@@ -1506,8 +1508,8 @@ _Static_assert(offsetof(atas_hand_wiring_record, pad) == 20, "atas_hand_wiring_r
 _Static_assert(offsetof(atas_hand_wiring_record, normal) == 24, "atas_hand_wiring_record.normal");
 _Static_assert(offsetof(atas_hand_wiring_record, tangent1) == 1560, "atas_hand_wiring_record.tangent1");
 _Static_assert(offsetof(atas_hand_wiring_record, tangent2) == 3096, "atas_hand_wiring_record.tangent2");
-_Static_assert(offsetof(atas_hand_wiring_record, radius_m) == 4632, "atas_hand_wiring_record.radius_m");
-_Static_assert(offsetof(atas_hand_wiring_record, element_area_m2) == 4640, "atas_hand_wiring_record.element_area_m2");
+_Static_assert(offsetof(atas_hand_wiring_record, position_m) == 4632, "atas_hand_wiring_record.position_m");
+_Static_assert(offsetof(atas_hand_wiring_record, element_area_m2) == 6168, "atas_hand_wiring_record.element_area_m2");
 
 // How a run began: what the controller was made from.
 typedef struct atas_run_header {
@@ -1540,8 +1542,8 @@ typedef struct atas_run_header {
     // The whole configuration as TOML, for people: what a replay needs of it stands in the other fields.
     char config[16384];
 } atas_run_header;
-#define ATAS_RUN_HEADER_TYPE "atas.RunHeader.v1"
-_Static_assert(sizeof(atas_run_header) == 27072, "atas_run_header");
+#define ATAS_RUN_HEADER_TYPE "atas.RunHeader.v2"
+_Static_assert(sizeof(atas_run_header) == 30128, "atas_run_header");
 _Static_assert(_Alignof(atas_run_header) == 8, "atas_run_header");
 _Static_assert(offsetof(atas_run_header, stamp) == 0, "atas_run_header.stamp");
 _Static_assert(offsetof(atas_run_header, version) == 24, "atas_run_header.version");
@@ -1555,8 +1557,8 @@ _Static_assert(offsetof(atas_run_header, joints_required) == 344, "atas_run_head
 _Static_assert(offsetof(atas_run_header, pad) == 348, "atas_run_header.pad");
 _Static_assert(offsetof(atas_run_header, stiffness_n_m_rad) == 352, "atas_run_header.stiffness_n_m_rad");
 _Static_assert(offsetof(atas_run_header, hands) == 608, "atas_run_header.hands");
-_Static_assert(offsetof(atas_run_header, settings) == 9904, "atas_run_header.settings");
-_Static_assert(offsetof(atas_run_header, config) == 10688, "atas_run_header.config");
+_Static_assert(offsetof(atas_run_header, settings) == 12960, "atas_run_header.settings");
+_Static_assert(offsetof(atas_run_header, config) == 13744, "atas_run_header.config");
 
 // What every agent senses at the start of one field frame.
 typedef struct atas_agent_sensors {

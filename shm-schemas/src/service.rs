@@ -23,7 +23,7 @@ pub const VIEW: &str = "atas/v1/view";
 /// Publish-subscribe: [`crate::ModuleEvent`], on change, from the daemon's non-real-time side.
 pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
-pub const RUN_HEADER: &str = "atas/v1/run-header";
+pub const RUN_HEADER: &str = "atas/v2/run-header";
 /// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
 pub const TICK_INPUTS: &str = "atas/v6/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
@@ -36,7 +36,7 @@ pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
 /// Publish-subscribe: [`crate::ArenaTruth`], up to 60 Hz and at every trial's end, from the field's host, for onlookers only; no agent
 /// opens it.
-pub const ARENA_TRUTH: &str = "atas/v1/arena-truth";
+pub const ARENA_TRUTH: &str = "atas/v2/arena-truth";
 
 /// Every service by its name here.
 pub const NAMES: [(&str, &str); 18] = [

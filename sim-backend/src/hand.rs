@@ -8,10 +8,10 @@ use robot_model::{Capsules, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 
 use crate::contact::{Approach, Contact, Wrench};
 use crate::hold::Grip;
-use crate::pad::Pad;
+use crate::pad::{NoPlaces, Pad};
 use crate::plant::Plant;
 use crate::random::Random;
-use crate::scene::{Errors, SceneError, stream};
+use crate::scene::{Errors, stream};
 use crate::vibration::Vibration;
 use crate::world_object::WorldObject;
 
@@ -65,7 +65,7 @@ impl Hand {
         vibration: Vibration,
         errors: &Errors,
         seed: u64,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, NoPlaces> {
         let side = model.side().index() as u64;
         let mut random = Random::new(seed, stream::HAND_ERRORS + side);
         let mut draw = || random.between(-1.0, 1.0);
@@ -82,7 +82,7 @@ impl Hand {
                 let pad = Pad::of(layout, *radius_m)?;
                 Ok(pad.stiffer(1.0 + errors.tip_stiffness * draw()))
             })
-            .collect::<Result<_, SceneError>>()?;
+            .collect::<Result<_, NoPlaces>>()?;
         let model = model.with_longer_links(&links_m, &tips_m);
         let pose = model.forward(&start_rad);
         Ok(Self {

@@ -57,7 +57,7 @@ pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
 pub use object::{Neck, Object, ObjectError};
-pub use pad::simulated_skin;
+pub use pad::{NoPlaces, simulated_skin};
 pub use range::OutOfRange;
 pub use ride::Ride;
 pub use scene::{

@@ -9,8 +9,6 @@ use robot_model::{Compression, Skin};
 use shm_schemas::Layout;
 use shm_schemas::layout::{DOME_RADIUS_M, Grid, Millimetres, NamedLayout};
 
-use crate::scene::SceneError;
-
 /// Bristles per element of a dome (tactile design; 1 is measurably wrong, 19 changes nothing more).
 pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
 /// Bristles along each edge of an element of a grid (ours: the next odd square).
@@ -54,6 +52,14 @@ pub fn simulated_skin(layout: NamedLayout) -> Skin {
     }
 }
 
+/// A skin whose elements nobody has placed cannot touch.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "could not simulate fingertips of layout {0} because it does not say where its elements sit; choose flat-RxC-P, \
+     cylinder-RxC-P-Q or a dome"
+)]
+pub struct NoPlaces(NamedLayout);
+
 /// The bristles of one fingertip, tip frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Pad {
@@ -71,8 +77,8 @@ impl Pad {
     /// The skin of a layout on a fingertip whose face is this far from its frame's origin, m.
     ///
     /// # Errors
-    /// [`SceneError::NoPlaces`] if the layout does not say where its elements sit.
-    pub(crate) fn of(layout: NamedLayout, tip_radius_m: f64) -> Result<Self, SceneError> {
+    /// [`NoPlaces`] if the layout does not say where its elements sit.
+    pub(crate) fn of(layout: NamedLayout, tip_radius_m: f64) -> Result<Self, NoPlaces> {
         match layout {
             NamedLayout::Dome41 => Ok(Self::dome(tip_radius_m, BRISTLES_PER_ELEMENT)),
             NamedLayout::Dome1 => {
@@ -83,7 +89,7 @@ impl Pad {
             NamedLayout::Flat(grid) | NamedLayout::Cylinder(grid, _) => {
                 Ok(Self::grid(layout, grid, tip_radius_m))
             }
-            NamedLayout::Pad { .. } => Err(SceneError::NoPlaces(layout)),
+            NamedLayout::Pad { .. } => Err(NoPlaces(layout)),
         }
     }
 

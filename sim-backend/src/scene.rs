@@ -8,9 +8,9 @@
 use core::f64::consts::FRAC_PI_2;
 
 use robot_model::{GraspFrame, HandModel, RobotModel, RobotVector, Side, Unreachable};
-use shm_schemas::layout::NamedLayout;
 
 use crate::object::Object;
+use crate::pad::NoPlaces;
 use crate::range::{OutOfRange, in_range};
 use crate::shape::Shape;
 use crate::support::Plate;
@@ -122,11 +122,8 @@ pub enum SceneError {
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// A skin whose elements nobody has placed cannot touch.
-    #[error(
-        "could not simulate fingertips of layout {0} because it does not say where its elements sit; choose flat-RxC-P, \
-         cylinder-RxC-P-Q or a dome"
-    )]
-    NoPlaces(NamedLayout),
+    #[error(transparent)]
+    NoPlaces(#[from] NoPlaces),
     /// A cap has no neck to be on.
     #[error(
         "could not put a cap on because the scene has no bottle, needs one with a neck; add it"

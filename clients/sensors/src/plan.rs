@@ -320,7 +320,7 @@ pub fn layout(wanted: Option<&str>, elements: usize) -> Result<Layout, Failure> 
     match Layout::named(name) {
         Some(layout) if layout.count >= elements => Ok(layout),
         _ => Err(Failure::Usage(format!(
-            "could not use the layout {name}: needs one with at least {elements} elements: {}",
+            "could not use the layout {name}: needs one with at least {elements} elements: {made}, or {}",
             NamedLayout::FORMS
         ))),
     }

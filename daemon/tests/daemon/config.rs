@@ -173,7 +173,8 @@ fn what_is_wrong_is_said() {
 
 #[test]
 fn layouts_must_be_sound() {
-    let needs = "needs \"dome-41\", \"dome-1\" or { normals = [[x, y, z], …], radius_m = …, element_area_m2 = … } \
+    let needs = "needs \"robot\", \"dome-41\", \"dome-1\", \"pad-N\", \"flat-RxC-P\", \"cylinder-RxC-P-Q\" or \
+                 { normals = [[x, y, z], …], radius_m = … or positions_m = [[x, y, z], …], element_area_m2 = … } \
                  with 1 to 64 unit vectors that do not point along x";
     check_refused(
         &["hands.left.layout = \"dome-42\""],

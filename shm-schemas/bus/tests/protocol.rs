@@ -186,7 +186,7 @@ fn the_page_quotes_the_numbers_of_the_code() {
     let check =
         |sentence: &str| assert!(PAGE.contains(sentence), "the page should say: {sentence}");
     check(&format!("`subscriber_max_borrowed_samples({BORROWED})`"));
-    for hash in ["dome-41", "dome-1"] {
+    for hash in ["dome-41", "dome-1", "flat-4x4-4.5"] {
         let layout = shm_schemas::Layout::named(hash).expect("built in");
         check(&format!("`{hash}` is `0x{:016x}`", layout.hash()));
     }
