@@ -85,8 +85,8 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 // Hashes of the built-in layouts.
 #define ATAS_LAYOUT_HASH_DOME_41 0x952863cb70a35143u
 #define ATAS_LAYOUT_HASH_DOME_1 0xa5e79ed509103aeau
-#define ATAS_LAYOUT_HASH_FLAT_4X4_4.5 0x97e04f9a9ea46b5du
-#define ATAS_LAYOUT_HASH_CYLINDER_4X4_4.5_12 0xfe26b6b80fa0ce8du
+#define ATAS_LAYOUT_HASH_FLAT_4X4_4_5 0x97e04f9a9ea46b5du
+#define ATAS_LAYOUT_HASH_CYLINDER_4X4_4_5_12 0xfe26b6b80fa0ce8du
 
 // Which hand.
 enum atas_hand {

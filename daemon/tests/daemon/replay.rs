@@ -113,15 +113,15 @@ const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafet
      [tasks.nod]\nacting = [{ step = \"there\", motion = \"reach\", waypoint = \"above\", modules = [\"carry\"], transition = \"arrived\", \
      timeout_s = 20.0 }]\n";
 
-/// Lets time go by: two frames and joint states per millisecond, so that many ticks take several.
+/// Lets time go by: frames and joint states come in pairs, so that ticks take several; no more often than a recorder that a busy
+/// machine keeps waiting for a fifth of a second has room for.
 fn go_on(world: &mut World, millis: u64, mut until: impl FnMut(&mut World) -> bool) {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_millis(millis) && !until(world) {
         world.publish(shm_bus::now_ns());
-        std::thread::sleep(Duration::from_micros(300));
         world.publish(shm_bus::now_ns());
         world.listen();
-        std::thread::sleep(Duration::from_micros(300));
+        std::thread::sleep(Duration::from_micros(1500));
     }
 }
 

@@ -148,7 +148,7 @@ fn header() -> String {
     text.push_str("\n// Hashes of the built-in layouts.\n");
     for name in Layout::NAMES {
         let hash = Layout::named(name).expect("built in").hash();
-        let name = name.to_uppercase().replace('-', "_");
+        let name = name.to_uppercase().replace(['-', '.'], "_");
         writeln!(text, "#define ATAS_LAYOUT_HASH_{name} 0x{hash:016x}u").unwrap();
     }
     CODES.iter().for_each(|it| code(&mut text, it));
