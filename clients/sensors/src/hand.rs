@@ -1,4 +1,4 @@
-//! One hand's frames from one or more devices: readings as [`HandFrame`]s, health as [`SensorStatus`].
+//! One hand's frames from one or more devices: readings as [`HandFrame`]s, health as [`shm_schemas::SensorStatus`].
 //!
 //! * **In:** readings of each device, as they come. **Out:** one frame per reading of the device that sets the pace, and
 //!   one status per device, all from the one writer that a hand may have.
