@@ -30,14 +30,14 @@ pub fn simulated_skin(layout: NamedLayout) -> Skin {
             Skin::DOME_41.compression
         }
         NamedLayout::Flat(grid) => {
-            let edge_m = |elements: usize| elements as f64 * grid.pitch.metres();
+            let [height_m, width_m] = grid.size_m();
             Compression {
-                at_1n_m: 1.0 / (FOUNDATION_N_M3 * edge_m(grid.rows) * edge_m(grid.columns)),
+                at_1n_m: 1.0 / (FOUNDATION_N_M3 * height_m * width_m),
                 exponent: 1.0,
             }
         }
         NamedLayout::Cylinder(grid, radius) => {
-            let length_m = grid.rows as f64 * grid.pitch.metres();
+            let [length_m, _] = grid.size_m();
             let at_1m_n =
                 4.0 / 3.0 * FOUNDATION_N_M3 * length_m * libm::sqrt(2.0 * radius.metres());
             Compression {

@@ -6,7 +6,6 @@ use anyhow::Context;
 use mcap::records::Metadata;
 use robot_model::{RobotFiles, TWO_HAND_ARM};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
-use shm_schemas::layout::robot_hash;
 use shm_schemas::{HandWiringRecord, Layout, RunHeader};
 
 /// Fingers of a hand of which nothing is recorded: the paper's robot's.
@@ -21,7 +20,7 @@ const ROBOT_FILE: &str = "robot_file";
 /// The files of the robot of a run, as metadata; `None` if they are not where the daemon found them, or have changed since.
 pub(crate) fn robot_metadata(header: &RunHeader) -> Option<Metadata> {
     let files = RobotFiles::find(header.robot.as_str()).ok()?;
-    let is_recorded = robot_hash(&files.urdf, &files.robot_file) == header.robot_hash;
+    let is_recorded = files.hash() == header.robot_hash;
     let texts = [
         (NAME, files.name),
         (URDF, files.urdf),
@@ -59,9 +58,7 @@ pub fn robot(
     let Some(header) = header else {
         return Ok(TWO_HAND_ARM);
     };
-    let is_recorded =
-        |files: &&RobotFiles| robot_hash(&files.urdf, &files.robot_file) == header.robot_hash;
-    if let Some(files) = carried.filter(is_recorded) {
+    if let Some(files) = carried.filter(|files| files.hash() == header.robot_hash) {
         return Ok(files.clone());
     }
     let name = header.robot.as_str();
@@ -69,7 +66,7 @@ pub fn robot(
         format!("could not find the recorded robot {name}; put its files back there")
     })?;
     anyhow::ensure!(
-        is_recorded(&&files),
+        files.hash() == header.robot_hash,
         "could not use the robot {name} because it changed since the recording; put the recorded files back there"
     );
     Ok(files)

@@ -5,10 +5,13 @@
 //! type drives robots with such tables and shows what they earned, but judges nothing by it.
 
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
 use field::{FitnessRule, GOAL_POINTS, Outcome, Preset, TeamSize, Weights};
 use serde::{Deserialize, Serialize, Serializer, de::Deserializer};
+
+use crate::error::{Error, Result};
 
 /// What happened in a trial, for who judges it.
 #[derive(Clone, Copy, Debug)]
@@ -105,6 +108,22 @@ impl Scoring {
     pub fn is_here(&self) -> bool {
         !matches!(self, Self::Elsewhere(_))
     }
+
+    /// Refuses to judge a table by a rule that this program does not have.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] with this cure.
+    pub fn check_here(&self, table: &Path, cure: &str) -> Result<()> {
+        if self.is_here() {
+            return Ok(());
+        }
+        Err(Error::refused(
+            format_args!("judge {}", table.display()),
+            format_args!("its rule {self} is of a type of somebody's own"),
+            "a rule that ships",
+            cure,
+        ))
+    }
 }
 
 impl From<FitnessRule> for Scoring {
@@ -146,7 +165,7 @@ enum Written {
 }
 
 impl Serialize for Scoring {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
             Self::Rule(rule) => rule.serialize(serializer),
             own => Written::Own(own.to_string()).serialize(serializer),
@@ -155,7 +174,7 @@ impl Serialize for Scoring {
 }
 
 impl<'de> Deserialize<'de> for Scoring {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
         Ok(match Written::deserialize(deserializer)? {
             Written::AntiAccident => Self::Rule(FitnessRule::AntiAccident),
             Written::Literal => Self::Rule(FitnessRule::Literal),

@@ -34,7 +34,7 @@ impl Capsule {
 }
 
 /// Up to [`CAPSULES_MAX`] capsules; reads as a slice.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Capsules {
     shapes: [Capsule; CAPSULES_MAX],
@@ -76,7 +76,7 @@ impl Capsules {
 
     /// The same bodies, each moved from its frame to the base frame.
     pub(crate) fn placed(&self, base_from_frame: &[Transform]) -> Self {
-        let mut placed = self.clone();
+        let mut placed = *self;
         for (capsule, frame) in placed.shapes[..placed.count].iter_mut().zip(self.frames) {
             let frame = &base_from_frame[frame];
             capsule.a_m = frame.point(&capsule.a_m);

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-use crate::model::RobotModel;
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+
+use crate::robot::RobotModel;
 use crate::robot_file::RobotFile;
 use crate::urdf::ModelError;
 
@@ -75,6 +77,13 @@ impl RobotFiles {
             urdf: Cow::Owned(text(beside)?),
             robot_file: Cow::Owned(robot_file),
         })
+    }
+
+    /// What tells recordings of one robot from those of another: FNV-1a 64 over both texts.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        let urdf = fnv1a(FNV_OFFSET, self.urdf.as_bytes());
+        fnv1a(urdf, self.robot_file.as_bytes())
     }
 
     /// Makes the robot of them.

@@ -69,6 +69,7 @@ mod jacobian;
 mod joint;
 mod model;
 mod name;
+mod robot;
 #[cfg(feature = "std")]
 mod robot_file;
 mod side;
@@ -95,8 +96,9 @@ pub use forward::HandPose;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
 pub use jacobian::{HandJacobian, Rows3, TipJacobian};
 pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};
-pub use model::{HandModel, Mover, RobotModel};
+pub use model::{HandModel, Mover};
 pub use name::{NAME_MAX, Name};
+pub use robot::RobotModel;
 #[cfg(feature = "std")]
 pub use robot_file::{
     FingerEntry, HandEntry, Hands, JointEntry, RobotFile, SkinEntry, WorkspaceEntry,

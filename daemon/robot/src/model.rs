@@ -1,4 +1,4 @@
-//! The robot as data of fixed size: up to two hands, each a tree of joints, with limits and mounting transforms.
+//! A hand with its arm as data of fixed size: a tree of joints, with limits and mounting transforms.
 
 use core::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::capsule::Capsules;
 use crate::joint::Joint;
 use crate::name::Name;
 use crate::side::Side;
-use crate::sizes::{FINGERS_MAX, FRAMES_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX, VIRTUAL_FINGERS};
+use crate::sizes::{FINGERS_MAX, FRAMES_MAX, HAND_JOINTS_MAX, VIRTUAL_FINGERS};
 use crate::skin::Skin;
 use crate::transform::Transform;
 use crate::turning::Turning;
@@ -23,7 +23,7 @@ use crate::workspace::Workspace;
 /// Every moving joint of the URDF has a *frame*, also one that mimics another and so has no coordinate of its own. It is the
 /// URDF's joint frame turned so that its z is the joint's axis: forward kinematics then needs one motion along or about z
 /// per frame whatever axes the URDF chose.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandModel {
     pub(crate) side: Side,
@@ -359,7 +359,7 @@ impl HandModel {
     /// What is mounted in place stays there. For simulating a robot that is not quite as its model says.
     #[must_use]
     pub fn with_longer_links(&self, links_m: &[f64], tips_m: &[f64]) -> Self {
-        let mut hand = self.clone();
+        let mut hand = *self;
         let links = hand.frames.iter_mut().map(|it| &mut it.parent_from_frame);
         let tips = hand
             .fingers
@@ -385,67 +385,3 @@ pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
 }
-
-/// The whole robot: left hand, then right hand. Fixed size, no heap.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RobotModel {
-    pub(crate) hands: [HandModel; 2],
-}
-
-impl RobotModel {
-    /// The arm with hand of one side; one without fingers if the robot has none there.
-    #[must_use]
-    pub fn hand(&self, side: Side) -> &HandModel {
-        &self.hands[side.index()]
-    }
-
-    /// The same robot with another skin on the same fingertips.
-    #[must_use]
-    pub fn with_skin(mut self, skin: Skin) -> Self {
-        for hand in &mut self.hands {
-            hand.skin = skin;
-        }
-        self
-    }
-
-    /// The sides on which the robot has a hand.
-    pub fn sides(&self) -> impl Iterator<Item = Side> + '_ {
-        let present = |side: &Side| self.hand(*side).is_present();
-        Side::BOTH.into_iter().filter(present)
-    }
-
-    /// The hand that acts where nobody says which: the right one if the robot has it.
-    #[must_use]
-    pub fn acting_side(&self) -> Side {
-        self.sides().last().unwrap_or(Side::Right)
-    }
-
-    /// How many joints the robot has.
-    #[must_use]
-    pub fn joint_count(&self) -> usize {
-        self.joint_range(Side::Right).end
-    }
-
-    /// Positions of one hand's joints in a vector of the whole robot.
-    #[must_use]
-    pub fn joint_range(&self, side: Side) -> Range<usize> {
-        let [left, right] = self.hands.each_ref().map(|hand| hand.joint_count);
-        match side {
-            Side::Left => 0..left,
-            Side::Right => left..left + right,
-        }
-    }
-
-    /// The joint at a robot index, `None` beyond the last.
-    #[must_use]
-    pub fn joint(&self, index: usize) -> Option<&Joint> {
-        self.joints().nth(index)
-    }
-
-    /// All joints in the robot's order.
-    pub fn joints(&self) -> impl Iterator<Item = &Joint> {
-        self.hands.iter().flat_map(|hand| hand.joints())
-    }
-}
-
-const _: () = assert!(ROBOT_JOINTS_MAX == 2 * HAND_JOINTS_MAX && VIRTUAL_FINGERS == 2);

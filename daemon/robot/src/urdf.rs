@@ -22,7 +22,8 @@ use hand::load_hand;
 use joint::{joint_axis, load_joint};
 use tree::Tree;
 
-use crate::model::{HandModel, RobotModel};
+use crate::model::HandModel;
+use crate::robot::RobotModel;
 use crate::robot_file::RobotFile;
 use crate::side::Side;
 

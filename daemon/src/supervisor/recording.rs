@@ -2,7 +2,6 @@
 
 use robot_model::RobotFiles;
 use shm_bus::{Bus, BusError, Publisher};
-use shm_schemas::layout::robot_hash;
 use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
 
 use super::SupervisorState;
@@ -47,8 +46,7 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     header.config_hash = state.config_hash;
     header.robot = Text::new(&config.robot.model);
     // 0 for a robot whose files have gone since the start.
-    header.robot_hash = RobotFiles::find(&config.robot.model)
-        .map_or(0, |files| robot_hash(&files.urdf, &files.robot_file));
+    header.robot_hash = RobotFiles::find(&config.robot.model).map_or(0, |files| files.hash());
     header.rate_hz = config.realtime.rate_hz;
     header.flags = state.flags;
     header.config = Text::new(&config.text());

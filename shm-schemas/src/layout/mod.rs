@@ -14,7 +14,7 @@ mod named;
 pub use named::{Grid, Millimetres, NamedLayout, UnknownLayout};
 
 /// One fingertip's elements. The first `count` entries of each array are used.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Layout {
     /// Number of elements, 1 to [`ELEMENTS`].
@@ -205,13 +205,6 @@ pub fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
     let mut hasher = FnvHasher::with_key(hash);
     hasher.write(bytes);
     hasher.finish()
-}
-
-/// What tells recordings of one robot from those of another: FNV-1a 64 over its two texts.
-#[must_use]
-pub fn robot_hash(urdf: &str, robot_file: &str) -> u64 {
-    let urdf = fnv1a(FNV_OFFSET, urdf.as_bytes());
-    fnv1a(urdf, robot_file.as_bytes())
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -71,8 +71,8 @@ impl NamedLayout {
         }
     }
 
-    /// Outward normal and place, tip frame, m, of the point of the face that is this far down and across from its middle, m,
-    /// along the face.
+    /// Outward normal and place, tip frame, m, of the point of a flat or bent face that is this far down and across from its
+    /// middle, m, along the face. A dome has no such lines.
     #[must_use]
     pub fn place(self, down_m: f64, across_m: f64) -> ([f64; 3], [f64; 3]) {
         let depth_m = self.depth_m();
@@ -119,8 +119,14 @@ impl Millimetres {
 }
 
 impl Grid {
+    /// How high and how wide the face is along itself, m.
+    #[must_use]
+    pub fn size_m(self) -> [f64; 2] {
+        [self.rows, self.columns].map(|elements| elements as f64 * self.pitch.metres())
+    }
+
     fn half_height_m(self) -> f64 {
-        0.5 * self.rows as f64 * self.pitch.metres()
+        0.5 * self.size_m()[0]
     }
 
     /// The elements, row by row.

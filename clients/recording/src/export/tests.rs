@@ -4,7 +4,6 @@ use ::mcap::MessageStream;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 use robot_model::TWO_HAND_ARM;
-use shm_schemas::layout::robot_hash;
 use shm_schemas::{
     EventKind, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent, ModuleId, RunHeader,
     Stamp, Text, TickInputs, TickReport,
@@ -50,7 +49,7 @@ fn recorded(folder: &Path) -> PathBuf {
     let mut recording = Recording::create(&out, bounds, BTreeMap::new(), None).expect("made");
     let mut header: Box<RunHeader> = Box::default();
     header.robot = Text::new(&TWO_HAND_ARM.name);
-    header.robot_hash = robot_hash(&TWO_HAND_ARM.urdf, &TWO_HAND_ARM.robot_file);
+    header.robot_hash = TWO_HAND_ARM.hash();
     header.version = Text::new("0.1");
     header.hands = [wiring(), wiring()];
     recording.begin_run(header).expect("begun");

@@ -80,15 +80,8 @@ fn rehash(path: &Path) -> Result<TableFile> {
     let mut file = TableFile::read_edited(path)?;
     let before = TableFile::read(path).ok().map(|intact| intact.hash());
     if before.is_none() {
-        let rule = &file.condition.fitness;
-        if !rule.is_here() {
-            return Err(Error::refused(
-                format_args!("judge {}", path.display()),
-                format_args!("its rule {rule} is of a type of somebody's own"),
-                "a rule that ships",
-                "judge it where it was evolved, or name a fitness_rule that ships",
-            ));
-        }
+        let cure = "judge it where it was evolved, or name a fitness_rule that ships";
+        file.condition.fitness.check_here(path, cure)?;
         file.edited = true;
         file.code_version = env!("CARGO_PKG_VERSION").to_owned();
         file.individual.points = Evaluator::points_of(&file.condition, &file.individual.genome);

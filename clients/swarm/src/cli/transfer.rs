@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use ebts::analysis::{Transfer, UNSEEN_SETS, transfer, transfers};
-use ebts::error::{Error, Result};
+use ebts::error::Result;
 use ebts::experiment::read_folder;
 use ebts::scoring::Scoring;
 use ebts::table_file::TableFile;
@@ -76,17 +76,8 @@ fn measure(args: &TransferArgs) -> Result<Transferred> {
     }
     let file = TableFile::read(&args.what)?;
     let condition = &file.condition;
-    if !condition.fitness.is_here() {
-        return Err(Error::refused(
-            format_args!("judge {}", args.what.display()),
-            format_args!(
-                "its rule {} is of a type of somebody's own",
-                condition.fitness
-            ),
-            "a rule that ships",
-            "judge it where it was evolved",
-        ));
-    }
+    let cure = "judge it where it was evolved";
+    condition.fitness.check_here(&args.what, cure)?;
     let teams = vec![transfer(&file, engine)];
     Ok(Transferred::new(
         condition.model.preset(),

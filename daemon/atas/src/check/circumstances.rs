@@ -21,11 +21,8 @@ pub struct Circumstances<'a> {
 }
 
 impl Circumstances<'_> {
-    /// Where the joints of one hand are, rad; before the first command, where they would rest.
-    pub(super) fn hand_rad(&self, side: Side) -> HandVector {
-        self.commanded_rad
-            .map_or(*self.robot.hand(side).reference_rad(), |q_rad| {
-                HandVector::from_slice(&q_rad[self.robot.joint_range(side)])
-            })
+    /// One hand's share of all joints, rad.
+    pub(super) fn hand_rad(&self, q_rad: &RobotVector, side: Side) -> HandVector {
+        HandVector::from_slice(&q_rad[self.robot.joint_range(side)])
     }
 }

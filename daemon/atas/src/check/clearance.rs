@@ -19,8 +19,8 @@ use crate::tasks::{Motion, Step, Track, Transition, Waypoint};
 use core::cell::Cell;
 use core::ops::Range;
 use robot_model::{
-    Capsules, GraspFrame, HandModel, HandVector, Nearest, Side, VIRTUAL_FINGERS, farthest_move_m,
-    nearest,
+    Capsules, GraspFrame, HandModel, HandVector, Nearest, RobotVector, Side, VIRTUAL_FINGERS,
+    farthest_move_m, nearest,
 };
 use shm_schemas::{Body, BodyPair, Cause, Reason};
 
@@ -46,11 +46,15 @@ const OFF_AXIS_RAD: f64 = 0.087;
 ///
 /// # Errors
 /// [`Cause::UNREACHABLE`] where the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two bodies that come too near.
-pub(super) fn check_paths(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
+pub(super) fn check_paths(
+    goal: &Goal,
+    now: &Circumstances<'_>,
+    q_rad: &RobotVector,
+) -> Result<(), Reason> {
     let other = Side::BOTH[1 - goal.side().index()];
     let samples_left = Cell::new(SAMPLES_MAX);
-    let mut acting = Walk::new(goal, goal.side(), now, &samples_left);
-    let mut helping = Walk::new(goal, other, now, &samples_left);
+    let mut acting = Walk::new(goal, goal.side(), (now, q_rad), &samples_left);
+    let mut helping = Walk::new(goal, other, (now, q_rad), &samples_left);
     let gap = Gap::new(goal, &acting, &helping);
     loop {
         let reached = [helping.reached, acting.reached];
@@ -145,9 +149,14 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(goal: &Goal, side: Side, now: &Circumstances<'a>, samples_left: &'a Cell<u32>) -> Self {
+    fn new(
+        goal: &Goal,
+        side: Side,
+        (now, q_rad): (&Circumstances<'a>, &RobotVector),
+        samples_left: &'a Cell<u32>,
+    ) -> Self {
         let hand = now.robot.hand(side);
-        let q_rad = now.hand_rad(side);
+        let q_rad = now.hand_rad(q_rad, side);
         let at = frame_of(hand, &hand.forward(&q_rad));
         let (waypoints, width_m) = Waypoints::of(hand, &at, goal, now.settings);
         let acts = side == goal.side();

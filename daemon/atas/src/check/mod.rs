@@ -19,7 +19,7 @@ use clearance::check_paths;
 use core::f64::consts::TAU;
 use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, MAX_FORCE, TO_X, TO_YAW, TOP, WIDTH};
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandModel, Side};
+use robot_model::{GraspFrame, HandModel, RobotVector, Side};
 use shm_schemas::{Cause, GoalRequest, Reason};
 
 /// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
@@ -65,21 +65,21 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
         return Err(Reason::of(Cause::CANNOT_TURN).about(goal.side().index()));
     }
     // Before the first command nobody knows where the arms are. The tick takes no goal then, and says so.
-    if now.commanded_rad.is_some() {
+    if let Some(q_rad) = now.commanded_rad {
         if request.kind.is_stream() {
-            check_sides(&goal, now)?;
+            check_sides(&goal, now, q_rad)?;
         }
-        check_paths(&goal, now)?;
+        check_paths(&goal, now, q_rad)?;
     }
     Ok(goal)
 }
 
 /// Where a client will lead the hands is not known: each led hand has its box, and of two arms each is on its own side of the
 /// table.
-fn check_sides(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
+fn check_sides(goal: &Goal, now: &Circumstances<'_>, q_rad: &RobotVector) -> Result<(), Reason> {
     let beside_another = now.robot.sides().count() > 1;
     for side in now.robot.sides() {
-        let (hand, q_rad) = (now.robot.hand(side), now.hand_rad(side));
+        let (hand, q_rad) = (now.robot.hand(side), now.hand_rad(q_rad, side));
         let across = across_the_middle(hand, &q_rad).filter(|_| beside_another);
         if let Some(reason) = across {
             return Err(reason);
