@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     panics::note_those_of_the_tick();
     let robot = config.robot_model()?;
     let wiring = config.wiring(&robot, if args.lockstep { 1 } else { writer_epoch() })?;
-    let controller = Box::new(Controller::new(&robot, wiring.clone(), config.settings()));
+    let controller = Box::new(Controller::new(&robot, wiring, config.settings()));
     let mut granted = realtime::lock_memory(&config.realtime)?;
     if let Err(refused) = realtime::keep_awake(&config.realtime, &mut granted) {
         tracing::info!("{refused}");

@@ -21,7 +21,7 @@ const VALID_PERIODS: f64 = 1.5;
 struct Fast<'a> {
     robot: &'a RobotModel,
     world: World,
-    controller: Controller,
+    controller: Box<Controller>,
     rate_hz: u64,
     index: u64,
     command: JointCommand,
@@ -43,7 +43,7 @@ impl<'a> Fast<'a> {
         Self {
             robot,
             world: World::new(robot, scene, 7).expect("a world"),
-            controller: Controller::new(robot, wiring, settings),
+            controller: Box::new(Controller::new(robot, wiring, settings)),
             rate_hz,
             index: 0,
             command: JointCommand::default(),

@@ -81,7 +81,7 @@ impl Episode {
             gate,
             hand: PolicyHand::at(
                 Hand::BOTH[SIDE.index()],
-                model.clone(),
+                *model,
                 q_rad,
                 room(&source_m, place_m.as_ref()),
             ),

@@ -123,7 +123,7 @@ impl<'a> Teller<'a> {
             self.felt = felt;
             let layouts = array::from_fn(|hand| {
                 let known = self.skins.named(hand, felt[hand].0);
-                known.unwrap_or_else(|| self.skins.0[hand].clone())
+                known.unwrap_or_else(|| self.skins.0[hand])
             });
             let subject = Subject::live(self.robot.clone(), layouts, felt.map(|(_, n)| n))?;
             let channels = Channels {

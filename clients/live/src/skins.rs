@@ -21,7 +21,7 @@ impl Skins {
     pub(crate) fn named(&self, hand: usize, hash: u64) -> Option<Layout> {
         let robots = &self.0[hand];
         if robots.hash() == hash {
-            Some(robots.clone())
+            Some(*robots)
         } else {
             layouts::named(hash)
         }

@@ -43,7 +43,7 @@ impl HandCommand {
 }
 
 /// The commanded pose of one hand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandServo {
     frame: GraspFrame,

@@ -21,7 +21,7 @@ const GIVE_WAY_M_S_N: f64 = 0.003;
 const AHEAD_MAX_M: f64 = 0.006;
 
 /// How far each fingertip is ahead of its side's middle.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Sharing {
     /// Inwards, m; the mean over a side is 0.

@@ -5,7 +5,7 @@ use shm_schemas::Layout;
 use shm_schemas::capacity::HANDS;
 
 /// One hand's sensor.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandWiring {
     /// Where the elements sit; frames with another layout are refused.
@@ -19,7 +19,7 @@ pub struct HandWiring {
 }
 
 /// Everything that does not change while the controller lives.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wiring {
     /// Per hand, left first.

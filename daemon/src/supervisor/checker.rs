@@ -53,7 +53,7 @@ impl Checker {
     pub(super) fn start(state: &SupervisorState) -> io::Result<Self> {
         let (jobs, waiting) = bounded::<Box<Job>>(1);
         let (done, checked) = bounded(1);
-        let (robot, wiring) = (state.robot.clone(), state.wiring.clone());
+        let (robot, wiring) = (state.robot.clone(), state.wiring);
         Builder::new()
             .name(THREAD.to_owned())
             .stack_size(STACK_BYTES)

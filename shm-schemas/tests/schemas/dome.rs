@@ -95,7 +95,7 @@ fn hashes_are_pinned() {
 fn another_layout_has_another_hash() {
     let dome = Layout::dome_41();
     let changed = |change: &dyn Fn(&mut Layout)| {
-        let mut layout = dome.clone();
+        let mut layout = dome;
         change(&mut layout);
         layout.hash()
     };

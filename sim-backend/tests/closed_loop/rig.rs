@@ -14,7 +14,7 @@ use sim_backend::{GraspHint, Object, Scene, Sensed, World};
 /// Both, and the warnings so far.
 pub(crate) struct Rig {
     pub(crate) world: World,
-    controller: Controller,
+    controller: Box<Controller>,
     robot: RobotModel,
     sensed: Sensed,
     tick: u64,
@@ -48,12 +48,12 @@ struct Lie {
 /// What becomes of a frame when a skin has lied for so many seconds.
 type FrameLie = dyn Fn(f64, &mut HandFrame);
 
-fn controller(robot: &RobotModel, writer_epoch: u64) -> Controller {
+fn controller(robot: &RobotModel, writer_epoch: u64) -> Box<Controller> {
     let wiring = Wiring {
         writer_epoch,
         ..Wiring::of(robot)
     };
-    Controller::new(robot, wiring, Settings::default())
+    Box::new(Controller::new(robot, wiring, Settings::default()))
 }
 
 pub(crate) fn object(name: &str) -> Object {

@@ -28,7 +28,7 @@ const OVER: f64 = 0.1;
 const UNDER: f64 = 0.5;
 
 /// Both witnesses of a hand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Borne {
     /// Torques of the free fingers, N·m.

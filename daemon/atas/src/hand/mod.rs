@@ -30,7 +30,7 @@ use shm_schemas::{
 const IMPLAUSIBLE_FACTOR: f64 = 2.0;
 
 /// One hand of the controller.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HandControl {
     hand: Hand,
@@ -61,7 +61,7 @@ impl HandControl {
         let own = &wiring.hands[model.side().index()];
         let own = &HandWiring {
             required: own.required && model.is_present(),
-            ..own.clone()
+            ..*own
         };
         Self {
             hand,

@@ -53,7 +53,7 @@ pub struct FrameCounts {
 }
 
 /// The gatekeeper of one hand's frames.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameIntake {
     hand: Hand,

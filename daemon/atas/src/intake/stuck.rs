@@ -17,7 +17,7 @@ const REST_FACTOR: u16 = 4;
 const ZERO_N: f32 = 0.01;
 
 /// The elements of one fingertip; a bit of a set is an element.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct StuckWatch {
     /// Those that are known to be alive, and those of them that rest.

@@ -20,7 +20,7 @@ const LIFTED_M: f64 = 0.003;
 const SPARE_S: f64 = 0.1;
 
 /// What the sensor bits remember, and how long the hand was taken back.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BehaviourTable {
     /// Per finger, whether it uses too much of its friction, and whether it turns, both with hysteresis.

@@ -8,7 +8,7 @@ use crate::perception::Percept;
 use shm_schemas::ModuleId;
 
 /// How far along its path the hand is, s of path time.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Carry {
     path_s: f64,

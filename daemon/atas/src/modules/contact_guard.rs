@@ -11,7 +11,7 @@ use shm_schemas::{Cause, ModuleId, Reason};
 const TOUCH_FACTOR: f64 = 2.0;
 
 /// The module has no memory: a touch is a touch.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ContactGuard;
 

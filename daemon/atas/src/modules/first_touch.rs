@@ -12,7 +12,7 @@ use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// The module has no memory: what the fingers feel decides.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FirstTouch;
 

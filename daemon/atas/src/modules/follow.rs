@@ -21,7 +21,7 @@ const ALONG_SHARE: f64 = 0.3;
 const PROVED_M: f64 = 0.005;
 
 /// How the hand moves, and how far it has proved its grip.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Follow {
     /// `None` while the hand stands.

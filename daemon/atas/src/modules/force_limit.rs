@@ -15,7 +15,7 @@ pub(crate) const RELEASE_SHARE: f64 = 0.97;
 const GROSS_FILTER_S: f64 = 0.1;
 
 /// What the module remembers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ForceLimit {
     active: bool,

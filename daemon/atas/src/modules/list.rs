@@ -15,7 +15,7 @@ macro_rules! modules {
         pub const ROLES: [Roles; COUNT] = [$(<$file::$Type as Module>::ROLES),*];
 
         /// The modules of one hand, with their memories.
-        #[derive(Clone, Debug, Default)]
+        #[derive(Clone, Copy, Debug, Default)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct Modules {
             $($file: $file::$Type,)*

@@ -49,7 +49,7 @@ const SCATTER_S: f64 = 0.3;
 const LOAD_FLOOR_N: f64 = 0.03;
 
 /// What the module remembers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Relax {
     /// Low-passed utilisation of the finger that uses most of its friction; `None` while it is unknown.

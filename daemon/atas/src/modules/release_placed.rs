@@ -25,7 +25,7 @@ const SCATTER_MARGIN: f64 = 4.0;
 const SHAKEN_S: f64 = 0.15;
 
 /// What the module remembers of one descent.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ReleasePlaced {
     descent_s: f64,

@@ -50,7 +50,7 @@ const PROVED_MARGIN: f64 = 0.04;
 const PROVED_MOST: f64 = 0.99;
 
 /// What the module remembers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slip {
     /// Per finger, whether cause (a) holds.

@@ -19,7 +19,7 @@ const RAISE_SHARE: f64 = 0.08;
 const SAMPLE_S: f64 = 0.041;
 
 /// What the module remembers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlipReaction {
     /// The force target over F_1, minus one.

@@ -13,7 +13,7 @@ use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
 /// What the module remembers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TerminateScrew {
     /// Filtered shearing force, N.

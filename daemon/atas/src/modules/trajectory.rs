@@ -54,7 +54,7 @@ enum Edge {
 }
 
 /// Where on its square the hand is, and what it has learnt.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Trajectory {
     edge: Edge,

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 
 /// How far along its way the hand is.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Transfer {
     /// Path time, s.

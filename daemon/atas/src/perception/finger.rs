@@ -80,7 +80,7 @@ impl Default for FingerPercept {
 }
 
 /// The state of one fingertip's perception.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finger {
     axes: ElementAxes,

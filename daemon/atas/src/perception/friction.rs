@@ -42,7 +42,7 @@ pub(super) struct Slipping {
 }
 
 /// Memory of one contact, from first touch to letting go.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Friction {
     /// μ̂: largest reading since the first touch.

@@ -8,7 +8,7 @@ use crate::limits::INCREMENT_SAMPLES;
 use nalgebra::Vector3;
 
 /// A ring of past tangential forces, thinned out so that it always spans the window.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Increment {
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]

@@ -45,7 +45,7 @@ pub struct Percept {
 }
 
 /// One hand's perception.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Perception {
     fingers: [Finger; FINGERS],

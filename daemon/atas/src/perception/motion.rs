@@ -35,7 +35,7 @@ pub struct MotionPercept {
 }
 
 /// The memory of one fingertip.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Motion {
     /// Sums over half windows, N; `sums[newest]` grows.

@@ -12,7 +12,7 @@ const NOISE_CLEARANCE: f64 = 6.0;
 const ROUND: f64 = 1e-6;
 
 /// The axes of every element in tip coordinates.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ElementAxes {
     pub(super) count: usize,

@@ -44,7 +44,7 @@ pub struct Yielded {
 }
 
 /// The memory of one press, from touch to letting go.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct YieldWatch {
     rule: YieldRule,
     /// Closing at which each level of force was passed first, m; a ring.

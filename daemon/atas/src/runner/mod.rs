@@ -91,7 +91,7 @@ impl Wishes {
 }
 
 /// One hand's task.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Runner {
     track: Track,

@@ -359,3 +359,12 @@ fn holding_goes_on_after_the_goal_is_reached() {
     );
     assert_eq!(outputs.report.goal_id, 0, "the goal itself is over");
 }
+
+/// A controller is large, and who makes, copies or steps one seldom chooses the stack.
+#[test]
+fn half_the_stack_that_threads_have_is_enough() {
+    const HALF_BYTES: usize = 1 << 20;
+    let thread = std::thread::Builder::new().stack_size(HALF_BYTES);
+    let reached = thread.spawn(|| World::new().clone().run(50).command.mode);
+    assert_eq!(reached.unwrap().join().unwrap(), Mode::READY);
+}

@@ -26,7 +26,8 @@ const LOADING_N_M: f64 = 400.0;
 /// A controller and what surrounds it.
 #[derive(Clone)]
 pub(crate) struct World {
-    pub(crate) controller: Controller,
+    /// Boxed because it is large: worlds are moved and copied on the small stacks of test threads.
+    pub(crate) controller: Box<Controller>,
     pub(crate) ms: u64,
     pub(crate) q_rad: RobotVector,
     /// Sensors and joints that say nothing: left, right, joints.
@@ -73,7 +74,11 @@ impl World {
     /// A world at home before the first tick.
     pub(crate) fn new() -> Self {
         Self {
-            controller: Controller::new(robot(), Wiring::default(), Settings::default()),
+            controller: Box::new(Controller::new(
+                robot(),
+                Wiring::default(),
+                Settings::default(),
+            )),
             ms: 1_000,
             q_rad: home_rad(),
             mute: [false; 3],

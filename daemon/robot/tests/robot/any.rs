@@ -24,7 +24,7 @@ fn load(robot: &RobotFiles) -> RobotModel {
 }
 
 fn any_robot() -> impl Strategy<Value = HandModel> {
-    (0..robots().len()).prop_map(|index| load(&robots()[index]).hand(Side::Right).clone())
+    (0..robots().len()).prop_map(|index| *load(&robots()[index]).hand(Side::Right))
 }
 
 fn between_limits(hand: &HandModel, fractions: &[f64; 16]) -> HandVector {
