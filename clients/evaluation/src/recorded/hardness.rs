@@ -23,6 +23,8 @@ const RIGID_TIPS: Compression = Compression {
     at_1n_m: 1e-6,
     exponent: 0.48,
 };
+/// Nor how much of them pressed.
+const WHOLE_FACES: [f64; 2] = [1.0; 2];
 /// Least closing that a stiffness is divided by, m (ours: what an actuator's encoder resolves).
 const CLOSING_MIN_M: f64 = 1e-5;
 
@@ -72,6 +74,7 @@ pub(super) fn feel(
             face_n,
             percept.step_s,
             &RIGID_TIPS,
+            WHOLE_FACES,
             &probe_settings,
         ) {
             felt.whole_n_m = fit.object_n_m;

@@ -69,6 +69,7 @@ impl Probe {
             mean_n,
             percept.step_s,
             &context.tips,
+            percept.virtual_fingers.map(|finger| finger.pressed_share),
             settings,
         );
         self.fit = news.or(self.fit);

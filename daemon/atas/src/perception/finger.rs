@@ -41,6 +41,8 @@ pub struct FingerPercept {
     pub friction_error: f64,
     /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force: crosstalk.
     pub scatter: f64,
+    /// Share of the face that presses, above 0; 1 for faces that bend, whose compression says how their contact grows.
+    pub pressed_share: f64,
     /// M: moment of the shear about the outward normal of the patch, N·m.
     pub moment_n_m: f64,
     /// Moment about the patch's normal over what friction could carry.
@@ -69,6 +71,7 @@ impl Default for FingerPercept {
             shows_slip: true,
             friction_error: 0.0,
             scatter: 0.0,
+            pressed_share: 1.0,
             moment_n_m: 0.0,
             torsion: 0.0,
             gross_slip_s: 0.0,
@@ -164,6 +167,9 @@ impl Finger {
             shows_slip: self.axes.is_round,
             friction_error: slipping.error,
             scatter: patch.scatter,
+            pressed_share: self
+                .axes
+                .pressed_share(&self.filtered_n, self.noise.variance_n2()),
             moment_n_m: patch.moment_n_m,
             torsion: torsion(&patch, slipping.friction),
             gross_slip_s: slipping.gross_s,

@@ -10,6 +10,10 @@ use shm_schemas::capacity::ELEMENTS;
 const NOISE_CLEARANCE: f64 = 6.0;
 /// Determinant of the mean of n·nᵀ of all elements' normals above which a face is round both ways (that of `dome-41` is 0.006).
 const ROUND: f64 = 1e-6;
+/// Smallest cosine between two elements' normals on a flat face.
+const FLAT_COS: f64 = 0.999;
+/// (Σf)²/(n·Σf²) of n elements whose force rises evenly from nothing, as under a face at an angle.
+const WEDGE: f64 = 0.75;
 
 /// The axes of every element in tip coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +29,8 @@ pub(super) struct ElementAxes {
     /// Whether the face is round both ways: then a patch presses less and less towards its rim, and slips there before the whole
     /// does.
     pub(super) is_round: bool,
+    /// Whether all elements lie in one plane: then an edge may press alone.
+    is_flat: bool,
     /// Where they are, m.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     position_m: [Vector3<f64>; ELEMENTS],
@@ -36,11 +42,31 @@ impl ElementAxes {
         Self {
             count: layout.count,
             is_round: is_round(normals),
+            is_flat: is_flat(normals),
             normal: layout.normal.map(Vector3::from),
             tangent1: layout.tangent1.map(Vector3::from),
             tangent2: layout.tangent2.map(Vector3::from),
             position_m: layout.position_m.map(Vector3::from),
         }
+    }
+
+    /// Share of a flat face that presses, from one element to all: how evenly its elements share the force (ours). Of a wedge of
+    /// pressure this is three quarters, so a face that presses everywhere, evenly or not, has 1.
+    pub(super) fn pressed_share(&self, elements_n: &[[f64; 3]; ELEMENTS], noise_n2: f64) -> f64 {
+        if !self.is_flat {
+            return 1.0;
+        }
+        let count = self.count as f64;
+        let (mut sum_n, mut square_n2) = (0.0, -count * noise_n2);
+        for [normal_n, ..] in &elements_n[..self.count] {
+            sum_n += normal_n;
+            square_n2 += normal_n * normal_n;
+        }
+        if sum_n <= 0.0 || square_n2 <= 0.0 {
+            return 1.0;
+        }
+        let share = sum_n * sum_n / (count * square_n2) / WEDGE;
+        share.clamp(1.0 / count, 1.0)
     }
 
     /// Force of the object on one element, tip frame: F = −d·f_n + t1·f_t1 + t2·f_t2.
@@ -56,6 +82,14 @@ fn is_round(normals: &[[f64; 3]]) -> bool {
         sum + normal * normal.transpose()
     });
     (spread / normals.len() as f64).determinant() > ROUND
+}
+
+fn is_flat(normals: &[[f64; 3]]) -> bool {
+    normals.len() > 1
+        && normals.iter().all(|normal| {
+            let cos = Vector3::from(*normal).dot(&Vector3::from(normals[0]));
+            cos > FLAT_COS
+        })
 }
 
 /// An element that presses clearly, in the plane of the patch.

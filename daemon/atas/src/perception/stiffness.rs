@@ -4,14 +4,23 @@
 //! δ(F) = a·F^p is known from pressing a rigid block, and two faces of the object. Taking the fingertips out leaves a
 //! straight line of x − 2·δ(F) over F, whose least-squares slope is 2/k. Unlike the slope of F over x it does not depend
 //! on the force at which the probe began.
+//!
+//! A flat face that meets another at an angle presses with an edge first (what follows is ours). While only a share s of it
+//! presses, more force compresses it by dδ/s, as parallel springs; and the object turns until it lies against the faces,
+//! which closes the fingers as if it gave way. So what was learnt while much less of the faces pressed is forgotten.
 
 use crate::settings::Perception as Settings;
-use robot_model::{Compression, Skin};
+use robot_model::{Compression, Skin, VIRTUAL_FINGERS};
 
 /// Fewest samples that make a slope: what a 30 Hz sensor gives within the paper's 100 ms.
 const SAMPLES_MIN: f64 = 3.0;
 /// Faces, and fingertips, that the total closing compresses.
 const FACES: f64 = 2.0;
+/// Growth of the share that presses by which a contact is another one, and what an answer of the new one needs instead of the
+/// old one's: the fewest samples, and confidence (ours).
+const CONTACT_GROWTH: f64 = 1.5;
+const NEW_SAMPLES_MIN: f64 = 6.0;
+const NEW_CONFIDENCE: f64 = 0.9;
 /// Smallest compliance of one face that is told apart from rigid, m/N (1 MN/m).
 const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 
@@ -34,6 +43,19 @@ pub fn compression(settings: &Settings, skin: &Skin) -> Compression {
 pub struct StiffnessEstimate {
     filtered_closing_m: Option<f64>,
     hardest_n: f64,
+    /// δ(F) of both fingertips, m, and by how much more they gave way because parts of them pressed.
+    tips_m: f64,
+    beyond_m: f64,
+    /// Least share of a face that has pressed in the present contact.
+    least_share: Option<f64>,
+    /// Whether this contact has taken the place of another.
+    is_new_contact: bool,
+    sums: Sums,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Sums {
     n: f64,
     x: f64,
     y: f64,
@@ -54,13 +76,15 @@ pub struct StiffnessFit {
 
 impl StiffnessEstimate {
     /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
-    /// the frame before, s, of fingertips that give way like `tips`. Only a force beyond every force before is new; it gives a refined fit, if there is one.
+    /// the frame before, s, of fingertips that give way like `tips` and press with this share of their faces. Only a force
+    /// beyond every force before is new; it gives a refined fit, if there is one.
     pub fn add(
         &mut self,
         closing_m: f64,
         normal_n: f64,
         step_s: f64,
         tips: &Compression,
+        pressed_share: [f64; VIRTUAL_FINGERS],
         settings: &Settings,
     ) -> Option<StiffnessFit> {
         let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
@@ -69,14 +93,27 @@ impl StiffnessEstimate {
         }
         self.hardest_n = normal_n;
         let tips_m = FACES * tips.at_1n_m * libm::pow(normal_n, tips.exponent);
-        let (x, y) = (normal_n, closing_m - tips_m);
-        self.n += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.xy += x * y;
-        self.yy += y * y;
-        self.fit()
+        let beyond = pressed_share.iter().map(|share| 1.0 / share - 1.0);
+        self.beyond_m += (tips_m - self.tips_m) * beyond.sum::<f64>() / FACES;
+        self.tips_m = tips_m;
+        self.meet(pressed_share);
+        self.sums.add(normal_n, closing_m - tips_m - self.beyond_m);
+        let fit = self.sums.fit()?;
+        let is_enough = self.sums.n >= NEW_SAMPLES_MIN && fit.confidence >= NEW_CONFIDENCE;
+        (!self.is_new_contact || is_enough).then_some(fit)
+    }
+
+    /// Forgets what was learnt while much less of the faces pressed.
+    fn meet(&mut self, [one, other]: [f64; VIRTUAL_FINGERS]) {
+        let share = if one < other { one } else { other };
+        let least = self.least_share.unwrap_or(share);
+        if share > CONTACT_GROWTH * least {
+            self.sums = Sums::default();
+            self.is_new_contact = true;
+            self.least_share = Some(share);
+        } else {
+            self.least_share = Some(if share < least { share } else { least });
+        }
     }
 
     /// The forces come through a low-pass; the closing must be as late as they are.
@@ -90,6 +127,17 @@ impl StiffnessEstimate {
         let after_m = before_m + (closing_m - before_m) * share;
         self.filtered_closing_m = Some(after_m);
         after_m
+    }
+}
+
+impl Sums {
+    fn add(&mut self, x: f64, y: f64) {
+        self.n += 1.0;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
     }
 
     /// The fit; `None` when there are too few samples or the force did not change.

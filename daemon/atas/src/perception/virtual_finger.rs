@@ -39,6 +39,7 @@ pub(super) fn together<'a>(
         utilisation: shared(|finger| finger.utilisation),
         utilisation_now: shared(|finger| finger.utilisation_now),
         friction: shared(|finger| finger.friction),
+        pressed_share: shared(|finger| finger.pressed_share),
         moment_n_m: sum(|finger| finger.moment_n_m),
         gross_slip_s: least(|finger| finger.gross_slip_s).unwrap_or(0.0),
         in_contact: fingers.clone().any(|finger| finger.in_contact),

@@ -41,6 +41,13 @@ impl Skin {
         }
     }
 
+    fn of_layout(layout: &Layout) -> Self {
+        Self::of(HandWiring {
+            layout: *layout,
+            ..HandWiring::default()
+        })
+    }
+
     /// Without the low-pass on the elements.
     fn unfiltered() -> Self {
         let mut skin = Self::new();
@@ -58,6 +65,24 @@ impl Skin {
         let mut frame = frame(Hand::LEFT, self.sequence, self.now_ns);
         self.sequence += 1;
         press(&mut frame, 0, force_n);
+        self.take(&frame);
+        self.perception.percept().fingers[0]
+    }
+
+    /// Goes on by 1 ms with a frame of a skin with this layout, whose finger 0 feels this at each element.
+    fn feel_elements(
+        &mut self,
+        layout: &Layout,
+        felt_n: impl Fn(usize) -> [f32; 3],
+    ) -> FingerPercept {
+        self.now_ns += MS_NS;
+        let mut frame = frame(Hand::LEFT, self.sequence, self.now_ns);
+        self.sequence += 1;
+        let mask = u64::MAX >> (64 - layout.count);
+        (frame.layout_hash, frame.valid_mask) = (layout.hash(), [mask, mask, 0, 0]);
+        let elements = frame.force_n[0][..layout.count].iter_mut().enumerate();
+        elements.for_each(|(element, force_n)| *force_n = felt_n(element));
+        frame.seal();
         self.take(&frame);
         self.perception.percept().fingers[0]
     }
@@ -94,27 +119,14 @@ impl Skin {
 fn a_face_that_is_not_round_both_ways_knows_friction_only_from_slides() {
     for name in ["dome-1", "pad-16", "flat-4x4-4.5", "cylinder-4x4-4.5-12"] {
         let layout = Layout::named(name).expect("a layout");
-        let (count, hash) = (layout.count, layout.hash());
-        let mut skin = Skin::of(HandWiring {
-            layout,
-            ..HandWiring::default()
-        });
+        let mut skin = Skin::of_layout(&layout);
         let hold = |skin: &mut Skin, tangential_n: f32| {
             let mut percept = FingerPercept::default();
             for _ in 0..400 {
-                skin.now_ns += MS_NS;
-                let mut frame = frame(Hand::LEFT, skin.sequence, skin.now_ns);
-                skin.sequence += 1;
-                let mask = u64::MAX >> (64 - count);
-                (frame.layout_hash, frame.valid_mask) = (hash, [mask, mask, 0, 0]);
-                let share = 1.0 / count as f32;
-                let noise_n = (skin.sequence % 7) as f32 * 1e-5;
-                for element in &mut frame.force_n[0][..count] {
-                    *element = [2.0 * share, tangential_n * share + noise_n, 0.0];
-                }
-                frame.seal();
-                skin.take(&frame);
-                percept = skin.perception.percept().fingers[0];
+                let share = 1.0 / layout.count as f32;
+                let noise_n = ((skin.sequence + 1) % 7) as f32 * 1e-5;
+                let element_n = [2.0 * share, tangential_n * share + noise_n, 0.0];
+                percept = skin.feel_elements(&layout, |_| element_n);
             }
             percept
         };
@@ -354,4 +366,27 @@ fn no_contact_means_no_utilisation() {
         (felt.utilisation, felt.utilisation_now, felt.in_contact),
         (0.0, 0.0, false)
     );
+}
+
+/// Pressure over a flat face, and the share that presses: evenly, as a wedge over all of it or a part, on one row.
+#[test]
+fn how_evenly_a_flat_face_presses_tells_how_much_of_it_does() {
+    let layout = Layout::named("flat-4x4-4.5").expect("a layout");
+    for (name, weights, expected) in [
+        ("even", [1.0, 1.0, 1.0, 1.0], 1.0),
+        ("all of it, more at one edge", [1.0, 2.0, 3.0, 4.0], 1.0),
+        ("a wedge over three rows", [5.0, 3.0, 1.0, 0.0], 0.77),
+        ("a wedge over two rows", [3.0, 1.0, 0.0, 0.0], 0.53),
+        ("one row", [1.0, 0.0, 0.0, 0.0], 0.33),
+    ] {
+        let mut skin = Skin::of_layout(&layout);
+        let row_n = weights.map(|weight: f32| weight / 10.0);
+        let mut feel = || skin.feel_elements(&layout, |element| [row_n[element / 4], 0.0, 0.0]);
+        let share = (0..100).map(|_| feel().pressed_share).last().unwrap();
+        assert!((share - expected).abs() < 0.01, "{name}: {share}");
+    }
+    let share = Skin::new()
+        .hold(100, Vector3::new(0.0, 0.0, -1.0))
+        .pressed_share;
+    assert_eq!(share, 1.0, "a dome's compression has its contact in it");
 }

@@ -5,6 +5,7 @@ use atas_core::settings::{Perception as Settings, Settings as All};
 use robot_model::{Compression, Skin};
 
 const TIPS: Compression = Skin::DOME_41.compression;
+const WHOLE: [f64; 2] = [1.0; 2];
 
 /// The law that the fit is made for: x = 2·(a·F^p + F/k).
 fn closing_m(normal_n: f64, object_n_m: f64) -> f64 {
@@ -37,7 +38,7 @@ fn probed(
         let noise_m = if i % 2 == 0 { noise_m } else { -noise_m };
         let closed_m = closing_m(true_n, object_n_m) - 1e-4 + noise_m;
         fit = estimate
-            .add(closed_m, felt_n, 1e-3, &TIPS, &settings)
+            .add(closed_m, felt_n, 1e-3, &TIPS, WHOLE, &settings)
             .or(fit);
     }
     fit
@@ -54,6 +55,69 @@ fn a_known_stiffness_is_recovered_whatever_the_starting_force() {
             );
             assert!(fit.confidence > 0.999, "{fit:?}");
         }
+    }
+}
+
+/// A flat pad.
+const FLAT: Compression = Compression {
+    at_1n_m: 2e-5,
+    exponent: 1.0,
+};
+
+fn unfiltered() -> Settings {
+    Settings {
+        filter_s: 0.0,
+        ..All::default().perception
+    }
+}
+
+/// The harder it presses, the more of it presses.
+#[test]
+fn a_face_that_presses_with_an_edge_first_does_not_soften_the_object() {
+    const ALL_PRESS_N: f64 = 0.6;
+    let settings = unfiltered();
+    let fitted = |object_n_m: f64, is_told: bool| {
+        let (mut estimate, mut fit, mut tips_m) = (StiffnessEstimate::default(), None, 0.0);
+        for i in 50..1000_u32 {
+            let normal_n = 1e-3 * f64::from(i);
+            let share = (normal_n / ALL_PRESS_N).min(1.0);
+            tips_m += 1e-3 * FLAT.at_1n_m / share;
+            let closing_m = 2.0 * (tips_m + normal_n / object_n_m);
+            let told = if is_told { [share; 2] } else { WHOLE };
+            fit = estimate
+                .add(closing_m, normal_n, 1e-3, &FLAT, told, &settings)
+                .or(fit);
+        }
+        fit.unwrap().object_n_m
+    };
+    for object_n_m in [1500.0, 6000.0, 30_000.0, 1e9] {
+        let ratio = fitted(object_n_m, true) / object_n_m.min(1e6);
+        assert!((ratio - 1.0).abs() < 1e-3, "{object_n_m} N/m: {ratio}");
+    }
+    let taken_for_n_m = fitted(1e9, false);
+    assert!(taken_for_n_m < 1e5, "what is prevented: {taken_for_n_m}");
+}
+
+/// An object between the edges of two pads turns until it lies against them, and closes the fingers by that: what it was taken for
+/// is forgotten, but not before the new contact tells something.
+#[test]
+fn an_object_that_turns_against_the_faces_is_not_soft() {
+    let settings = unfiltered();
+    for object_n_m in [1500.0, 30_000.0] {
+        let (mut estimate, mut fits, mut turned_m) = (StiffnessEstimate::default(), vec![], 0.0);
+        for i in 50..600_u32 {
+            let (normal_n, lies) = (1e-3 * f64::from(i), i >= 300);
+            let share = if lies { 0.9 } else { 0.3 };
+            turned_m += if lies { 0.0 } else { 4e-6 };
+            let closing_m = turned_m + 2.0 * normal_n * (FLAT.at_1n_m / share + 1.0 / object_n_m);
+            fits.push(estimate.add(closing_m, normal_n, 1e-3, &FLAT, [share; 2], &settings));
+        }
+        let read_n_m = |at: usize| fits[at - 50].map(|fit| fit.object_n_m);
+        let turning_n_m = read_n_m(299).unwrap();
+        assert!(turning_n_m < 0.55 * object_n_m, "{turning_n_m}");
+        assert_eq!(read_n_m(304), None, "five samples are too few");
+        let ratio = read_n_m(599).unwrap() / object_n_m;
+        assert!((ratio - 1.0).abs() < 0.02, "{object_n_m} N/m: {ratio}");
     }
 }
 
@@ -101,6 +165,7 @@ fn a_rigid_block_reads_as_very_stiff_and_never_as_negative() {
                 0.1 * f64::from(i),
                 1e-3,
                 &TIPS,
+                WHOLE,
                 &settings,
             )
             .or(fit)
@@ -125,13 +190,13 @@ fn no_news_gives_no_fit() {
         (5e-4, 0.4),
     ] {
         assert_eq!(
-            estimate.add(closing_m, normal_n, 1e-3, &TIPS, &settings),
+            estimate.add(closing_m, normal_n, 1e-3, &TIPS, WHOLE, &settings),
             None,
             "at {normal_n} N"
         );
     }
     assert_eq!(
-        estimate.add(f64::NAN, f64::NAN, 1e-3, &TIPS, &settings),
+        estimate.add(f64::NAN, f64::NAN, 1e-3, &TIPS, WHOLE, &settings),
         None
     );
 }
