@@ -94,6 +94,9 @@ impl Seen {
             },
             |event| events.push(*event),
         )?;
+        for (hand, bit) in events.iter().filter_map(switched_on) {
+            active[hand] |= bit;
+        }
         self.rates.learn(&self.watch.status);
         for (lane, bits) in self.lanes.iter_mut().zip(active) {
             if let Some(newest) = lane.back_mut() {
@@ -146,8 +149,52 @@ fn turn(lane: &mut VecDeque<u32>) {
     lane.push_back(0);
 }
 
+/// The hand and the bit of a module that was switched on: reports that nobody took in time are gone, and where a lock-step
+/// runs faster than it is drawn, that can be all of those in which the module was active.
+fn switched_on(event: &ModuleEvent) -> Option<(usize, u32)> {
+    if event.kind != EventKind::MODULE_ON {
+        return None;
+    }
+    Some((event.hand.index()?, 1_u32.checked_shl(event.module.0)?))
+}
+
 fn is_fault(event: &ModuleEvent) -> bool {
     event.kind == EventKind::WARNING
         || (event.kind == EventKind::MODE
             && matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP | Mode::FAULT))
+}
+
+#[cfg(test)]
+mod tests {
+    use shm_schemas::Hand;
+
+    use super::*;
+
+    #[test]
+    fn a_module_that_no_report_showed_has_its_mark() {
+        let event = |kind, hand, module| ModuleEvent {
+            kind,
+            hand,
+            module,
+            ..ModuleEvent::default()
+        };
+        for (event, expected) in [
+            (
+                event(EventKind::MODULE_ON, Hand::RIGHT, ModuleId::FIRST_TOUCH),
+                Some((1, 1 << 3)),
+            ),
+            (
+                event(EventKind::MODULE_OFF, Hand::RIGHT, ModuleId::FIRST_TOUCH),
+                None,
+            ),
+            (
+                event(EventKind::STEP, Hand::RIGHT, ModuleId::FIRST_TOUCH),
+                None,
+            ),
+            (event(EventKind::MODULE_ON, Hand(2), ModuleId::CARRY), None),
+            (event(EventKind::MODULE_ON, Hand::LEFT, ModuleId(32)), None),
+        ] {
+            assert_eq!(switched_on(&event), expected, "{event:?}");
+        }
+    }
 }
