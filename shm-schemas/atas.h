@@ -1407,7 +1407,7 @@ typedef struct atas_order_record {
     uint32_t index;
     // Which goal.
     uint64_t goal_id;
-    // Value of a parameter.
+    // Value of a parameter; of a goal to start, how far its hands may grasp beside where they were told, m.
     double value;
     // Why.
     atas_reason reason;

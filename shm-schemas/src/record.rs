@@ -133,7 +133,7 @@ payload! {
         pub index: u32,
         /// Which goal.
         pub goal_id: u64,
-        /// Value of a parameter.
+        /// Value of a parameter; of a goal to start, how far its hands may grasp beside where they were told, m.
         pub value: f64,
         /// Why.
         pub reason: Reason,

@@ -14,6 +14,7 @@ pub struct Goal {
     side: Side,
     task: Task,
     demands: Demands,
+    spare_m: f64,
 }
 
 impl Goal {
@@ -50,7 +51,21 @@ impl Goal {
             side,
             demands: task.demands(),
             task,
+            spare_m: 0.0,
         }
+    }
+
+    /// The same, with how far its ways were found to be from what is beside them, m.
+    #[must_use]
+    pub(crate) fn with_spare(self, spare_m: f64) -> Self {
+        Self { spare_m, ..self }
+    }
+
+    /// How far each hand may grasp beside where it was told, m: as far as the arms then keep their distance. Zero until the ways
+    /// were checked.
+    #[must_use]
+    pub fn spare_m(&self) -> f64 {
+        self.spare_m
     }
 
     /// What the client asked.

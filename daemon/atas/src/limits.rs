@@ -47,6 +47,12 @@ pub const MASKED_FADE_S: f64 = 1.0;
 /// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 
+/// Farthest from where it was told that an object is believed to stand when the fingertips feel it there, m (ours: what a place may
+/// be wrong by on both axes, and a little more).
+pub const DISPLACED_MAX_M: f64 = 0.009;
+/// Farthest that its faces are believed to be turned, rad (ours: 25°; a dome feels within a cone of 33°).
+pub const TURNED_MAX_RAD: f64 = 0.44;
+
 /// Weakest patch for which a contact normal is computed, N; below it the dome axis stands in (prototype: 0.1 N).
 pub const PATCH_FLOOR_N: f64 = 0.1;
 /// Weakest element that takes part in the contact normal, N (prototype: 10 mN, three times the noise).

@@ -127,6 +127,7 @@ pub fn write_order(order: Option<&Order>) -> OrderRecord {
         Some(Order::Start(goal)) => {
             record.goal = *goal.request();
             record.task = task::write(goal.task());
+            record.value = goal.spare_m();
             OrderKind::START
         }
         Some(Order::Cancel { goal_id }) => {
@@ -195,7 +196,7 @@ pub fn read_order(record: &OrderRecord) -> Result<Option<Order>, Unreadable> {
 fn read_goal(record: &OrderRecord) -> Result<Goal, Unreadable> {
     let hand = record.goal.hand.index().ok_or(Unreadable::UnknownGoal)?;
     let task = task::read(&record.task).ok_or(Unreadable::UnknownGoal)?;
-    Ok(Goal::of(record.goal, Side::BOTH[hand], task))
+    Ok(Goal::of(record.goal, Side::BOTH[hand], task).with_spare(record.value))
 }
 
 /// Writes what the controller is made from into the header of a run; the header's other fields are the daemon's.

@@ -198,6 +198,10 @@ settings! {
         f1_max_n = 1.0 in 0.05..50.0;
         /// Least force that a carried object is gripped with, N: what the fingertips need to feel it.
         keep_n = 0.12 in 0.01..10.0;
+        /// How far from the middle of the grip an object may be felt to stand before the hand opens and grasps it anew there, m. Upper bound: never.
+        regrasp_m = 0.003 in 0.0005..0.02;
+        /// How far an object's faces may be felt to be turned against the closing axis before it does, rad. Upper bound: never.
+        regrasp_rad = 0.1 in 0.02..1.0;
         /// Threshold dr of the tangential force increment, N (the paper names it and gives no value).
         dr_n = 0.06 in 0.005..10.0;
         /// Friction utilisation S at which Module 2 becomes active.

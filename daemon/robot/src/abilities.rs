@@ -9,6 +9,9 @@ use crate::target::GraspFrame;
 const RISE_M: f64 = 0.02;
 /// How far it must be able to go aside, m (ours: enough to set an object down beside where it stood).
 const ASIDE_M: f64 = 0.05;
+/// What it must be able to shift, m, and turn, rad, to be called able to do so a little (ours: what places may be wrong by).
+const LITTLE_M: f64 = 0.009;
+const LITTLE_RAD: f64 = 0.26;
 /// How far each fingertip must be able to pass the other, m (ours: a sixth of a turn of the smallest cap).
 const PASS_M: f64 = 0.006;
 /// How wide a cap is that it is tried on, m.
@@ -64,8 +67,17 @@ impl HandModel {
         })
     }
 
-    /// Finds out whether it has to turn caps by its wrist.
-    pub(crate) fn find_cap_turning(&mut self) {
+    /// Finds out whether it has to turn caps by its wrist, and whether it can shift and turn a little.
+    pub(crate) fn find_abilities(&mut self) {
         self.turns_by_wrist = self.turning.wrist.is_some() && !self.turns_both_ways();
+        let home = GraspFrame::from_above(self.home_m, self.home_yaw_rad, self.home_opening_m);
+        self.moves_aside = [1.0, -1.0].into_iter().all(|sign| {
+            [Vector3::x(), Vector3::y()].into_iter().all(|axis| {
+                let mut frame = home;
+                frame.centre_m += axis * (sign * LITTLE_M);
+                frame.closing_yaw_rad += sign * LITTLE_RAD;
+                self.posture_for(&frame).is_ok()
+            })
+        });
     }
 }

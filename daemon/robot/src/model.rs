@@ -47,6 +47,8 @@ pub struct HandModel {
     pub(crate) turning: Turning,
     /// Its fingertips cannot pass each other, but its wrist turns it about the vertical.
     pub(crate) turns_by_wrist: bool,
+    /// Whether it can shift and turn a little wherever it points down.
+    pub(crate) moves_aside: bool,
     /// Where the hand rests, from above, and how far open, m.
     pub(crate) home_m: Vector3<f64>,
     pub(crate) home_opening_m: f64,
@@ -169,6 +171,7 @@ impl HandModel {
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
             turns_by_wrist: false,
+            moves_aside: false,
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
             home_yaw_rad: 0.0,
@@ -266,6 +269,12 @@ impl HandModel {
     #[must_use]
     pub fn frame_count(&self) -> usize {
         self.frame_count
+    }
+
+    /// Whether the hand can shift and turn a little where it rests: one on a lift alone cannot.
+    #[must_use]
+    pub fn moves_aside(&self) -> bool {
+        self.moves_aside
     }
 
     /// From each tip frame's origin to the middle of its sensing face, m: the radius of a dome.

@@ -59,7 +59,7 @@ impl RobotModel {
         let hands = [left, right];
         let mut robot = findings.unless_any(Some(RobotModel { hands }))?;
         // Tried by the inverse kinematics, so only of a robot that is as it has to be.
-        robot.hands.iter_mut().for_each(HandModel::find_cap_turning);
+        robot.hands.iter_mut().for_each(HandModel::find_abilities);
         Ok(robot)
     }
 }

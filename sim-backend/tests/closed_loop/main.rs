@@ -8,6 +8,7 @@ mod assembly;
 mod hold;
 mod interrupted;
 mod placing;
+mod regrasp;
 mod restart;
 mod rig;
 mod screwing;

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring, check};
 use robot_model::{HandVector, RobotModel, Side, clearance_m, farthest_move_m};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::{
@@ -183,9 +183,15 @@ impl Rig {
         self.go_on_until(step, lifted_m);
     }
 
+    /// A goal as the daemon would begin it.
+    fn checked(&self, request: &GoalRequest) -> Goal {
+        let circumstances = self.controller.circumstances(&self.robot, &[]);
+        check::check(request, &circumstances).expect("a goal that can be pursued")
+    }
+
     /// Begins a goal.
     pub(crate) fn begin(&mut self, request: &GoalRequest) {
-        let goal = Goal::resolve(request, &[]).expect("a goal");
+        let goal = self.checked(request);
         self.order(&Order::Start(goal));
     }
 
@@ -214,7 +220,7 @@ impl Rig {
 
     /// Pursues a goal to its end.
     pub(crate) fn pursue(&mut self, request: &GoalRequest) -> GoalUpdate {
-        let goal = Goal::resolve(request, &[]).expect("a goal");
+        let goal = self.checked(request);
         let mut order = Some(Order::Start(goal));
         for _ in 0..400_000 {
             let update = self.step(order.take().as_ref()).goal_update;

@@ -1,6 +1,6 @@
 //! The same seed gives the same commands, bit for bit: twice over the bus, and in process.
 
-use atas_core::{Goal, Order, Settings};
+use atas_core::Settings;
 use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use robot_model::{RobotModel, Side};
 use shm_bus::{Bus, FreshBus, Realtime};
@@ -74,8 +74,7 @@ fn in_process() -> BTreeMap<u64, u32> {
     let mut sums = BTreeMap::new();
     loop {
         let tick = sums.len() as u64;
-        let order = (tick == WARM_UP_TICKS)
-            .then(|| Order::Start(Goal::resolve(&goal(), &[]).expect("built in")));
+        let order = (tick == WARM_UP_TICKS).then(|| run.order(&goal()).expect("within reach"));
         let outputs = run.step(order.as_ref());
         sums.insert(outputs.report.tick, outputs.report.command_crc32);
         if outputs.goal_update.is_some_and(|u| u.state.is_final()) {

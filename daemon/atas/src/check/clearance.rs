@@ -44,13 +44,15 @@ const OFF_AXIS_RAD: f64 = 0.087;
 
 /// Follows the task of a goal whose numbers were checked.
 ///
+/// Returns how far each hand may grasp beside where it was told without coming too near to the other: [`Goal::spare_m`].
+///
 /// # Errors
 /// [`Cause::UNREACHABLE`] where the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two bodies that come too near.
 pub(super) fn check_paths(
     goal: &Goal,
     now: &Circumstances<'_>,
     q_rad: &RobotVector,
-) -> Result<(), Reason> {
+) -> Result<f64, Reason> {
     let other = Side::BOTH[1 - goal.side().index()];
     let samples_left = Cell::new(SAMPLES_MAX);
     let mut acting = Walk::new(goal, goal.side(), (now, q_rad), &samples_left);
@@ -60,7 +62,7 @@ pub(super) fn check_paths(
         let reached = [helping.reached, acting.reached];
         let rounds = [acting.round(reached[0]), helping.round(reached[1])];
         if rounds.iter().all(Range::is_empty) {
-            return Ok(());
+            return Ok(gap.spare_m());
         }
         let (mut after, from) = (helping.clone(), helping.clone());
         after.follow(rounds[1].clone(), &mut |theirs| {
@@ -83,6 +85,8 @@ pub(super) fn check_paths(
 struct Sample {
     bodies: Capsules,
     about_m: f64,
+    /// The hand has come to where it sets down what it holds.
+    at_target: bool,
 }
 
 /// The gap between the arms, and how wide it must be.
@@ -90,6 +94,10 @@ struct Gap {
     hands: [usize; 2],
     /// Arms that begin too near may go apart: until they have, this is what counts instead of [`CLEARANCE_M`], m.
     before_clear_m: Cell<Option<f64>>,
+    /// Whether both hands take part.
+    both: bool,
+    /// The narrowest gap so far of those in which it matters where the objects stand, m.
+    narrowest_m: Cell<f64>,
 }
 
 impl Gap {
@@ -104,12 +112,23 @@ impl Gap {
         Self {
             hands: [goal.side().index(), 1 - goal.side().index()],
             before_clear_m: Cell::new((gap_m < CLEARANCE_M).then_some(half_m)),
+            both: goal.demands().both_hands,
+            narrowest_m: Cell::new(gap_m),
         }
+    }
+
+    /// How far each hand may be beside its way, m. One that sets down onto what the other holds is displaced with that.
+    fn spare_m(&self) -> f64 {
+        let beyond_m = (self.narrowest_m.get() - CLEARANCE_M).max(0.0);
+        if self.both { beyond_m / 2.0 } else { beyond_m }
     }
 
     fn judge(&self, ours: &Sample, theirs: &Sample) -> Result<(), Reason> {
         let Nearest { gap_m, joints } = nearest(&ours.bodies, &theirs.bodies);
         let gap_m = gap_m - ours.about_m - theirs.about_m;
+        if !(self.both && ours.at_target) && gap_m < self.narrowest_m.get() {
+            self.narrowest_m.set(gap_m);
+        }
         if gap_m >= CLEARANCE_M {
             self.before_clear_m.set(None);
             return Ok(());
@@ -146,6 +165,7 @@ struct Walk<'a> {
     q_rad: HandVector,
     /// Index of the goal's value that the present place belongs to.
     place: usize,
+    at_target: bool,
 }
 
 impl<'a> Walk<'a> {
@@ -176,6 +196,7 @@ impl<'a> Walk<'a> {
             at,
             q_rad,
             place: if acts { FROM_X } else { TO_X },
+            at_target: false,
         };
         walk.arrive();
         walk
@@ -189,6 +210,7 @@ impl<'a> Walk<'a> {
         Sample {
             bodies: self.bodies(),
             about_m: 0.0,
+            at_target: self.at_target,
         }
     }
 
@@ -234,6 +256,7 @@ impl<'a> Walk<'a> {
             for end in path.ends() {
                 self.go(end, visit)?;
             }
+            self.at_target |= step.motion.waypoint() == Some(Waypoint::OverTarget);
             self.finish(&step, visit)?;
             self.next = index + 1;
             self.arrive();
@@ -308,7 +331,11 @@ impl<'a> Walk<'a> {
             let bodies = self.bodies();
             let about_m = farthest_move_m(&before, &bodies) / 2.0;
             before.clone_from(&bodies);
-            visit(&Sample { bodies, about_m })?;
+            visit(&Sample {
+                bodies,
+                about_m,
+                at_target: self.at_target,
+            })?;
         }
         self.at = to;
         Ok(())

@@ -69,7 +69,8 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
         if request.kind.is_stream() {
             check_sides(&goal, now, q_rad)?;
         }
-        check_paths(&goal, now, q_rad)?;
+        let spare_m = check_paths(&goal, now, q_rad)?;
+        return Ok(goal.with_spare(spare_m));
     }
     Ok(goal)
 }

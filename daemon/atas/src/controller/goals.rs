@@ -119,9 +119,11 @@ impl Controller {
 
     /// Every hand pursues its task; the goal hears what became of it.
     pub(super) fn pursue(&mut self) {
-        let reached = self.hands.each_ref().map(HandControl::reached);
+        let told = |hand: &HandControl| (hand.reached(), hand.displaced_m());
+        let told = self.hands.each_ref().map(told);
         for side in Side::BOTH {
-            self.hands[side.index()].receive_peer(reached[1 - side.index()]);
+            let (reached, displaced_m) = told[1 - side.index()];
+            self.hands[side.index()].receive_peer(reached, displaced_m);
             let outcome =
                 self.hands[side.index()].act(&self.settings, self.step_s, &mut self.outputs.events);
             let Some(outcome) = outcome else { continue };

@@ -10,7 +10,7 @@ use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{HandCommand, HandServo, gap_m};
 use crate::modules::{self, Modules, Proposal, Selection, force_range_n, force_up_n};
-use crate::perception::{self, Percept, Perception};
+use crate::perception::{self, ObjectPose, Percept, Perception};
 use crate::planning::{Waypoints, home};
 use crate::runner::{HandMotion, Outcome, Runner, Wishes};
 use crate::safety::Grip;
@@ -19,7 +19,7 @@ use crate::tasks::Step;
 use crate::tick::Tick;
 use crate::wiring::{HandWiring, Wiring};
 use borne::Borne;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector2};
 use robot_model::{FINGERS_MAX, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
 use shm_schemas::{
     Cause, EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus,
@@ -46,6 +46,8 @@ pub(crate) struct HandControl {
     intent: Option<Intent>,
     active: u32,
     measured_gap_m: f64,
+    /// Where what it presses on stands, as its fingertips feel it.
+    felt: Option<ObjectPose>,
     base_from_tip: [Matrix3<f64>; FINGERS_MAX],
     frames: u32,
     borne: Borne,
@@ -78,6 +80,7 @@ impl HandControl {
             intent: None,
             active: 0,
             measured_gap_m: 0.0,
+            felt: None,
             base_from_tip: [Matrix3::identity(); FINGERS_MAX],
             frames: 0,
             slides: false,
@@ -161,6 +164,8 @@ impl HandControl {
     ) {
         let looked_m = self.servo.as_ref().map_or(0.0, HandServo::looked_m);
         self.measured_gap_m = gap_m(measured) + looked_m;
+        self.felt = ObjectPose::felt(&self.model, measured, self.perception.percept())
+            .filter(|_| self.model.moves_aside());
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = tip.rotation;
         }
@@ -222,7 +227,8 @@ impl HandControl {
         let (runner, servo) = (self.runner.as_mut()?, self.servo.as_mut()?);
         let percept = self.perception.percept();
         let slid = runner.slides().is_some();
-        runner.observe(percept, self.measured_gap_m, servo.frame(), step_s);
+        let measured = (self.measured_gap_m, self.felt);
+        runner.observe(percept, measured, servo.frame(), step_s);
         let motion = HandMotion {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
@@ -339,10 +345,18 @@ impl HandControl {
         self.runner.as_ref().map_or(u8::MAX, Runner::reached)
     }
 
-    /// Takes in which meeting point the other hand has come to.
-    pub(crate) fn receive_peer(&mut self, peer_reached: u8) {
+    /// How far what this hand grips stands from where it was told, base frame, m.
+    #[must_use]
+    pub(crate) fn displaced_m(&self) -> Vector2<f64> {
+        self.runner
+            .as_ref()
+            .map_or_else(Vector2::zeros, Runner::displaced_m)
+    }
+
+    /// Takes in which meeting point the other hand has come to, and how far what it grips stands from where it was told.
+    pub(crate) fn receive_peer(&mut self, reached: u8, displaced_m: Vector2<f64>) {
         if let Some(runner) = self.runner.as_mut() {
-            runner.receive_peer(peer_reached);
+            runner.receive_peer(reached, displaced_m);
         }
     }
 

@@ -12,6 +12,7 @@ mod friction;
 mod increment;
 mod motion;
 mod noise;
+mod object_pose;
 mod patch;
 mod stiffness;
 mod virtual_finger;
@@ -19,6 +20,7 @@ mod yielding;
 
 pub use finger::{Finger, FingerPercept};
 pub use motion::MotionPercept;
+pub use object_pose::ObjectPose;
 pub use stiffness::{StiffnessEstimate, StiffnessFit, compression};
 pub use yielding::{YieldRule, YieldWatch, Yielded};
 

@@ -5,7 +5,7 @@ use crate::path::{at_height, reachable_yaw_rad};
 use crate::settings::Settings;
 use crate::tasks::Waypoint;
 use core::f64::consts::FRAC_PI_2;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use robot_model::{GraspFrame, HandModel};
 use shm_schemas::{GoalRequest, Turn};
 
@@ -41,6 +41,14 @@ pub struct Waypoints {
     lowering_m: f64,
     expected_m: f64,
     turning: f64,
+    /// From the middle of the hand to that of what it holds, along its closing axis, m.
+    held_off_m: f64,
+    /// From where the target was told to where it stands, base frame, m.
+    target_off_m: Vector2<f64>,
+    /// How far the hand may grasp beside where it was told, m.
+    spare_m: f64,
+    /// The other hand takes part: what this one holds goes onto what that one does.
+    both: bool,
 }
 
 impl Waypoints {
@@ -48,9 +56,15 @@ impl Waypoints {
     #[must_use]
     pub fn of(hand: &HandModel, now: &GraspFrame, goal: &Goal, settings: &Settings) -> (Self, f64) {
         let (request, home) = (goal.request(), home(hand, now));
+        let (spare_m, both) = (goal.spare_m(), goal.demands().both_hands);
+        let within = |waypoints| Self {
+            spare_m,
+            both,
+            ..waypoints
+        };
         if hand.side() != goal.side() {
             let waypoints = Self::helping(hand, home, request, settings);
-            return (waypoints, request.helper_width_m);
+            return (within(waypoints), request.helper_width_m);
         }
         let stays = !(goal.demands().visits_source || goal.demands().visits_target);
         let waypoints = if stays {
@@ -58,7 +72,7 @@ impl Waypoints {
         } else {
             Self::new(hand, now, home, goal, settings)
         };
-        (waypoints, request.width_m)
+        (within(waypoints), request.width_m)
     }
 
     /// The poses of a checked goal for a hand that is at `now` and rests at `home`.
@@ -96,6 +110,10 @@ impl Waypoints {
             lowering_m: (travel_m - lowest_m).max(0.0),
             expected_m: to_m[2],
             turning: request.turn.sign(),
+            held_off_m: 0.0,
+            target_off_m: Vector2::zeros(),
+            spare_m: 0.0,
+            both: false,
         }
     }
 
@@ -143,6 +161,10 @@ impl Waypoints {
             lowering_m: 0.0,
             expected_m: now.centre_m.z,
             turning: Turn::CLOCKWISE.sign(),
+            held_off_m: 0.0,
+            target_off_m: Vector2::zeros(),
+            spare_m: 0.0,
+            both: false,
         }
     }
 
@@ -155,7 +177,7 @@ impl Waypoints {
             Waypoint::Around => self.around,
             Waypoint::Source => self.source,
             Waypoint::Lifted => raised(&self.source, self.lift_m),
-            Waypoint::OverTarget => self.over_target,
+            Waypoint::OverTarget => self.over_target(),
             Waypoint::TurnStart => GraspFrame {
                 half_opening_m: self.source.half_opening_m,
                 tangential_m: [self.turn_start_m, -self.turn_start_m],
@@ -164,6 +186,49 @@ impl Waypoints {
             Waypoint::Above => raised(now, self.descend_m),
             Waypoint::Home => self.home,
         }
+    }
+
+    /// Over where the target stands, with the middle of the object above its middle.
+    fn over_target(&self) -> GraspFrame {
+        let axis = self.over_target.closing_axis().xy();
+        let off_m = self.target_off_m - axis * self.held_off_m;
+        moved(&self.over_target, &off_m)
+    }
+
+    /// The object was felt to stand beside where it was told, base frame, m, its faces turned, rad: it is grasped there.
+    pub fn come_again(&mut self, off_m: &Vector2<f64>, turn_rad: f64) {
+        for frame in [&mut self.before, &mut self.around, &mut self.source] {
+            *frame = moved(frame, off_m);
+            frame.closing_yaw_rad += turn_rad;
+        }
+    }
+
+    /// What the hand holds was felt to be beside its middle, along its closing axis, m.
+    pub fn hold_beside(&mut self, off_m: f64) {
+        self.held_off_m = off_m;
+    }
+
+    /// The target stands beside where it was told, base frame, m.
+    pub fn displace_target(&mut self, off_m: Vector2<f64>) {
+        self.target_off_m = off_m;
+    }
+
+    /// How far the hand may grasp beside where it was told, m.
+    #[must_use]
+    pub fn spare_m(&self) -> f64 {
+        self.spare_m
+    }
+
+    /// Whether what the hand holds goes onto what the other one holds.
+    #[must_use]
+    pub fn joins(&self) -> bool {
+        self.both
+    }
+
+    /// Where the object was told to stand, or was felt to, base frame, m.
+    #[must_use]
+    pub fn source_m(&self) -> Vector2<f64> {
+        self.source.centre_m.xy()
     }
 
     /// How far the hand may go down from over the target, m.
@@ -243,6 +308,14 @@ fn from_above(
     GraspFrame {
         hand_azimuth_rad: hand.bearing_rad(&centre_m),
         ..GraspFrame::from_above(centre_m, yaw_rad, opening_m)
+    }
+}
+
+fn moved(frame: &GraspFrame, by_m: &Vector2<f64>) -> GraspFrame {
+    let by_m = Vector3::new(by_m.x, by_m.y, 0.0);
+    GraspFrame {
+        centre_m: frame.centre_m + by_m,
+        ..*frame
     }
 }
 

@@ -2,13 +2,15 @@
 
 mod in_hand;
 mod led;
+mod regrasp;
 mod transitions;
 
 use self::in_hand::InHand;
+use self::regrasp::Regrasp;
 use crate::follow::Lead;
 use crate::modules::{Context, Finding, Modules, RELEASE_SHARE, Verdict, force_range_n};
 use crate::path::Path;
-use crate::perception::{Percept, StiffnessFit};
+use crate::perception::{ObjectPose, Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
 use crate::tasks::{
@@ -16,7 +18,7 @@ use crate::tasks::{
     WITHDRAW,
 };
 use crate::thresholds::{Bound, Thresholds};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{Cause, ModuleId, Reason};
 
@@ -122,6 +124,11 @@ pub struct Runner {
     found: bool,
     reached: u8,
     peer_reached: u8,
+    /// Where the object stands, as the fingertips feel it now.
+    felt: Option<ObjectPose>,
+    regrasp: Regrasp,
+    /// How far the object stood from where it was told, base frame, m.
+    displaced_m: Vector2<f64>,
     /// What the client that leads the hand wants now.
     lead: Option<Lead>,
     /// Opening at which a led hand began to take hold, and then the one at which every finger touched, m.
@@ -178,6 +185,9 @@ impl Runner {
             found: false,
             reached: 0,
             peer_reached: 0,
+            felt: None,
+            regrasp: Regrasp::default(),
+            displaced_m: Vector2::zeros(),
             lead: None,
             touched_opening_m: 0.0,
             retreat: None,
@@ -219,7 +229,7 @@ impl Runner {
     /// The present step.
     #[must_use]
     pub fn step(&self) -> &Step {
-        &self.track[self.index]
+        &self.steps()[self.index]
     }
 
     /// Index of the present step.
@@ -231,7 +241,7 @@ impl Runner {
     /// Share of the steps that are done.
     #[must_use]
     pub fn progress(&self) -> f64 {
-        self.index as f64 / self.track.len() as f64
+        self.index as f64 / self.steps().len() as f64
     }
 
     /// F_1 and F_2.
@@ -348,15 +358,23 @@ impl Runner {
         }
     }
 
-    /// Takes in which meeting point the other hand has come to.
-    pub fn receive_peer(&mut self, peer_reached: u8) {
-        self.peer_reached = peer_reached;
+    /// Takes in which meeting point the other hand has come to, and how far what it grips stands from where it was told.
+    pub fn receive_peer(&mut self, reached: u8, displaced_m: Vector2<f64>) {
+        self.peer_reached = reached;
+        self.waypoints.displace_target(displaced_m);
     }
 
-    /// Measures before the modules are asked: touches, closing, carrying. `gap_m` is the measured distance between the
-    /// fingertips, `now` the commanded pose.
-    pub fn observe(&mut self, percept: &Percept, gap_m: f64, now: &GraspFrame, step_s: f64) {
+    /// Measures before the modules are asked: touches, closing, carrying. Measured: the distance between the
+    /// fingertips, and where they feel the object; `now` is the commanded pose.
+    pub fn observe(
+        &mut self,
+        percept: &Percept,
+        (gap_m, felt): (f64, Option<ObjectPose>),
+        now: &GraspFrame,
+        step_s: f64,
+    ) {
         self.step_s += step_s;
+        self.felt = felt;
         let touching = percept.virtual_fingers.iter().all(|f| f.in_contact);
         if touching && !self.all_touched && self.step().transition == Transition::AllTouched {
             self.all_touched = true;
@@ -417,6 +435,7 @@ impl Runner {
         (self.track, self.waypoints) = (track, waypoints);
         self.wishes = wishes;
         (self.table, self.retreat, self.ended) = (None, None, false);
+        self.regrasp = Regrasp::default();
         (self.reached, self.peer_reached) = (0, 0);
         self.in_hand = InHand::default();
         self.enter(0, now, settings, modules);
@@ -426,6 +445,7 @@ impl Runner {
     pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
         if self.step().transition != Transition::Held {
             self.track = if self.is_led() { STAND_LED } else { STAND };
+            self.regrasp = Regrasp::default();
             self.enter(0, now, settings, modules);
         }
         self.retreat = None;

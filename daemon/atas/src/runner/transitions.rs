@@ -1,6 +1,7 @@
 //! From step to step: what ends a step, what follows it, and when a task is given up.
 
 use super::*;
+use crate::tasks::Waypoint;
 
 impl Runner {
     /// Draws the conclusions of this tick: verdicts, the end of the step, the end of the task.
@@ -78,7 +79,10 @@ impl Runner {
     }
 
     fn advance(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) -> Outcome {
-        if self.index + 1 == self.track.len() {
+        if self.regrasps(now, settings, modules) {
+            return Outcome::NextStep;
+        }
+        if self.index + 1 == self.steps().len() {
             return match self.retreat {
                 Some((Retreat::PutBack | Retreat::Withdraw, reason)) => Outcome::Refused(reason),
                 Some((Retreat::Raise, reason)) => Outcome::Failed(reason),
@@ -105,6 +109,9 @@ impl Runner {
     ) {
         self.index = index;
         self.step_s = 0.0;
+        if self.step().motion.waypoint() == Some(Waypoint::OverTarget) {
+            self.learn_held(now);
+        }
         self.path = self.plan(now, settings);
         self.arrive();
         modules.restart_step();
@@ -169,6 +176,7 @@ impl Runner {
             return Outcome::Failed(reason);
         }
         self.retreat = Some((retreat, reason));
+        self.regrasp = Regrasp::default();
         self.track = match retreat {
             Retreat::PutBack => BACK_OUT,
             Retreat::Raise => RAISE,

@@ -117,6 +117,18 @@ pub const BACK_OUT: Track = Track::of(&[
     ),
 ]);
 
+/// Lets go of what was felt to stand elsewhere than told, and comes again.
+pub const COME_AGAIN: Track = Track::of(&[
+    Step::new("reopen", Motion::Open, CARRY, Transition::Arrived, 10.0),
+    Step::new(
+        "regrasp",
+        Motion::Reach(Waypoint::Source),
+        FREE,
+        Transition::Arrived,
+        10.0,
+    ),
+]);
+
 /// Goes back the way that the hand came, off what it touched there.
 pub const WITHDRAW: Track = Track::of(&[Step::new(
     "withdraw",

@@ -17,7 +17,7 @@
 //! is its [`GoalKind`](shm_schemas::GoalKind) and a line of the command line; `CONTRIBUTING.md` shows one.
 //!
 //! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`WITHDRAW`] turns
-//! back from what is in the way, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends, [`KEEP`] what
+//! back from what is in the way, [`COME_AGAIN`] grasps anew where the object was felt to stand, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends, [`KEEP`] what
 //! a hand was found gripping.
 
 mod assemble;
@@ -38,7 +38,7 @@ pub use assemble::ASSEMBLE;
 pub use built_in::{BUILT_IN, named, of};
 pub use demands::Demands;
 pub use follow::{FOLLOW, FOLLOW_BOTH, STAND_LED};
-pub use grasp::{BACK_OUT, GRASP, KEEP, RELEASE, SECURE, STAND, WITHDRAW};
+pub use grasp::{BACK_OUT, COME_AGAIN, GRASP, KEEP, RELEASE, SECURE, STAND, WITHDRAW};
 pub use name::Name;
 pub use pick_place::{PICK_PLACE, RAISE, SET_DOWN};
 pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};

@@ -4,6 +4,7 @@
 use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
 use atas_core::check::{self, CLEARANCE_M, Circumstances};
+use atas_core::limits::DISPLACED_MAX_M;
 use atas_core::planning;
 use atas_core::tasks::{GRASP, Motion, STEPS_MAX, Step, Task, Waypoint};
 use atas_core::{Order, Settings};
@@ -124,6 +125,43 @@ fn accepted_goals_keep_the_arms_apart_in_every_tick() {
         accepted > 8 && refused > 8,
         "{accepted} accepted, {refused} refused"
     );
+}
+
+/// What a goal may be off by is counted from its ways: told a place that far beside, it would be accepted as well.
+#[test]
+fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
+    let mut numbers = Numbers(77);
+    let mut tried = 0;
+    for _ in 0..120 {
+        let mut place = |y_m: [f64; 2]| {
+            let [x, y, z] = [[0.25, 0.37], y_m, [0.04, 0.12]].map(|range| numbers.between(range));
+            [x, y, z]
+        };
+        let world = world(posture(Side::Left, place([0.0, 0.15]), 0.06));
+        let request = GoalRequest {
+            kind: GoalKind::CUSTOM,
+            task: Text::new("tour"),
+            from_m: place([-0.13, 0.0]),
+            to_m: place([-0.25, -0.10]),
+            ..grasp()
+        };
+        let Ok(goal) = check(&world, &request) else {
+            continue;
+        };
+        // Farther than a hand ever believes, so that more goals have their bound in it.
+        let spare_m = goal.spare_m().min(2.0 * DISPLACED_MAX_M);
+        tried += usize::from(spare_m < 2.0 * DISPLACED_MAX_M);
+        for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
+            let mut beside = request;
+            beside.from_m[0] += x * spare_m;
+            beside.from_m[1] += y * spare_m;
+            let collides = check(&world, &beside)
+                .err()
+                .filter(|r| r.cause == Cause::ARMS_COLLIDE);
+            assert_eq!(collides, None, "{spare_m} m beside {request:?}");
+        }
+    }
+    assert!(tried > 5, "only {tried} goals had little to spare");
 }
 
 /// The sentence names the bodies, and nothing has moved.

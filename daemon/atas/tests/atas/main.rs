@@ -21,6 +21,7 @@ mod load_test;
 mod mode;
 mod modules;
 mod motion;
+mod object_pose;
 mod path;
 mod perception;
 mod placing;

@@ -3,8 +3,8 @@
 use atas_core::Settings;
 use atas_core::modules::IDS;
 use atas_core::tasks::{
-    ASSEMBLE, BACK_OUT, FOLLOW, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW, STAND,
-    STAND_LED, Step, Transition, WITHDRAW, Waypoint,
+    ASSEMBLE, BACK_OUT, COME_AGAIN, FOLLOW, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW,
+    STAND, STAND_LED, Step, Transition, WITHDRAW, Waypoint,
 };
 use atas_core::thresholds::{Bound, Thresholds};
 use shm_schemas::{Cause, ModuleId};
@@ -26,6 +26,7 @@ fn tracks() -> Vec<(&'static str, Vec<Step>)> {
         ("help to assemble", ASSEMBLE.helping.unwrap().to_vec()),
         ("release", RELEASE.acting.to_vec()),
         ("back out", BACK_OUT.to_vec()),
+        ("come again", COME_AGAIN.to_vec()),
         ("raise", RAISE.to_vec()),
         ("withdraw", WITHDRAW.to_vec()),
         ("stand", STAND.to_vec()),

@@ -1,0 +1,145 @@
+//! Objects that stand elsewhere than told: the fingertips feel where, and the hand grasps them there.
+
+use crate::rig::{Rig, goal, object};
+use robot_model::{RobotModel, Side};
+use shm_schemas::{GoalKind, GoalRequest, GoalState};
+use sim_backend::Scene;
+
+/// Moves an object of a scene from where clients are told that it stands: mm, mm, degrees.
+fn displace(scene: &mut Scene, index: usize, [x_mm, y_mm, yaw_deg]: [f64; 3]) {
+    let placed = &mut scene.objects[index];
+    placed.position_m[0] += x_mm * 1e-3;
+    placed.position_m[1] += y_mm * 1e-3;
+    placed.yaw_rad += f64::to_radians(yaw_deg);
+}
+
+/// Pursues a goal that must succeed; how often the hand came again.
+fn achieve(rig: &mut Rig, request: &GoalRequest) -> usize {
+    rig.begin(request);
+    let mut came_again = 0;
+    let mut before = false;
+    while rig.end.is_none() {
+        rig.ticks(1);
+        let now = rig.step_name() == "regrasp";
+        came_again += usize::from(now && !before);
+        before = now;
+    }
+    let end = rig.end.expect("just seen");
+    assert_eq!(
+        end.state,
+        GoalState::SUCCEEDED,
+        "{}: {}",
+        end.step,
+        end.reason
+    );
+    came_again
+}
+
+/// Regression: slippery boxes that stood askew by 8° were pressed to F_2 and refused as too heavy: much of the friction went into the
+/// faces' angle.
+#[test]
+fn what_stands_askew_or_beside_its_place_is_grasped_anew_where_it_is_felt() {
+    let check = |name: &str, error: [f64; 3], expected: usize| {
+        let mut scene = Scene::grasp(object(name), Side::Right);
+        displace(&mut scene, 0, error);
+        let mut rig = Rig::new(&scene);
+        let came_again = achieve(&mut rig, &goal(GoalKind::GRASP, &scene, Side::Right));
+        let truth = rig.object();
+        let what = format!("{name} {error:?}: came again {came_again} times, {truth:?}");
+        assert_eq!(came_again, expected, "{what}");
+        assert_eq!((truth.dropped, truth.crushed), (0, 0), "{what}");
+        assert!(truth.lifted_m > 0.045, "{what}");
+    };
+    check("wood", [0.0, 0.0, 0.0], 0);
+    check("wood", [1.0, -1.5, 4.0], 0);
+    check("wood", [2.0, 2.0, -13.0], 1);
+    check("slippery-50", [0.0, 0.0, -9.0], 1);
+    check("slippery-200", [0.0, 1.0, 12.0], 1);
+    // So light that the finger that touches first pushes it to the middle.
+    check("sponge", [0.0, 4.0, 3.0], 0);
+    check("bottle", [-4.5, 1.0, 0.0], 1);
+}
+
+/// What remains beside the middle of the hand is taken off where the object is set down.
+#[test]
+fn an_object_is_set_down_where_it_shall_stand_and_not_where_the_hand_was_told_to_go() {
+    for (name, error) in [
+        ("wood", [0.0, 2.5, 0.0]),
+        ("wood", [0.0, -4.5, 0.0]),
+        ("bottle", [2.0, 1.5, 0.0]),
+        ("bottle", [-4.0, -3.0, 0.0]),
+    ] {
+        let mut scene = Scene::pick_place(object(name), Side::Right);
+        displace(&mut scene, 0, error);
+        let mut rig = Rig::new(&scene);
+        achieve(&mut rig, &goal(GoalKind::PICK_PLACE, &scene, Side::Right));
+        let at_m = rig.object().position_m;
+        let to_m = scene.place.expect("it has a place").from_m;
+        let off_m = f64::hypot(at_m[0] - to_m[0], at_m[1] - to_m[1]);
+        assert!(
+            off_m < 1e-3,
+            "{name} {error:?}: {off_m} m off its place, {at_m:?} for {to_m:?}"
+        );
+    }
+}
+
+/// Regression: a cap whose place, or whose bottle's, was told wrong by 3 mm never met its thread.
+#[test]
+fn a_cap_meets_its_thread_wherever_both_are_felt_to_stand() {
+    for (cap, bottle) in [
+        ([3.0, -3.0, 2.0], [0.0, 0.0, 0.0]),
+        ([0.0, 0.0, 0.0], [-3.0, 2.0, 0.0]),
+        ([-3.0, 2.5, 10.0], [3.0, 1.5, 0.0]),
+    ] {
+        let mut scene = Scene::assembly(object("cap"), object("open-bottle"), Side::Right);
+        displace(&mut scene, 0, cap);
+        displace(&mut scene, 1, bottle);
+        let mut rig = Rig::new(&scene);
+        achieve(&mut rig, &goal(GoalKind::ASSEMBLE, &scene, Side::Right));
+        let truth = rig.world.truth().objects;
+        let what = format!("cap {cap:?}, bottle {bottle:?}: {truth:?}");
+        assert_eq!(
+            (truth[0].cap_engaged, truth[0].cap_closed),
+            (1, 1),
+            "{what}"
+        );
+        assert_eq!(
+            (truth[1].crushed, truth[1].tipped, truth[1].dropped),
+            (0, 0, 0),
+            "{what}"
+        );
+    }
+}
+
+/// A hand on a lift alone cannot go where it feels the object; it grasps it as it stands.
+#[test]
+fn a_hand_that_cannot_go_aside_does_not_try_to() {
+    let robot = RobotModel::find("test-bench").expect("it ships");
+    let mut scene = Scene::grasp(object("wood"), Side::Right).before(robot.hand(Side::Right));
+    displace(&mut scene, 0, [0.0, 0.0, 8.0]);
+    let mut rig = Rig::of(robot, &scene, 1);
+    assert_eq!(
+        achieve(&mut rig, &goal(GoalKind::GRASP, &scene, Side::Right)),
+        0
+    );
+}
+
+/// Hands with other fingers feel the same.
+#[test]
+fn robots_of_other_structures_come_again_too() {
+    for (name, object_name, error) in [
+        ("arm7-gripper", "wood", [0.0, 0.0, 12.0]),
+        ("three-finger", "wood", [0.0, 4.0, 0.0]),
+    ] {
+        let robot = RobotModel::find(name).expect("it ships");
+        let hand = robot.hand(Side::Right);
+        let mut scene = Scene::grasp(object(object_name), Side::Right).before(hand);
+        displace(&mut scene, 0, error);
+        let mut rig = Rig::of(robot, &scene, 1);
+        let came_again = achieve(&mut rig, &goal(GoalKind::GRASP, &scene, Side::Right));
+        let truth = rig.object();
+        let what = format!("{name} {object_name} {error:?}: {came_again}, {truth:?}");
+        assert_eq!(came_again, 1, "{what}");
+        assert!(truth.lifted_m > 0.045 && truth.dropped == 0, "{what}");
+    }
+}
