@@ -62,7 +62,7 @@ pub(crate) struct WorldObject {
 /// How an object was set down.
 #[derive(Clone, Copy, Debug, Default)]
 struct Landing {
-    /// When it first stood again after it had been lifted, ns; 0 if never.
+    /// When it first stood again after it had been lifted last, ns; 0 if never.
     landed_ns: u64,
     /// Since when its support has carried it without a break, ns; 0 while it does not.
     carrying_ns: u64,
@@ -173,7 +173,10 @@ impl WorldObject {
         } else {
             0.0
         };
-        self.lifted |= clearance_m > DROP_M;
+        if clearance_m > DROP_M {
+            self.lifted = true;
+            self.landing.lift(held);
+        }
         self.dropped |= self.lifted && !held && clearance_m > DROP_M;
         self.dropped |= self.lifted && !in_the_air && self.body.velocity_m_s.z < -DROP_M_S;
         if self.lifted {
@@ -253,6 +256,16 @@ impl WorldObject {
 }
 
 impl Landing {
+    /// It hangs in a hand: however it was set down before, it is not now.
+    fn lift(&mut self, held: bool) {
+        if held && self.landed_ns > 0 {
+            *self = Self {
+                held: self.held,
+                ..Self::default()
+            };
+        }
+    }
+
     /// Looks at whether its support carries it.
     fn bear(&mut self, carries: bool, now_ns: u64) {
         self.carrying_ns = match self.carrying_ns {

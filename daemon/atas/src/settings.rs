@@ -202,6 +202,8 @@ settings! {
         regrasp_m = 0.003 in 0.0005..0.02;
         /// How far an object's faces may be felt to be turned against the closing axis before it does, rad. Upper bound: never.
         regrasp_rad = 0.1 in 0.02..1.0;
+        /// Lever of an object's weight about the grip from which on a hand that cannot lift it so grasps it anew nearer to its centre of mass, m. Upper bound: never.
+        regrasp_lever_m = 0.001 in 0.0002..0.05;
         /// Threshold dr of the tangential force increment, N (the paper names it and gives no value).
         dr_n = 0.06 in 0.005..10.0;
         /// Friction utilisation S at which Module 2 becomes active.

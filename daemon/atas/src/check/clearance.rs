@@ -28,6 +28,8 @@ use shm_schemas::{Body, BodyPair, Cause, Reason};
 /// them, because joints lag in motion, servos give way to loads, and links are not as long as their model's, by up to 1 mm
 /// each: up to 7.5 mm (`sim-backend/tests/closed_loop/apart.rs`, 70 seeds).
 pub const CLEARANCE_M: f64 = 0.008;
+/// Most that a goal is told to have to spare, m (ours: more than any hand goes aside; a robot of one hand has no other).
+const SPARE_MAX_M: f64 = 1.0;
 /// Longest way of the hand, m, and widest turn, rad, between two samples (ours: an arm's bodies then move some 8 mm).
 const SAMPLE_M: f64 = 0.004;
 const SAMPLE_RAD: f64 = 0.02;
@@ -119,7 +121,7 @@ impl Gap {
 
     /// How far each hand may be beside its way, m. One that sets down onto what the other holds is displaced with that.
     fn spare_m(&self) -> f64 {
-        let beyond_m = (self.narrowest_m.get() - CLEARANCE_M).max(0.0);
+        let beyond_m = (self.narrowest_m.get() - CLEARANCE_M).clamp(0.0, SPARE_MAX_M);
         if self.both { beyond_m / 2.0 } else { beyond_m }
     }
 

@@ -15,6 +15,10 @@ const LOWEST_M: f64 = 0.018;
 /// Air between fingertips and the top of what they come over, m (ours: what places and heights may be wrong by).
 pub(crate) const OVER_TOP_M: f64 = 0.010;
 
+/// How far two arms may disagree about where one place is, m (ours: links that are not as long as their model's, by up to 1 mm each).
+/// What one hand feels to be displaced by less stands for the other where it was told.
+const ARMS_AGREE_M: f64 = 0.0015;
+
 /// Height of a grasp from the side, m; pitch of the hand below the horizontal and angle of the finger roots, rad (robot
 /// design: proved free of collisions with the hand that screws).
 const SIDE_HEIGHT_M: f64 = 0.045;
@@ -41,14 +45,23 @@ pub struct Waypoints {
     lowering_m: f64,
     expected_m: f64,
     turning: f64,
-    /// From the middle of the hand to that of what it holds, along its closing axis, m.
-    held_off_m: f64,
-    /// From where the target was told to where it stands, base frame, m.
-    target_off_m: Vector2<f64>,
+    /// Where the object was told to stand, base frame, m.
+    told_m: Vector2<f64>,
+    corrections: Corrections,
+}
+
+/// What touch may change of where a goal leads the hand, and has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Corrections {
     /// How far the hand may grasp beside where it was told, m.
     spare_m: f64,
     /// The other hand takes part: what this one holds goes onto what that one does.
-    both: bool,
+    joins: bool,
+    /// From the middle of the hand to that of what it holds, along its closing axis and 90° anticlockwise of that, m.
+    held_off_m: Vector2<f64>,
+    /// From where the target was told to where it stands, base frame, m.
+    target_off_m: Vector2<f64>,
 }
 
 impl Waypoints {
@@ -56,10 +69,13 @@ impl Waypoints {
     #[must_use]
     pub fn of(hand: &HandModel, now: &GraspFrame, goal: &Goal, settings: &Settings) -> (Self, f64) {
         let (request, home) = (goal.request(), home(hand, now));
-        let (spare_m, both) = (goal.spare_m(), goal.demands().both_hands);
+        let corrections = Corrections {
+            spare_m: goal.spare_m(),
+            joins: goal.demands().both_hands,
+            ..Corrections::default()
+        };
         let within = |waypoints| Self {
-            spare_m,
-            both,
+            corrections,
             ..waypoints
         };
         if hand.side() != goal.side() {
@@ -110,10 +126,8 @@ impl Waypoints {
             lowering_m: (travel_m - lowest_m).max(0.0),
             expected_m: to_m[2],
             turning: request.turn.sign(),
-            held_off_m: 0.0,
-            target_off_m: Vector2::zeros(),
-            spare_m: 0.0,
-            both: false,
+            told_m: source.centre_m.xy(),
+            corrections: Corrections::default(),
         }
     }
 
@@ -161,10 +175,8 @@ impl Waypoints {
             lowering_m: 0.0,
             expected_m: now.centre_m.z,
             turning: Turn::CLOCKWISE.sign(),
-            held_off_m: 0.0,
-            target_off_m: Vector2::zeros(),
-            spare_m: 0.0,
-            both: false,
+            told_m: now.centre_m.xy(),
+            corrections: Corrections::default(),
         }
     }
 
@@ -191,44 +203,66 @@ impl Waypoints {
     /// Over where the target stands, with the middle of the object above its middle.
     fn over_target(&self) -> GraspFrame {
         let axis = self.over_target.closing_axis().xy();
-        let off_m = self.target_off_m - axis * self.held_off_m;
+        let across = Vector2::new(-axis.y, axis.x);
+        let Corrections {
+            held_off_m,
+            target_off_m,
+            ..
+        } = self.corrections;
+        let off_m = target_off_m - axis * held_off_m.x - across * held_off_m.y;
         moved(&self.over_target, &off_m)
     }
 
-    /// The object was felt to stand beside where it was told, base frame, m, its faces turned, rad: it is grasped there.
-    pub fn come_again(&mut self, off_m: &Vector2<f64>, turn_rad: f64) {
+    /// The object was felt to stand there, base frame, m, its faces turned, rad: it is grasped there.
+    pub fn grasp_at(&mut self, at_m: &Vector2<f64>, turn_rad: f64) {
+        self.shift_source(&(at_m - self.source.centre_m.xy()));
+        self.corrections.held_off_m = Vector2::zeros();
         for frame in [&mut self.before, &mut self.around, &mut self.source] {
-            *frame = moved(frame, off_m);
             frame.closing_yaw_rad += turn_rad;
+        }
+    }
+
+    /// The object is grasped that far aside, m: 90° anticlockwise of the closing axis.
+    pub fn grasp_aside(&mut self, by_m: f64, axis: &Vector2<f64>) {
+        self.shift_source(&(Vector2::new(-axis.y, axis.x) * by_m));
+        self.corrections.held_off_m.y -= by_m;
+    }
+
+    fn shift_source(&mut self, by_m: &Vector2<f64>) {
+        for frame in [&mut self.before, &mut self.around, &mut self.source] {
+            *frame = moved(frame, by_m);
         }
     }
 
     /// What the hand holds was felt to be beside its middle, along its closing axis, m.
     pub fn hold_beside(&mut self, off_m: f64) {
-        self.held_off_m = off_m;
+        self.corrections.held_off_m.x = off_m;
     }
 
-    /// The target stands beside where it was told, base frame, m.
+    /// What the other hand holds stands beside where it was told, base frame, m: so does the target, if it is that.
     pub fn displace_target(&mut self, off_m: Vector2<f64>) {
-        self.target_off_m = off_m;
+        if self.corrections.joins {
+            let is_known = off_m.norm() > ARMS_AGREE_M;
+            self.corrections.target_off_m = if is_known { off_m } else { Vector2::zeros() };
+        }
     }
 
     /// How far the hand may grasp beside where it was told, m.
     #[must_use]
     pub fn spare_m(&self) -> f64 {
-        self.spare_m
+        self.corrections.spare_m
     }
 
     /// Whether what the hand holds goes onto what the other one holds.
     #[must_use]
     pub fn joins(&self) -> bool {
-        self.both
+        self.corrections.joins
     }
 
-    /// Where the object was told to stand, or was felt to, base frame, m.
+    /// Where the object was told to stand, base frame, m.
     #[must_use]
-    pub fn source_m(&self) -> Vector2<f64> {
-        self.source.centre_m.xy()
+    pub fn told_m(&self) -> Vector2<f64> {
+        self.told_m
     }
 
     /// How far the hand may go down from over the target, m.

@@ -41,6 +41,8 @@ const MOST_S: f64 = 10.0;
 pub(super) struct InHand {
     /// Moment about the closing axis over load, m, and share of friction that it takes, low-passed; the most of each.
     lever_m: f64,
+    /// The lever with its sign: positive where the weight hangs 90° anticlockwise of the closing axis, seen from above.
+    beside_m: f64,
     torsion: f64,
     lever_most_m: f64,
     torsion_most: f64,
@@ -92,6 +94,7 @@ impl InHand {
         let signs = fingers.iter().zip([1.0, -1.0]);
         let moment_n_m: f64 = signs.map(|(f, sign)| sign * f.moment_n_m).sum();
         self.lever_m += (moment_n_m.abs() / load_n - self.lever_m) * share;
+        self.beside_m += (moment_n_m / load_n - self.beside_m) * share;
         let torsion = fingers.iter().map(|f| f.torsion).fold(0.0, larger);
         self.torsion += (torsion - self.torsion) * share;
         self.lever_most_m = larger(self.lever_most_m, self.lever_m);
@@ -131,6 +134,11 @@ impl InHand {
         } else {
             0.0
         };
+    }
+
+    /// How far beside the grip the object's weight hangs, at least, m: positive 90° anticlockwise of the closing axis.
+    pub(super) fn lever_m(&self) -> f64 {
+        libm::copysign(self.lever_most_m, self.beside_m)
     }
 
     /// Why the object is no longer in the hand, if so.

@@ -1,14 +1,15 @@
 //! What the runner makes of where the fingertips feel the object: grasps it there, and sets it down by that.
 //!
 //! ```text
-//!   gripped at the source ── felt near the middle of the hand ──▶ goes on; what remains is taken off where it is set down
-//!            ▲            └─ felt beside it, or turned ──▶ opens, comes again where it was felt (once) ─┐
-//!            └──────────────────────────────────────────────────────────────────────────────────────────┘
+//!   gripped at the source ── felt beside the middle of the hand, or turned ──────▶ opens, comes again where it was felt
+//!   could not be lifted, or turned in the hand ── its weight hangs beside the grip ──▶ puts it back, opens, comes again
+//!                                                                                      nearer to its centre of mass
 //! ```
 //!
-//! The hand has not lifted anything yet, so opening costs nothing but time. What is felt too far from what was told to be that
-//! object's error is not believed: the hand then goes on as told.
+//! Each of them once: what still fails then fails. An object that stands costs nothing but time. What is felt too far from what was
+//! told to be that object's error is not believed, and no hand goes farther aside than the check of the goal has found room for.
 
+use super::in_hand::InHand;
 use super::{Runner, Thresholds};
 use crate::limits::{DISPLACED_MAX_M, TURNED_MAX_RAD};
 use crate::modules::Modules;
@@ -24,26 +25,42 @@ const REACH_M: f64 = 0.06;
 /// Where two hands join what they hold, what is felt farther from the middle of one is grasped anew, m (ours: half of what a neck
 /// captures): the check of their ways counts on what they hold being there.
 const JOIN_M: f64 = 0.001;
+/// How far the hand goes aside over the lever that it felt (ours, measured): an object that turns in the hand swings its weight
+/// nearer to the grip, so the lever is felt too short.
+const LEVER_GAIN: f64 = 1.5;
+/// Lever from which on an object that hangs just above its support is put back although it is held, m (ours: more than a place that
+/// is wrong by 2 mm makes): it would need several times the force, and turn with the first shake.
+const HANGS_ASKEW_M: f64 = 0.0022;
+/// Height up to which it is put back, m (ours, measured): what turns farther up may have turned so far that it falls over where it
+/// is let go.
+const PUT_BACK_MAX_M: f64 = 0.016;
+/// Farthest that it goes aside for a lever, m (ours).
+const ASIDE_MAX_M: f64 = 0.006;
+/// How far across the closing axis the middle of what is held may be felt for its faces to be flat, m (ours, measured: of flat faces
+/// less than 0.1 mm). A round object can be grasped about its axis only.
+const ROUND_M: f64 = 0.0003;
+/// Where the hand comes again from, among the steps of [`COME_AGAIN`]: with what it lifts, or with what still stands.
+const PUT_BACK: usize = 0;
+const REOPEN: usize = 1;
 
-/// Whether the hand comes again, or has.
+/// Whether the hand comes again, and why it has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum Regrasp {
-    /// It has grasped as told.
-    #[default]
-    NotYet,
+pub(super) struct Regrasp {
     /// It comes again, and goes on with this step of its task.
-    Before(usize),
-    /// It has come again.
-    Done,
+    before: Option<usize>,
+    /// It has come again to where the object was felt to stand.
+    placed: bool,
+    /// It has come again nearer to the object's centre of mass.
+    balanced: bool,
 }
 
 impl Runner {
-    /// The steps in force: those of the task, or those between its two grasps.
+    /// The steps in force: those of the task, or those between two of its grasps.
     pub(super) fn steps(&self) -> &[Step] {
-        match self.regrasp {
-            Regrasp::Before(_) => &COME_AGAIN,
-            Regrasp::NotYet | Regrasp::Done => &self.track,
+        match self.regrasp.before {
+            Some(_) => &COME_AGAIN,
+            None => &self.track,
         }
     }
 
@@ -60,52 +77,98 @@ impl Runner {
         settings: &Settings,
         modules: &mut Modules,
     ) -> bool {
-        if let Regrasp::Before(index) = self.regrasp {
+        if let Some(index) = self.regrasp.before {
+            if self.index == PUT_BACK {
+                self.forget_object(settings, modules);
+            }
             if self.index + 1 < COME_AGAIN.len() {
                 return false;
             }
-            self.regrasp = Regrasp::Done;
+            self.regrasp.before = None;
             self.enter(index, now, settings, modules);
             return true;
+        }
+        if self.step().transition != Transition::Gripped {
+            return false;
         }
         let Some(index) = self.search() else {
             return false;
         };
-        let comes_again = self.learn_place(now, settings) && self.regrasp == Regrasp::NotYet;
+        let comes_again = self.learn_place(now, settings);
         if comes_again {
             self.forget_object(settings, modules);
-            self.regrasp = Regrasp::Before(index);
-            self.enter(0, now, settings, modules);
+            self.regrasp.before = Some(index);
+            self.enter(REOPEN, now, settings, modules);
         }
         comes_again
     }
 
-    /// The step in which the search for what is now gripped began, if the hand stands at its source and has just gripped it.
+    /// Whether what hangs just above its support hangs too far beside the grip.
+    pub(super) fn hangs_askew(&self) -> bool {
+        self.tries && self.in_hand.lever_m().abs() > HANGS_ASKEW_M
+    }
+
+    /// Whether an object that cannot be lifted as it is held is put back, to be grasped nearer to its centre of mass.
+    pub(super) fn balances(
+        &mut self,
+        now: &GraspFrame,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) -> bool {
+        let lifts = self.step().motion == Motion::Carry(Waypoint::Lifted);
+        let is_low = self.carried_m < PUT_BACK_MAX_M;
+        if !(lifts && is_low) || self.regrasp.balanced || self.found || self.waypoints.joins() {
+            return false;
+        }
+        let (Some(index), Some(felt)) = (self.search(), self.felt) else {
+            return false;
+        };
+        let across_m = felt.closing_axis.perp(&felt.off_m);
+        let lever_m = self.in_hand.lever_m();
+        let aside_m = (lever_m * LEVER_GAIN).clamp(-ASIDE_MAX_M, ASIDE_MAX_M);
+        let has_room = self.displaced_m.norm() + aside_m.abs() <= self.waypoints.spare_m();
+        // False for what is not a number.
+        let is_flat = across_m.abs() < ROUND_M;
+        if !(lever_m.abs() >= settings.grasp.regrasp_lever_m && has_room && is_flat) {
+            return false;
+        }
+        // What becomes of it on its way back is no slip and no turn of the next grasp.
+        (self.holds, self.in_hand) = (false, InHand::default());
+        // Should it be round after all, the hand comes back to its middle.
+        self.regrasp = Regrasp {
+            before: Some(index),
+            placed: false,
+            balanced: true,
+        };
+        self.enter(PUT_BACK, now, settings, modules);
+        self.waypoints.grasp_aside(aside_m, &felt.closing_axis);
+        true
+    }
+
+    /// The step in which the search for what the hand grips began, if it has come to its source for that and gone nowhere else yet.
     fn search(&self) -> Option<usize> {
-        let step = self.step();
-        if step.transition != Transition::Gripped || step.is_read_off() || self.retreat.is_some() {
+        if self.step().is_read_off() || self.retreat.is_some() {
             return None;
         }
+        let stays =
+            |step: &Step| matches!(step.motion, Motion::Stay | Motion::Carry(Waypoint::Lifted));
         let before = &self.track[..self.index];
-        let came = before
-            .iter()
-            .rposition(|step| step.motion != Motion::Stay)?;
+        let came = before.iter().rposition(|step| !stays(step))?;
         (before[came].motion == Motion::Reach(Waypoint::Source)).then_some(came + 1)
     }
 
-    /// Takes in where the object is felt; whether that is where the hand should rather grasp it.
+    /// Takes in where the object is felt; whether that is where the hand comes again for it.
     fn learn_place(&mut self, now: &GraspFrame, settings: &Settings) -> bool {
         let Some((felt, off_m)) = self.beside(now) else {
             return false;
         };
         let at_m = now.centre_m.xy() + off_m;
-        let from_source_m = at_m - self.waypoints.source_m();
-        let displaced_m = self.displaced_m + from_source_m;
+        let displaced_m = at_m - self.waypoints.told_m();
         let turned = felt.turn_rad.abs();
         // False for what is not a number.
         let believed = displaced_m.norm() < DISPLACED_MAX_M && turned < TURNED_MAX_RAD;
-        let keeps_apart = displaced_m.norm() + turned * REACH_M <= self.waypoints.spare_m();
-        if !(believed && keeps_apart) {
+        let has_room = displaced_m.norm() + turned * REACH_M <= self.waypoints.spare_m();
+        if !(believed && has_room) {
             return false;
         }
         self.displaced_m = displaced_m;
@@ -115,13 +178,15 @@ impl Runner {
             settings.grasp.regrasp_m
         };
         let is_far = off_m.norm() > near_m || turned > settings.grasp.regrasp_rad;
-        if is_far && self.regrasp == Regrasp::NotYet {
-            // A hand that comes from the side points at its object; only from above can it turn about it.
-            let turns = now.hand_pitch_rad >= FRAC_PI_2;
-            let turn_rad = if turns { felt.turn_rad } else { 0.0 };
-            self.waypoints.come_again(&from_source_m, turn_rad);
+        if !is_far || self.regrasp.placed {
+            return false;
         }
-        is_far
+        // A hand that comes from the side points at its object; only from above can it turn about it.
+        let turns = now.hand_pitch_rad >= FRAC_PI_2;
+        let turn_rad = if turns { felt.turn_rad } else { 0.0 };
+        self.waypoints.grasp_at(&at_m, turn_rad);
+        self.regrasp.placed = true;
+        true
     }
 
     /// Takes in how far beside the middle of the hand, along its closing axis, it carries the object: for where it sets it down.

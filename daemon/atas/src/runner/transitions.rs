@@ -14,6 +14,15 @@ impl Runner {
         settings: &Settings,
         modules: &mut Modules,
     ) -> Outcome {
+        let is_refused =
+            matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
+        let lifts_badly = is_refused
+            || self.out_of_force(percept).is_some()
+            || self.turns().is_some()
+            || self.hangs_askew();
+        if lifts_badly && self.balances(now, settings, modules) {
+            return Outcome::NextStep;
+        }
         match verdict {
             Verdict::Refuse(reason) if self.retreat.is_none() && !self.found => {
                 let retreat = if reason.cause == Cause::OBSTRUCTED {

@@ -117,8 +117,15 @@ pub const BACK_OUT: Track = Track::of(&[
     ),
 ]);
 
-/// Lets go of what was felt to stand elsewhere than told, and comes again.
+/// Puts back what was lifted, lets go of what was felt to stand or to weigh elsewhere than under the hand, and comes again.
 pub const COME_AGAIN: Track = Track::of(&[
+    Step::new(
+        "put back",
+        Motion::Carry(Waypoint::Source),
+        LOWER,
+        Transition::Arrived,
+        60.0,
+    ),
     Step::new("reopen", Motion::Open, CARRY, Transition::Arrived, 10.0),
     Step::new(
         "regrasp",
