@@ -1630,12 +1630,12 @@ typedef struct atas_object_truth {
     double max_force_n;
     // Sum of the forces of the table, or of what else it stands on, N.
     double table_n;
-    // When it first stood again after it had been lifted, simulated time, ns; 0 if never.
+    // When it first stood again after it had been lifted last, simulated time, ns; 0 if never.
     uint64_t landed_ns;
-    // When what it stands on first truly carried it again: with 0.2 N or a tenth of its weight, whichever is more, where a
+    // When what it stands on first truly carried it after that: with 0.2 N or a tenth of its weight, whichever is more, where a
     // first corner that grazes carries less; simulated time, ns; 0 if never.
     uint64_t carried_ns;
-    // When the last fingertip let go of it after it had been lifted: for the first time after it landed, else most
+    // When the last fingertip let go of it after it had been lifted last: for the first time after it landed, else most
     // recently; simulated time, ns; 0 if never.
     uint64_t released_ns;
     // Its height above what was under it at that moment, m.

@@ -27,12 +27,12 @@ payload! {
         pub max_force_n: f64,
         /// Sum of the forces of the table, or of what else it stands on, N.
         pub table_n: f64,
-        /// When it first stood again after it had been lifted, simulated time, ns; 0 if never.
+        /// When it first stood again after it had been lifted last, simulated time, ns; 0 if never.
         pub landed_ns: u64,
-        /// When what it stands on first truly carried it again: with 0.2 N or a tenth of its weight, whichever is more, where a
+        /// When what it stands on first truly carried it after that: with 0.2 N or a tenth of its weight, whichever is more, where a
         /// first corner that grazes carries less; simulated time, ns; 0 if never.
         pub carried_ns: u64,
-        /// When the last fingertip let go of it after it had been lifted: for the first time after it landed, else most
+        /// When the last fingertip let go of it after it had been lifted last: for the first time after it landed, else most
         /// recently; simulated time, ns; 0 if never.
         pub released_ns: u64,
         /// Its height above what was under it at that moment, m.

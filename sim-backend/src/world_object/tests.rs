@@ -68,6 +68,36 @@ fn the_release_that_counts_is_the_first_after_landing() {
     assert_eq!((truth.released_above_m, truth.dropped), (0.0, 0));
 }
 
+/// Regression: what was put back once, to be grasped anew, was judged by that first landing and let go 17 s too late.
+#[test]
+fn what_is_put_back_and_lifted_again_has_landed_when_it_lands_at_last() {
+    let wood = object("wood");
+    let history = [
+        (0.010, true, 0.0),
+        (0.0, true, 3.0),
+        (0.0, true, 3.0),
+        (0.0, false, 3.0),
+        (0.0, true, 3.0),
+        (0.010, true, 0.0),
+        (0.0, true, 3.0),
+        (0.0, true, 3.0),
+        (0.0, false, 3.0),
+    ];
+    let told = |history: &[(f64, bool, f64)]| {
+        let mut wood = wood.clone();
+        for (tick, (up_m, held, table_n)) in (1..).zip(history) {
+            pose(&mut wood, *up_m, 0.0);
+            (wood.touched, wood.body.table_n) = (*held, *table_n);
+            wood.judge(&Ground::default(), false, false, tick * TICK_NS);
+        }
+        let truth = wood.truth(None);
+        [truth.landed_ns, truth.carried_ns, truth.released_ns].map(|ns| ns / TICK_NS)
+    };
+    assert_eq!(told(&history[..5]), [2, 2, 4]);
+    assert_eq!(told(&history[..6]), [0, 0, 0], "in the air again");
+    assert_eq!(told(&history), [7, 7, 9]);
+}
+
 #[test]
 fn an_object_let_go_in_the_air_is_dropped_from_where_it_was() {
     let mut wood = object("wood");

@@ -5,7 +5,7 @@ use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use robot_model::{RobotModel, Side};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalRequest, GoalState, TickReport, service};
-use sim_backend::{Object, Scene};
+use sim_backend::{Errors, Object, Scene};
 use std::collections::BTreeMap;
 use system_tests::{Process, alone, wait_for};
 
@@ -13,11 +13,13 @@ const SEED: u64 = 7;
 /// In lock-step the daemon ticks this often before it takes the first goal.
 const WARM_UP_TICKS: u64 = 100;
 
+/// The object stands askew: the hand comes again, as far as the check of its goal has found room for.
+const ASKEW: &str = "yaw=15";
+
 fn scene() -> Scene {
-    Scene::grasp(
-        Object::built_in("slippery-50").expect("built in"),
-        Side::Right,
-    )
+    let object = Object::built_in("slippery-50").expect("built in");
+    let askew: Errors = ASKEW.parse().expect("errors");
+    Scene::grasp(object, Side::Right).with_errors(&askew, SEED)
 }
 
 fn goal() -> GoalRequest {
@@ -36,6 +38,8 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
         name,
         "--object",
         "slippery-50",
+        "--errors",
+        ASKEW,
         "--seed",
         &seed,
         "--lockstep",
