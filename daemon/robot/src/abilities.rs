@@ -34,13 +34,7 @@ impl HandModel {
     /// What the hand can do; some milliseconds of computing, so not for the tick.
     #[must_use]
     pub fn abilities(&self) -> Abilities {
-        let reaches = |frame: &GraspFrame| self.posture_for(frame).is_ok();
-        let home = GraspFrame::from_above(self.home_m, self.home_yaw_rad, self.home_opening_m);
-        let moved = |by_m: Vector3<f64>| {
-            let mut frame = home;
-            frame.centre_m += by_m;
-            reaches(&frame)
-        };
+        let moved = |by_m: Vector3<f64>| self.reaches_beside_home(by_m, 0.0);
         let either = |axis: Vector3<f64>, by_m: f64| moved(axis * by_m) || moved(axis * -by_m);
         // Of several fingertips that press from one side, each must meet the cap.
         let fits_cap = self.fingers[..self.finger_count]
@@ -54,6 +48,13 @@ impl HandModel {
             turns_caps: self.is_present() && fits_cap && self.turns_both_ways(),
             turns_by_wrist: self.turns_by_wrist,
         }
+    }
+
+    /// Whether it reaches a place beside where it rests, turned against how it rests.
+    fn reaches_beside_home(&self, by_m: Vector3<f64>, turned_rad: f64) -> bool {
+        let (centre_m, yaw_rad) = (self.home_m + by_m, self.home_yaw_rad + turned_rad);
+        let frame = GraspFrame::from_above(centre_m, yaw_rad, self.home_opening_m);
+        self.posture_for(&frame).is_ok()
     }
 
     /// Whether it reaches both ends of a turn of a cap where it rests.
@@ -70,14 +71,11 @@ impl HandModel {
     /// Finds out whether it has to turn caps by its wrist, and whether it can shift and turn a little.
     pub(crate) fn find_abilities(&mut self) {
         self.turns_by_wrist = self.turning.wrist.is_some() && !self.turns_both_ways();
-        let home = GraspFrame::from_above(self.home_m, self.home_yaw_rad, self.home_opening_m);
-        self.moves_aside = [1.0, -1.0].into_iter().all(|sign| {
-            [Vector3::x(), Vector3::y()].into_iter().all(|axis| {
-                let mut frame = home;
-                frame.centre_m += axis * (sign * LITTLE_M);
-                frame.closing_yaw_rad += sign * LITTLE_RAD;
-                self.posture_for(&frame).is_ok()
-            })
-        });
+        let moves = |axis: Vector3<f64>, sign: f64| {
+            self.reaches_beside_home(axis * (sign * LITTLE_M), sign * LITTLE_RAD)
+        };
+        self.moves_aside = [Vector3::x(), Vector3::y()]
+            .into_iter()
+            .all(|axis| moves(axis, 1.0) && moves(axis, -1.0));
     }
 }

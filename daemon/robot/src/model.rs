@@ -47,7 +47,7 @@ pub struct HandModel {
     pub(crate) turning: Turning,
     /// Its fingertips cannot pass each other, but its wrist turns it about the vertical.
     pub(crate) turns_by_wrist: bool,
-    /// Whether it can shift and turn a little wherever it points down.
+    /// Whether it can shift and turn a little where it rests.
     pub(crate) moves_aside: bool,
     /// Where the hand rests, from above, and how far open, m.
     pub(crate) home_m: Vector3<f64>,

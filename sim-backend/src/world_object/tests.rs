@@ -40,10 +40,19 @@ fn only_an_open_bottle_that_tilts_far_enough_spills() {
     check(50.0, true, 1, 1);
 }
 
-/// Ticks of an object: height, whether a fingertip presses, the force of what it stands on.
+/// What became of a wooden block: per tick its height, whether a fingertip presses, the force of what it stands on.
+fn after(history: &[(f64, bool, f64)]) -> ObjectTruth {
+    let mut wood = object("wood");
+    for (tick, (up_m, held, table_n)) in (1..).zip(history) {
+        pose(&mut wood, *up_m, 0.0);
+        (wood.touched, wood.body.table_n) = (*held, *table_n);
+        wood.judge(&Ground::default(), false, false, tick * TICK_NS);
+    }
+    wood.truth(None)
+}
+
 #[test]
 fn the_release_that_counts_is_the_first_after_landing() {
-    let mut wood = object("wood");
     let history = [
         (0.010, true, 0.0),
         (0.010, true, 0.0),
@@ -55,12 +64,7 @@ fn the_release_that_counts_is_the_first_after_landing() {
         (0.0, true, 3.0),
         (0.0, false, 3.0),
     ];
-    for (tick, (up_m, held, table_n)) in (1..).zip(history) {
-        pose(&mut wood, up_m, 0.0);
-        (wood.touched, wood.body.table_n) = (held, table_n);
-        wood.judge(&Ground::default(), false, false, tick * TICK_NS);
-    }
-    let truth = wood.truth(None);
+    let truth = after(&history);
     assert_eq!(
         [truth.landed_ns, truth.carried_ns, truth.released_ns],
         [3, 6, 7].map(|tick| tick * TICK_NS)
@@ -71,7 +75,6 @@ fn the_release_that_counts_is_the_first_after_landing() {
 /// Regression: what was put back once, to be grasped anew, was judged by that first landing and let go 17 s too late.
 #[test]
 fn what_is_put_back_and_lifted_again_has_landed_when_it_lands_at_last() {
-    let wood = object("wood");
     let history = [
         (0.010, true, 0.0),
         (0.0, true, 3.0),
@@ -83,14 +86,8 @@ fn what_is_put_back_and_lifted_again_has_landed_when_it_lands_at_last() {
         (0.0, true, 3.0),
         (0.0, false, 3.0),
     ];
-    let told = |history: &[(f64, bool, f64)]| {
-        let mut wood = wood.clone();
-        for (tick, (up_m, held, table_n)) in (1..).zip(history) {
-            pose(&mut wood, *up_m, 0.0);
-            (wood.touched, wood.body.table_n) = (*held, *table_n);
-            wood.judge(&Ground::default(), false, false, tick * TICK_NS);
-        }
-        let truth = wood.truth(None);
+    let told = |history| {
+        let truth = after(history);
         [truth.landed_ns, truth.carried_ns, truth.released_ns].map(|ns| ns / TICK_NS)
     };
     assert_eq!(told(&history[..5]), [2, 2, 4]);

@@ -2,7 +2,7 @@
 
 use crate::rig::{Rig, goal, object};
 use robot_model::{RobotModel, Side};
-use shm_schemas::{GoalKind, GoalRequest, GoalState};
+use shm_schemas::GoalKind;
 use sim_backend::Scene;
 
 /// Moves an object of a scene from where clients are told that it stands: mm, mm, degrees.
@@ -13,28 +13,6 @@ fn displace(scene: &mut Scene, index: usize, [x_mm, y_mm, yaw_deg]: [f64; 3]) {
     placed.yaw_rad += f64::to_radians(yaw_deg);
 }
 
-/// Pursues a goal that must succeed; how often the hand came again.
-fn achieve(rig: &mut Rig, request: &GoalRequest) -> usize {
-    rig.begin(request);
-    let mut came_again = 0;
-    let mut before = false;
-    while rig.end.is_none() {
-        rig.ticks(1);
-        let now = rig.step_name() == "regrasp";
-        came_again += usize::from(now && !before);
-        before = now;
-    }
-    let end = rig.end.expect("just seen");
-    assert_eq!(
-        end.state,
-        GoalState::SUCCEEDED,
-        "{}: {}",
-        end.step,
-        end.reason
-    );
-    came_again
-}
-
 /// Regression: slippery boxes that stood askew by 8° were pressed to F_2 and refused as too heavy: much of the friction went into the
 /// faces' angle.
 #[test]
@@ -43,7 +21,8 @@ fn what_stands_askew_or_beside_its_place_is_grasped_anew_where_it_is_felt() {
         let mut scene = Scene::grasp(object(name), Side::Right);
         displace(&mut scene, 0, error);
         let mut rig = Rig::new(&scene);
-        let came_again = achieve(&mut rig, &goal(GoalKind::GRASP, &scene, Side::Right));
+        rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+        let came_again = rig.came_again;
         let truth = rig.object();
         let what = format!("{name} {error:?}: came again {came_again} times, {truth:?}");
         assert_eq!(came_again, expected, "{what}");
@@ -72,7 +51,7 @@ fn an_object_is_set_down_where_it_shall_stand_and_not_where_the_hand_was_told_to
         let mut scene = Scene::pick_place(object(name), Side::Right);
         displace(&mut scene, 0, error);
         let mut rig = Rig::new(&scene);
-        achieve(&mut rig, &goal(GoalKind::PICK_PLACE, &scene, Side::Right));
+        rig.achieve(&goal(GoalKind::PICK_PLACE, &scene, Side::Right));
         let at_m = rig.object().position_m;
         let to_m = scene.place.expect("it has a place").from_m;
         let off_m = f64::hypot(at_m[0] - to_m[0], at_m[1] - to_m[1]);
@@ -95,7 +74,7 @@ fn a_cap_meets_its_thread_wherever_both_are_felt_to_stand() {
         displace(&mut scene, 0, cap);
         displace(&mut scene, 1, bottle);
         let mut rig = Rig::new(&scene);
-        achieve(&mut rig, &goal(GoalKind::ASSEMBLE, &scene, Side::Right));
+        rig.achieve(&goal(GoalKind::ASSEMBLE, &scene, Side::Right));
         let truth = rig.world.truth().objects;
         let what = format!("cap {cap:?}, bottle {bottle:?}: {truth:?}");
         assert_eq!(
@@ -118,10 +97,8 @@ fn a_hand_that_cannot_go_aside_does_not_try_to() {
     let mut scene = Scene::grasp(object("wood"), Side::Right).before(robot.hand(Side::Right));
     displace(&mut scene, 0, [0.0, 0.0, 8.0]);
     let mut rig = Rig::of(robot, &scene, 1);
-    assert_eq!(
-        achieve(&mut rig, &goal(GoalKind::GRASP, &scene, Side::Right)),
-        0
-    );
+    rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+    assert_eq!(rig.came_again, 0);
 }
 
 /// Hands with other fingers feel the same.
@@ -136,7 +113,8 @@ fn robots_of_other_structures_come_again_too() {
         let mut scene = Scene::grasp(object(object_name), Side::Right).before(hand);
         displace(&mut scene, 0, error);
         let mut rig = Rig::of(robot, &scene, 1);
-        let came_again = achieve(&mut rig, &goal(GoalKind::GRASP, &scene, Side::Right));
+        rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+        let came_again = rig.came_again;
         let truth = rig.object();
         let what = format!("{name} {object_name} {error:?}: {came_again}, {truth:?}");
         assert_eq!(came_again, 1, "{what}");
@@ -157,7 +135,7 @@ fn what_hangs_askew_is_put_back_and_grasped_nearer_to_its_centre_of_mass() {
         displace(&mut scene, 0, [0.0, 0.0, yaw_deg]);
         scene.objects[0].object.centre_of_mass_m.y += beside_mm * 1e-3;
         let mut rig = Rig::new(&scene);
-        achieve(&mut rig, &goal(GoalKind::PICK_PLACE, &scene, Side::Right));
+        rig.achieve(&goal(GoalKind::PICK_PLACE, &scene, Side::Right));
         let truth = rig.object();
         let to_m = scene.place.expect("it has a place").from_m;
         let off_m = f64::hypot(truth.position_m[0] - to_m[0], truth.position_m[1] - to_m[1]);

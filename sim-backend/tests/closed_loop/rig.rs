@@ -7,7 +7,7 @@ use robot_model::{HandVector, RobotModel, Side, clearance_m, farthest_move_m};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, HandFrame,
-    Mode, ObjectTruth, Reason,
+    Mode, ModuleEvent, ObjectTruth, Reason,
 };
 use sim_backend::{GraspHint, Object, Scene, Sensed, World};
 
@@ -23,6 +23,8 @@ pub(crate) struct Rig {
     /// How far all joints together were commanded, rad.
     pub(crate) travelled_rad: f64,
     commanded_rad: Option<[f64; JOINTS]>,
+    /// How often a hand came again to what it had grasped.
+    pub(crate) came_again: usize,
     /// How the last goal ended.
     pub(crate) end: Option<GoalUpdate>,
     lie: Option<Lie>,
@@ -84,6 +86,7 @@ impl Rig {
             warnings: Vec::new(),
             travelled_rad: 0.0,
             commanded_rad: None,
+            came_again: 0,
             end: None,
             lie: None,
             missing: Missing::default(),
@@ -137,6 +140,9 @@ impl Rig {
             .or(self.end);
         let warns = |kind: EventKind| kind == EventKind::WARNING;
         let events = outputs.events.as_slice().iter();
+        let comes_again =
+            |e: &&ModuleEvent| e.kind == EventKind::STEP && e.text.as_str() == "regrasp";
+        self.came_again += events.clone().filter(comes_again).count();
         self.warnings
             .extend(events.filter(|e| warns(e.kind)).map(|e| e.reason.cause));
         outputs

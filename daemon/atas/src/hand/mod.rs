@@ -164,8 +164,11 @@ impl HandControl {
     ) {
         let looked_m = self.servo.as_ref().map_or(0.0, HandServo::looked_m);
         self.measured_gap_m = gap_m(measured) + looked_m;
-        self.felt = ObjectPose::felt(&self.model, measured, self.perception.percept())
-            .filter(|_| self.model.moves_aside());
+        self.felt = if self.is_busy() && self.model.moves_aside() {
+            ObjectPose::felt(&self.model, measured, self.perception.percept())
+        } else {
+            None
+        };
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = tip.rotation;
         }

@@ -36,7 +36,7 @@ impl ObjectPose {
     /// every fingertip of a side does, nothing is known of the place along the faces.
     #[must_use]
     pub fn felt(hand: &HandModel, measured: &HandPose, percept: &Percept) -> Option<Self> {
-        let mut sides = [Side::default(); VIRTUAL_FINGERS];
+        let mut sides = [Contacts::default(); VIRTUAL_FINGERS];
         let mut all_press = true;
         for (index, finger) in percept.fingers[..hand.finger_count()].iter().enumerate() {
             if !finger.in_contact || finger.normal_n <= PATCH_FLOOR_N {
@@ -48,18 +48,14 @@ impl ObjectPose {
             let contact_m = tip.translation_m.xy() + normal * hand.tip_radius_m()[index];
             sides[hand.virtual_finger(index)].add(contact_m, normal);
         }
-        let [first, second] = sides.map(Side::mean);
-        let (first, second) = (first?, second?);
-        let (apart_m, facing) = (
-            first.contact_m - second.contact_m,
-            first.normal - second.normal,
-        );
+        let [first, second] = sides.map(Contacts::mean);
+        let ((first_m, first), (second_m, second)) = (first?, second?);
+        let facing = first - second;
         if facing.norm_squared() < FACING {
             return None;
         }
-        let deep_m = -apart_m.dot(&facing) / facing.norm_squared();
-        let middle_m =
-            (first.contact_m + second.contact_m + (first.normal + second.normal) * deep_m) / 2.0;
+        let deep_m = -(first_m - second_m).dot(&facing) / facing.norm_squared();
+        let middle_m = (first_m + second_m + (first + second) * deep_m) / 2.0;
         let line = (measured.side_m(0) - measured.side_m(1)).xy().normalize();
         let off_m = middle_m - ((measured.side_m(0) + measured.side_m(1)) / 2.0).xy();
         Some(Self {
@@ -74,26 +70,23 @@ impl ObjectPose {
     }
 }
 
-/// What the fingertips of one side feel together.
+/// Sums over the fingertips of one side that press.
 #[derive(Clone, Copy, Default)]
-struct Side {
+struct Contacts {
     contact_m: Vector2<f64>,
     normal: Vector2<f64>,
     count: f64,
 }
 
-impl Side {
+impl Contacts {
     fn add(&mut self, contact_m: Vector2<f64>, normal: Vector2<f64>) {
         self.contact_m += contact_m;
         self.normal += normal;
         self.count += 1.0;
     }
 
-    fn mean(self) -> Option<Self> {
-        (self.count > 0.0).then(|| Self {
-            contact_m: self.contact_m / self.count,
-            normal: self.normal / self.count,
-            count: 1.0,
-        })
+    /// Their middle, m, and their mean normal; `None` if none presses.
+    fn mean(self) -> Option<(Vector2<f64>, Vector2<f64>)> {
+        (self.count > 0.0).then(|| (self.contact_m / self.count, self.normal / self.count))
     }
 }

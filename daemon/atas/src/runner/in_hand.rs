@@ -93,8 +93,9 @@ impl InHand {
         // The fingertips face each other, so a moment about the closing axis has opposite signs about their normals.
         let signs = fingers.iter().zip([1.0, -1.0]);
         let moment_n_m: f64 = signs.map(|(f, sign)| sign * f.moment_n_m).sum();
-        self.lever_m += (moment_n_m.abs() / load_n - self.lever_m) * share;
-        self.beside_m += (moment_n_m / load_n - self.beside_m) * share;
+        let beside_m = moment_n_m / load_n;
+        self.lever_m += (beside_m.abs() - self.lever_m) * share;
+        self.beside_m += (beside_m - self.beside_m) * share;
         let torsion = fingers.iter().map(|f| f.torsion).fold(0.0, larger);
         self.torsion += (torsion - self.torsion) * share;
         self.lever_most_m = larger(self.lever_most_m, self.lever_m);

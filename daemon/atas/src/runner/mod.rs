@@ -90,6 +90,11 @@ impl Wishes {
         hold_s: f64::INFINITY,
         max_force_n: 0.0,
     };
+
+    /// F_1 and F_2 for an object that nobody has felt yet.
+    fn thresholds_before_touch(&self, settings: &Settings) -> Thresholds {
+        Thresholds::unknown(&settings.grasp).told(self.max_force_n, &settings.grasp)
+    }
 }
 
 /// One hand's task.
@@ -166,8 +171,7 @@ impl Runner {
             path: Path::stay(*now),
             waypoints,
             wishes,
-            thresholds: Thresholds::unknown(&settings.grasp)
-                .told(wishes.max_force_n, &settings.grasp),
+            thresholds: wishes.thresholds_before_touch(settings),
             stiffness: None,
             all_touched: false,
             touched_at_m: 0.0,

@@ -9,16 +9,17 @@
 //! Each of them once: what still fails then fails. An object that stands costs nothing but time. What is felt too far from what was
 //! told to be that object's error is not believed, and no hand goes farther aside than the check of the goal has found room for.
 
+use super::Runner;
 use super::in_hand::InHand;
-use super::{Runner, Thresholds};
 use crate::limits::{DISPLACED_MAX_M, TURNED_MAX_RAD};
-use crate::modules::Modules;
-use crate::perception::ObjectPose;
+use crate::modules::{Modules, Verdict};
+use crate::perception::{ObjectPose, Percept};
 use crate::settings::Settings;
 use crate::tasks::{COME_AGAIN, Motion, Step, Transition, Waypoint};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector2;
 use robot_model::GraspFrame;
+use shm_schemas::Cause;
 
 /// How far the bodies of a hand that turns may be from the axis that it turns about, m (ours: the built-in robots' palms).
 const REACH_M: f64 = 0.06;
@@ -79,14 +80,15 @@ impl Runner {
     ) -> bool {
         if let Some(index) = self.regrasp.before {
             if self.index == PUT_BACK {
-                self.forget_object(settings, modules);
+                self.reopen(now, settings, modules);
+                return true;
             }
-            if self.index + 1 < COME_AGAIN.len() {
-                return false;
+            let is_back = self.index + 1 == COME_AGAIN.len();
+            if is_back {
+                self.regrasp.before = None;
+                self.enter(index, now, settings, modules);
             }
-            self.regrasp.before = None;
-            self.enter(index, now, settings, modules);
-            return true;
+            return is_back;
         }
         if self.step().transition != Transition::Gripped {
             return false;
@@ -96,21 +98,34 @@ impl Runner {
         };
         let comes_again = self.learn_place(now, settings);
         if comes_again {
-            self.forget_object(settings, modules);
             self.regrasp.before = Some(index);
-            self.enter(REOPEN, now, settings, modules);
+            self.reopen(now, settings, modules);
         }
         comes_again
     }
 
-    /// Whether what hangs just above its support hangs too far beside the grip.
-    pub(super) fn hangs_askew(&self) -> bool {
-        self.tries && self.in_hand.lever_m().abs() > HANGS_ASKEW_M
+    /// Lets go of what stands; what was learnt of it will be learnt again.
+    fn reopen(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
+        modules.let_go();
+        self.thresholds = self.wishes.thresholds_before_touch(settings);
+        self.stiffness = None;
+        self.enter(REOPEN, now, settings, modules);
+    }
+
+    /// Whether the lift goes badly: refused, out of force, turning in the hand, or hanging too far beside the grip just above its
+    /// support.
+    fn lifts_badly(&self, verdict: Verdict, percept: &Percept) -> bool {
+        let is_refused =
+            matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
+        let hangs_askew = self.tries && self.in_hand.lever_m().abs() > HANGS_ASKEW_M;
+        is_refused || hangs_askew || self.turns().is_some() || self.out_of_force(percept).is_some()
     }
 
     /// Whether an object that cannot be lifted as it is held is put back, to be grasped nearer to its centre of mass.
     pub(super) fn balances(
         &mut self,
+        verdict: Verdict,
+        percept: &Percept,
         now: &GraspFrame,
         settings: &Settings,
         modules: &mut Modules,
@@ -118,6 +133,9 @@ impl Runner {
         let lifts = self.step().motion == Motion::Carry(Waypoint::Lifted);
         let is_low = self.carried_m < PUT_BACK_MAX_M;
         if !(lifts && is_low) || self.regrasp.balanced || self.found || self.waypoints.joins() {
+            return false;
+        }
+        if !self.lifts_badly(verdict, percept) {
             return false;
         }
         let (Some(index), Some(felt)) = (self.search(), self.felt) else {
@@ -207,14 +225,5 @@ impl Runner {
         let [first_m, second_m] = now.half_opening_m;
         let off_m = felt.off_m + felt.closing_axis * ((first_m - second_m) / 2.0);
         Some((felt, off_m))
-    }
-
-    /// What was learnt of the object will be learnt again.
-    fn forget_object(&mut self, settings: &Settings, modules: &mut Modules) {
-        modules.let_go();
-        self.thresholds =
-            Thresholds::unknown(&settings.grasp).told(self.wishes.max_force_n, &settings.grasp);
-        self.stiffness = None;
-        self.holds = false;
     }
 }

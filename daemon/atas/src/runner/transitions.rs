@@ -14,13 +14,7 @@ impl Runner {
         settings: &Settings,
         modules: &mut Modules,
     ) -> Outcome {
-        let is_refused =
-            matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
-        let lifts_badly = is_refused
-            || self.out_of_force(percept).is_some()
-            || self.turns().is_some()
-            || self.hangs_askew();
-        if lifts_badly && self.balances(now, settings, modules) {
+        if self.balances(verdict, percept, now, settings, modules) {
             return Outcome::NextStep;
         }
         match verdict {
@@ -197,7 +191,7 @@ impl Runner {
     }
 
     /// Why an object goes no further, and stays in the hand: one that swings there would be set down on its edge, wherever.
-    fn turns(&self) -> Option<Reason> {
+    pub(super) fn turns(&self) -> Option<Reason> {
         let carries = matches!(self.step().motion, Motion::Carry(_) | Motion::Convey(_));
         let goes_on = carries && self.retreat.is_none() && !self.found;
         self.in_hand.turned().filter(|_| goes_on)
