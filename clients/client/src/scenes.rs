@@ -90,8 +90,8 @@ impl Usual {
             format!("{x:.2},{y:.2},{z:.4}")
         };
         let mut text = format!(
-            "What is not given is taken to be as `atas-sim run --scene {}` sets it. For the right hand, the left one being \
-             its mirror image:\n  the fingertips close at {}, yaw {:.0}°, on {:.0} mm",
+            "What is not given is taken to be as `atas-sim run --scene {}` sets it before the two-hand arm; before another robot, \
+             give what the simulator prints. For the right hand, the left one being its mirror image:\n  the fingertips close at {}, yaw {:.0}°, on {:.0} mm",
             self.name(),
             at(&nominal.object),
             nominal.object.yaw_rad.to_degrees(),

@@ -172,6 +172,7 @@ impl PolicyHand {
             closing_m_s: self.arbiter.closing_m_s(),
             frame: &frame,
             closing_axis: frame.closing_axis(),
+            turns_by_wrist: self.model.turns_by_wrist(),
             turning: 1.0,
             lowering_m: None,
             base_from_tip,

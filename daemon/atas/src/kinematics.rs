@@ -30,7 +30,8 @@ const SHIFT_AHEAD_MAX_M: f64 = 0.0003;
 pub struct HandCommand {
     /// Wanted positions, rad. May be anything; the gate checks.
     pub(crate) q_rad: HandVector,
-    /// Closing speed that each virtual finger is asked for, m/s.
+    /// Closing speed of each virtual finger, m/s: the one that it is asked for or the one that its joints will have, whichever closes
+    /// more.
     pub(crate) closing_m_s: [f64; VIRTUAL_FINGERS],
 }
 
@@ -39,6 +40,12 @@ impl HandCommand {
     #[must_use]
     pub fn new(q_rad: HandVector, closing_m_s: [f64; VIRTUAL_FINGERS]) -> Self {
         Self { q_rad, closing_m_s }
+    }
+
+    /// Closing speed of each virtual finger, m/s: negative only if it is asked to open and its joints open it.
+    #[must_use]
+    pub fn closing_m_s(&self) -> [f64; VIRTUAL_FINGERS] {
+        self.closing_m_s
     }
 }
 
@@ -150,7 +157,35 @@ impl HandServo {
         } else {
             step.q_rad
         };
+        let by_joints_m = self.closed_m(hand, &jacobian, &(q_rad - self.q_rad));
+        for (closing_m_s, by_joints_m) in closing_m_s.iter_mut().zip(by_joints_m) {
+            *closing_m_s = closing_m_s.max(by_joints_m / step_s);
+        }
         HandCommand { q_rad, closing_m_s }
+    }
+
+    /// How far the joints of each side's fingers move its tips towards the other side, m. What the arm does is no closing: but where
+    /// fingers share a drive, one can be closed by what the other is asked for.
+    fn closed_m(
+        &self,
+        hand: &HandModel,
+        jacobian: &HandJacobian,
+        dq_rad: &HandVector,
+    ) -> [f64; VIRTUAL_FINGERS] {
+        let n = self.frame.as_done_by(hand).closing_axis();
+        let fingers_rad = HandVector::from_fn(dq_rad.len(), |joint| {
+            if hand.arm_joints().contains(&joint) {
+                0.0
+            } else {
+                dq_rad[joint]
+            }
+        });
+        core::array::from_fn(|side| {
+            let inwards = if side == 0 { -n } else { n };
+            hand.mean_of_side(side, |finger| {
+                HandJacobian::moved(&jacobian.tips[finger].position, &fingers_rad).dot(&inwards)
+            })
+        })
     }
 
     /// How far the present grip bends the surface of each dome upwards where it touches, m: J·K⁻¹·Jᵀ·F over both fingers

@@ -12,6 +12,9 @@ const ASIDE_M: f64 = 0.05;
 /// What it must be able to shift, m, and turn, rad, to be called able to do so a little (ours: what places may be wrong by).
 const LITTLE_M: f64 = 0.009;
 const LITTLE_RAD: f64 = 0.26;
+/// Farthest that a hand is tried to open, m, and how often the opening is halved to find the widest (ours: to 0.1 mm).
+const OPEN_MAX_M: f64 = 0.4;
+const HALVINGS: usize = 12;
 /// How far each fingertip must be able to pass the other, m (ours: a sixth of a turn of the smallest cap).
 const PASS_M: f64 = 0.006;
 /// How wide a cap is that it is tried on, m.
@@ -68,8 +71,24 @@ impl HandModel {
         })
     }
 
-    /// Finds out whether it has to turn caps by its wrist, and whether it can shift and turn a little.
+    /// How far open it can be where it rests: at least as far as it rests.
+    fn find_widest_m(&self) -> f64 {
+        let (mut reached_m, mut beyond_m) = (self.home_opening_m, OPEN_MAX_M);
+        for _ in 0..HALVINGS {
+            let opening_m = (reached_m + beyond_m) / 2.0;
+            let frame = GraspFrame::from_above(self.home_m, self.home_yaw_rad, opening_m);
+            if self.posture_for(&frame).is_ok() {
+                reached_m = opening_m;
+            } else {
+                beyond_m = opening_m;
+            }
+        }
+        reached_m
+    }
+
+    /// Finds out how far it opens, whether it has to turn caps by its wrist, and whether it can shift and turn a little.
     pub(crate) fn find_abilities(&mut self) {
+        self.widest_m = self.find_widest_m();
         self.turns_by_wrist = self.turning.wrist.is_some() && !self.turns_both_ways();
         let moves = |axis: Vector3<f64>, sign: f64| {
             self.reaches_beside_home(axis * (sign * LITTLE_M), sign * LITTLE_RAD)

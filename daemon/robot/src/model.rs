@@ -52,6 +52,8 @@ pub struct HandModel {
     /// Where the hand rests, from above, and how far open, m.
     pub(crate) home_m: Vector3<f64>,
     pub(crate) home_opening_m: f64,
+    /// How far open it can be where it rests, both sides alike, m.
+    pub(crate) widest_m: f64,
     /// Direction of the closing axis there, radians.
     pub(crate) home_yaw_rad: f64,
     /// Where objects stand that nobody placed: x and y, m.
@@ -174,6 +176,7 @@ impl HandModel {
             moves_aside: false,
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
+            widest_m: 0.0,
             home_yaw_rad: 0.0,
             object_m: [0.0; 2],
             workspace: None,
@@ -338,6 +341,18 @@ impl HandModel {
     #[must_use]
     pub fn home_opening_m(&self) -> f64 {
         self.home_opening_m
+    }
+
+    /// Greatest distance between the poles of its domes where it rests, both sides alike, metres.
+    #[must_use]
+    pub fn widest_m(&self) -> f64 {
+        self.widest_m
+    }
+
+    /// Whether it turns a cap by its wrist, because its fingertips cannot pass each other.
+    #[must_use]
+    pub fn turns_by_wrist(&self) -> bool {
+        self.turns_by_wrist
     }
 
     /// Direction of its closing axis where it rests, base frame, radians.

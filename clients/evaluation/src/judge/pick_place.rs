@@ -68,8 +68,9 @@ impl Placing {
     }
 }
 
-/// Whether the hand left without the object: not refused, never set down, and as low as it was.
+/// Whether the hand left without the object: set out and not refused, never set down, and as low as it was.
 fn stayed(end: &GoalUpdate, object: &ObjectTruth) -> bool {
     let is_low = object.lifted_m.abs() < ABOVE_M;
-    end.state != GoalState::REFUSED && object.landed_ns == 0 && is_low
+    let set_out = end.state == GoalState::SUCCEEDED || !end.step.as_str().is_empty();
+    set_out && end.state != GoalState::REFUSED && object.landed_ns == 0 && is_low
 }

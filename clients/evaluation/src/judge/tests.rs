@@ -99,6 +99,8 @@ fn placings() {
     let lost = end(GoalState::FAILED, Cause::LOST_OBJECT, "convey");
     check(lost, stayed, None, Some("left behind"));
     check(done(), stayed, None, Some("left behind"));
+    let out_of_reach = end(GoalState::FAILED, Cause::UNREACHABLE, "");
+    check(out_of_reach, stayed, None, Some("failed: unreachable"));
     check(heavy, stayed, None, Some("refused: too-heavy"));
     check(lost, object, None, Some("failed in convey: lost-object"));
 }

@@ -1,7 +1,7 @@
 //! Hard against soft: the production stiffness probe on all fingers together, over the whole squeeze and at its first step.
 
 use anyhow::ensure;
-use atas_core::perception::StiffnessEstimate;
+use atas_core::perception::{Bearing, StiffnessEstimate};
 use atas_core::settings::Settings;
 use robot_model::Compression;
 
@@ -24,7 +24,7 @@ const RIGID_TIPS: Compression = Compression {
     exponent: 0.48,
 };
 /// Nor how much of them pressed.
-const WHOLE_FACES: [f64; 2] = [1.0; 2];
+const WHOLE_FACES: [Bearing; 2] = [Bearing::WHOLE; 2];
 /// Least closing that a stiffness is divided by, m (ours: what an actuator's encoder resolves).
 const CLOSING_MIN_M: f64 = 1e-5;
 

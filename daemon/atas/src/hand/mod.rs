@@ -202,7 +202,7 @@ impl HandControl {
         }
         servo.take_grip(&self.model, &percept);
         let now = *servo.frame();
-        let waypoints = Waypoints::resting(now, home(&self.model, &now), settings);
+        let waypoints = Waypoints::resting(&self.model, now, home(&self.model, &now), settings);
         self.modules.reset();
         self.arbiter.rest();
         let runner = Runner::keep(waypoints, &now, &percept, settings);
@@ -237,6 +237,7 @@ impl HandControl {
             closing_m_s: self.arbiter.closing_m_s(),
             frame: servo.frame(),
             closing_axis: servo.frame().as_done_by(&self.model).closing_axis(),
+            turns_by_wrist: self.model.turns_by_wrist(),
             base_from_tip: &self.base_from_tip[..self.model.finger_count()],
             tips: perception::compression(&settings.perception, self.model.skin()),
             overread: self.borne.overread(&settings.safety),

@@ -7,7 +7,7 @@
 //! before, the fit is refined and F_2 with it. What slips tells nothing: its faces move by more than they give.
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
-use crate::perception::{Percept, StiffnessEstimate, StiffnessFit};
+use crate::perception::{Bearing, Percept, StiffnessEstimate, StiffnessFit};
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
@@ -69,9 +69,15 @@ impl Probe {
             mean_n,
             percept.step_s,
             &context.tips,
-            percept.virtual_fingers.map(|finger| finger.pressed_share),
+            percept.virtual_fingers.map(|finger| Bearing {
+                face_share: finger.pressed_share,
+                tips: finger.bearing_tips,
+            }),
             settings,
         );
-        self.fit = news.or(self.fit);
+        self.fit = news.or(self.fit).map(|fit| StiffnessFit {
+            settled: self.stiffness.has_settled(),
+            ..fit
+        });
     }
 }

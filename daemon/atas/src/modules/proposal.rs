@@ -48,6 +48,8 @@ pub struct Context<'a> {
     pub closing_axis: Vector3<f64>,
     /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
     pub turning: f64,
+    /// Whether the hand turns as a whole, by its wrist, where fingertips would pass each other.
+    pub turns_by_wrist: bool,
     /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
     /// What a client that leads the hand wants of it in this step; `None` to brake, and in every task that nobody leads.

@@ -10,10 +10,12 @@
 //! ```
 //!
 //! Two reflexes keep the square on the cap: a finger that presses harder than the other gives way, and the hand presses
-//! lightly down, so that it follows the cap along its thread.
+//! lightly down, so that it follows the cap along its thread. Where the wrist turns the hand, what is pressed too hard is relieved
+//! before the turn goes on.
 
 use super::{Context, Module, PoseCommand, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::Percept;
+use crate::thresholds::Thresholds;
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::ModuleId;
 
@@ -21,8 +23,12 @@ use shm_schemas::ModuleId;
 const BINS: usize = 29;
 /// Share of a correction that the bins at hand take (prototype).
 const GAIN: f64 = 1.5;
-/// Share of a correction that each further bin takes of the one before (prototype).
+/// Share of a correction that each further bin takes of the one before (prototype); where the wrist turns the hand, all take the
+/// same, because then what the fingertips hold stays between them.
 const DECAY: f64 = 0.75;
+/// Share of F_2 with which a hand grips before its wrist turns it (ours: fingertips that go straight past a cap are pressed on it half
+/// as hard by the time they have passed; a hand that turns as a whole is not).
+const WRIST_GRIP_SHARE: f64 = 0.5;
 /// Largest learnt offset, m (prototype).
 const OFFSET_MAX_M: f64 = 0.003;
 /// Distance from the last grip at which Module 1 takes over the closing, m (ours).
@@ -102,11 +108,24 @@ impl Module for Trajectory {
             Edge::In | Edge::Out | Edge::Return => {}
         }
         if self.advance(context) {
-            self.turn_corner(context.frame);
+            self.turn_corner(context);
         }
         let touching = matches!(self.edge, Edge::Grip | Edge::Turn);
+        let waits = self.edge == Edge::Turn && is_relieved(percept, context);
+        let presses = self.edge == Edge::Grip && context.turns_by_wrist && self.gripped_s == 0.0;
+        let closing_m_s = if presses {
+            context.settings.grasp.enhance_m_s
+        } else {
+            0.0
+        };
         Proposal {
             active: true,
+            closing_m_s: [closing_m_s; VIRTUAL_FINGERS],
+            carry_ceiling: if waits {
+                context.settings.grasp.slip_carry_scale
+            } else {
+                1.0
+            },
             closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; VIRTUAL_FINGERS],
             pose: Some(PoseCommand {
                 frame: self.frame(context),
@@ -124,10 +143,16 @@ impl Trajectory {
         self.speed_m_s = 0.0;
     }
 
-    /// Waits until the weakest finger has pressed more than F_1 for a while.
+    /// Waits until the weakest finger has pressed hard enough for a while.
     fn grip(&mut self, percept: &Percept, context: &Context<'_>) {
         let (weakest_n, strongest_n) = force_range_n(percept);
-        let firm = weakest_n > context.thresholds.f1_n || strongest_n > context.thresholds.f2_n;
+        let Thresholds { f1_n, f2_n, .. } = context.thresholds;
+        let needed_n = if context.turns_by_wrist {
+            f1_n.max(WRIST_GRIP_SHARE * f2_n)
+        } else {
+            f1_n
+        };
+        let firm = weakest_n > needed_n || strongest_n > f2_n;
         self.gripped_s = if firm {
             self.gripped_s + context.step_s
         } else {
@@ -141,13 +166,20 @@ impl Trajectory {
         let settings = &context.settings.screw;
         let place = self.way_m / (2.0 * settings.travel_m) * (BINS - 1) as f64;
         let normal_n = percept.virtual_fingers.map(|finger| finger.normal_n);
+        // Where both give way, the softer one does not press on.
+        let centring_m_s_n = if is_relieved(percept, context) {
+            0.0
+        } else {
+            settings.centring_m_s_n
+        };
         for finger in 0..VIRTUAL_FINGERS {
             let softer_n = (normal_n[1 - finger] - normal_n[finger]) / 2.0;
-            let inwards_m_s = context.closing_m_s[finger] + settings.centring_m_s_n * softer_n;
+            let inwards_m_s = context.closing_m_s[finger] + centring_m_s_n * softer_n;
             correct(
                 &mut self.inward_m[finger],
                 place,
                 inwards_m_s * context.step_s,
+                decay(context),
             );
         }
         self.follow(percept, context);
@@ -163,7 +195,7 @@ impl Trajectory {
         self.followed_m = followed_m.clamp(-FOLLOW_MAX_M, FOLLOW_MAX_M);
     }
 
-    /// Moves along the edge; true at its end. Only the turn waits for slip to be answered.
+    /// Moves along the edge; true at its end. Only the turn waits for slip and too much force to be answered.
     fn advance(&mut self, context: &Context<'_>) -> bool {
         let settings = &context.settings.screw;
         let (length_m, top_m_s) = match self.edge {
@@ -190,9 +222,9 @@ impl Trajectory {
         self.way_m >= length_m
     }
 
-    fn turn_corner(&mut self, now: &GraspFrame) {
+    fn turn_corner(&mut self, context: &Context<'_>) {
         if self.edge == Edge::Grip {
-            self.adopt_grip(now);
+            self.adopt_grip(context.frame, decay(context));
         }
         self.edge = match self.edge {
             Edge::In => Edge::Grip,
@@ -205,7 +237,7 @@ impl Trajectory {
     }
 
     /// The turn begins where the grip was found firm.
-    fn adopt_grip(&mut self, now: &GraspFrame) {
+    fn adopt_grip(&mut self, now: &GraspFrame, decay: f64) {
         let Some(anchor) = self.anchor else { return };
         for finger in 0..VIRTUAL_FINGERS {
             let gripped_m = anchor.half_opening_m[finger] - now.half_opening_m[finger];
@@ -213,7 +245,7 @@ impl Trajectory {
             let mut share = 1.0;
             for inward_m in &mut self.inward_m[finger] {
                 *inward_m += news_m * share;
-                share *= DECAY;
+                share *= decay;
             }
         }
     }
@@ -249,6 +281,19 @@ impl Trajectory {
     }
 }
 
+/// Share of a correction that each further bin takes of the one before.
+fn decay(context: &Context<'_>) -> f64 {
+    if context.turns_by_wrist { 1.0 } else { DECAY }
+}
+
+/// Whether Module 3 opens fingers that press with more than F_2, of a hand that turns as a whole: nothing but that ends their pressing,
+/// where fingertips that go past a cap leave it by themselves.
+fn is_relieved(percept: &Percept, context: &Context<'_>) -> bool {
+    let (_, strongest_n) = force_range_n(percept);
+    let opens = context.closing_m_s.iter().any(|closing| *closing < 0.0);
+    context.turns_by_wrist && opens && strongest_n > context.thresholds.f2_n
+}
+
 /// The offset at a place between two bins.
 fn at(inward_m: &[f64; BINS], place: f64) -> f64 {
     let bin = (place as usize).min(BINS - 2);
@@ -260,7 +305,7 @@ fn mix(a: f64, b: f64, share: f64) -> f64 {
 }
 
 /// Adds a correction at a place between two bins, and less and less of it to the bins ahead.
-fn correct(inward_m: &mut [f64; BINS], place: f64, by_m: f64) {
+fn correct(inward_m: &mut [f64; BINS], place: f64, by_m: f64, decay: f64) {
     let bin = (place as usize).min(BINS - 2);
     let beyond = place - bin as f64;
     let mut ahead = 1.0;
@@ -269,7 +314,7 @@ fn correct(inward_m: &mut [f64; BINS], place: f64, by_m: f64) {
             0 => GAIN * (1.0 - beyond),
             1 => GAIN * beyond,
             _ => {
-                ahead *= DECAY;
+                ahead *= decay;
                 ahead
             }
         };

@@ -43,6 +43,8 @@ pub struct FingerPercept {
     pub scatter: f64,
     /// Share of the face that presses, above 0; 1 for faces that bend, whose compression says how their contact grows.
     pub pressed_share: f64,
+    /// How many fingertips bear the force, counted by how evenly they do; 1 for a fingertip.
+    pub bearing_tips: f64,
     /// M: moment of the shear about the outward normal of the patch, N·m.
     pub moment_n_m: f64,
     /// Moment about the patch's normal over what friction could carry.
@@ -72,6 +74,7 @@ impl Default for FingerPercept {
             friction_error: 0.0,
             scatter: 0.0,
             pressed_share: 1.0,
+            bearing_tips: 1.0,
             moment_n_m: 0.0,
             torsion: 0.0,
             gross_slip_s: 0.0,
@@ -167,6 +170,7 @@ impl Finger {
             shows_slip: self.axes.is_round,
             friction_error: slipping.error,
             scatter: patch.scatter,
+            bearing_tips: 1.0,
             pressed_share: self
                 .axes
                 .pressed_share(&self.filtered_n, self.noise.variance_n2()),

@@ -21,7 +21,7 @@ mod yielding;
 pub use finger::{Finger, FingerPercept};
 pub use motion::MotionPercept;
 pub use object_pose::ObjectPose;
-pub use stiffness::{StiffnessEstimate, StiffnessFit, compression};
+pub use stiffness::{Bearing, StiffnessEstimate, StiffnessFit, compression};
 pub use yielding::{YieldRule, YieldWatch, Yielded};
 
 use crate::intake::CheckedFrame;

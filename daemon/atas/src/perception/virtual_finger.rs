@@ -40,11 +40,31 @@ pub(super) fn together<'a>(
         utilisation_now: shared(|finger| finger.utilisation_now),
         friction: shared(|finger| finger.friction),
         pressed_share: shared(|finger| finger.pressed_share),
+        bearing_tips: bearing_tips(fingers.clone()),
         moment_n_m: sum(|finger| finger.moment_n_m),
         gross_slip_s: least(|finger| finger.gross_slip_s).unwrap_or(0.0),
         in_contact: fingers.clone().any(|finger| finger.in_contact),
         touches: fingers.map(|finger| finger.touches).max().unwrap_or(0),
         ..*strongest
+    }
+}
+
+/// How many fingertips press, counted by how evenly they do: n if n press alike; 1 where one does, or none.
+fn bearing_tips<'a>(fingers: impl Iterator<Item = &'a FingerPercept>) -> f64 {
+    let (mut sum_n, mut squares_n2) = (0.0, 0.0);
+    for finger in fingers {
+        let normal_n = if finger.normal_n > 0.0 {
+            finger.normal_n
+        } else {
+            0.0
+        };
+        sum_n += normal_n;
+        squares_n2 += normal_n * normal_n;
+    }
+    if squares_n2 > 0.0 {
+        sum_n * sum_n / squares_n2
+    } else {
+        1.0
     }
 }
 

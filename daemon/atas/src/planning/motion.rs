@@ -6,7 +6,7 @@ use crate::settings::Settings;
 use crate::tasks::Motion;
 use robot_model::GraspFrame;
 
-/// How far each finger opens when letting go, m (ours: clear of a bulging soft object).
+/// How far each finger opens when letting go, if the hand opens so far, m (ours: clear of a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
 /// The same at the moment an object stands, m, and how long it takes, s (ours: as fast as the gate lets the joints
 /// accelerate, 50 rad/s² of its 60; what asks for more swings back and grips the object again).
@@ -39,20 +39,13 @@ pub(crate) fn path_of(
         Motion::Withdraw => Path::over(*now, before.at(0.0), &free),
         Motion::Carry(waypoint) => gripping(waypoint, speeds.lift_m_s),
         Motion::Convey(waypoint) => gripping(waypoint, settings.place.convey_m_s),
-        Motion::Open => Path::free(*now, opened(now, OPEN_BY_M), &free),
+        Motion::Open => Path::free(*now, waypoints.opened(now, OPEN_BY_M), &free),
         Motion::LetGo => {
             let speeds = Speeds {
                 open_m_s: LET_GO_BY_M / LET_GO_S,
                 ..free
             };
-            Path::free(*now, opened(now, LET_GO_BY_M), &speeds)
+            Path::free(*now, waypoints.opened(now, LET_GO_BY_M), &speeds)
         }
-    }
-}
-
-fn opened(frame: &GraspFrame, by_m: f64) -> GraspFrame {
-    GraspFrame {
-        half_opening_m: frame.half_opening_m.map(|half_m| half_m + by_m),
-        ..*frame
     }
 }

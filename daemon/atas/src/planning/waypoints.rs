@@ -45,6 +45,8 @@ pub struct Waypoints {
     lowering_m: f64,
     expected_m: f64,
     turning: f64,
+    /// How far each finger can open, m.
+    widest_half_m: f64,
     /// Where the object was told to stand, base frame, m.
     told_m: Vector2<f64>,
     corrections: Corrections,
@@ -84,7 +86,7 @@ impl Waypoints {
         }
         let stays = !(goal.demands().visits_source || goal.demands().visits_target);
         let waypoints = if stays {
-            Self::resting(*now, home, settings)
+            Self::resting(hand, *now, home, settings)
         } else {
             Self::new(hand, now, home, goal, settings)
         };
@@ -126,6 +128,7 @@ impl Waypoints {
             lowering_m: (travel_m - lowest_m).max(0.0),
             expected_m: to_m[2],
             turning: request.turn.sign(),
+            widest_half_m: hand.widest_m() / 2.0,
             told_m: source.centre_m.xy(),
             corrections: Corrections::default(),
         }
@@ -155,13 +158,18 @@ impl Waypoints {
             before: GraspFrame { centre_m, ..around },
             around,
             source,
-            ..Self::resting(source, home, settings)
+            ..Self::resting(hand, source, home, settings)
         }
     }
 
     /// The poses of a hand that only opens and goes home.
     #[must_use]
-    pub fn resting(now: GraspFrame, home: GraspFrame, settings: &Settings) -> Self {
+    pub fn resting(
+        hand: &HandModel,
+        now: GraspFrame,
+        home: GraspFrame,
+        settings: &Settings,
+    ) -> Self {
         Self {
             tilted: home,
             before: raised(&now, settings.motion.descend_m),
@@ -175,6 +183,7 @@ impl Waypoints {
             lowering_m: 0.0,
             expected_m: now.centre_m.z,
             turning: Turn::CLOCKWISE.sign(),
+            widest_half_m: hand.widest_m() / 2.0,
             told_m: now.centre_m.xy(),
             corrections: Corrections::default(),
         }
@@ -197,6 +206,18 @@ impl Waypoints {
             },
             Waypoint::Above => raised(now, self.descend_m),
             Waypoint::Home => self.home,
+        }
+    }
+
+    /// The hand opened by so much on each side, m, as far as it opens; never closed.
+    #[must_use]
+    pub fn opened(&self, now: &GraspFrame, by_m: f64) -> GraspFrame {
+        let widest_m = self.widest_half_m;
+        GraspFrame {
+            half_opening_m: now
+                .half_opening_m
+                .map(|half_m| (half_m + by_m).min(half_m.max(widest_m))),
+            ..*now
         }
     }
 

@@ -46,6 +46,8 @@ pub struct HandMotion<'a> {
     pub frame: &'a GraspFrame,
     /// The closing axis as the hand stands, base frame, unit length.
     pub closing_axis: Vector3<f64>,
+    /// See [`Context::turns_by_wrist`].
+    pub turns_by_wrist: bool,
     /// Measured orientation of each fingertip.
     pub base_from_tip: &'a [Matrix3<f64>],
     /// How far the fingertips give way to what presses them.
@@ -315,6 +317,7 @@ impl Runner {
             closing_m_s: motion.closing_m_s,
             frame: motion.frame,
             closing_axis: motion.closing_axis,
+            turns_by_wrist: motion.turns_by_wrist,
             base_from_tip: motion.base_from_tip,
             overread: motion.overread,
             underread: motion.underread,

@@ -4,6 +4,8 @@
 //!   gripped at the source ── felt beside the middle of the hand, or turned ──────▶ opens, comes again where it was felt
 //!   could not be lifted, or turned in the hand ── its weight hangs beside the grip ──▶ puts it back, opens, comes again
 //!                                                                                      nearer to its centre of mass
+//!   seemed too soft for its weight ── turned against the fingertips while probed ────▶ puts it back, opens, comes again
+//!                                                                                      to what lies against them now
 //! ```
 //!
 //! Each of them once: what still fails then fails. An object that stands costs nothing but time. What is felt too far from what was
@@ -54,6 +56,8 @@ pub(super) struct Regrasp {
     placed: bool,
     /// It has come again nearer to the object's centre of mass.
     balanced: bool,
+    /// It has come again to feel anew how stiff the object is.
+    probed: bool,
 }
 
 impl Runner {
@@ -121,8 +125,9 @@ impl Runner {
         is_refused || hangs_askew || self.turns().is_some() || self.out_of_force(percept).is_some()
     }
 
-    /// Whether an object that cannot be lifted as it is held is put back, to be grasped nearer to its centre of mass.
-    pub(super) fn balances(
+    /// Whether an object that cannot be lifted as it is held is put back, to be grasped nearer to its centre of mass, or to be
+    /// probed again.
+    pub(super) fn grasps_anew(
         &mut self,
         verdict: Verdict,
         percept: &Percept,
@@ -132,35 +137,63 @@ impl Runner {
     ) -> bool {
         let lifts = self.step().motion == Motion::Carry(Waypoint::Lifted);
         let is_low = self.carried_m < PUT_BACK_MAX_M;
-        if !(lifts && is_low) || self.regrasp.balanced || self.found || self.waypoints.joins() {
+        if !(lifts && is_low) || self.found || self.waypoints.joins() {
             return false;
         }
         if !self.lifts_badly(verdict, percept) {
             return false;
         }
-        let (Some(index), Some(felt)) = (self.search(), self.felt) else {
+        let Some(index) = self.search() else {
             return false;
         };
+        let regrasp = Regrasp {
+            before: Some(index),
+            ..self.regrasp
+        };
+        let aside = self.aside(settings);
+        if aside.is_some() {
+            // Should it be round after all, the hand comes back to its middle.
+            self.regrasp = Regrasp {
+                placed: false,
+                balanced: true,
+                ..regrasp
+            };
+        } else if self.is_to_be_probed_again(verdict) {
+            self.regrasp = Regrasp {
+                probed: true,
+                ..regrasp
+            };
+        } else {
+            return false;
+        }
+        // What becomes of it on its way back is no slip and no turn of the next grasp.
+        (self.holds, self.in_hand) = (false, InHand::default());
+        self.enter(PUT_BACK, now, settings, modules);
+        if let Some((aside_m, axis)) = aside {
+            self.waypoints.grasp_aside(aside_m, &axis);
+        }
+        true
+    }
+
+    /// How far aside of the closing axis, and which that is, the object is grasped nearer to its centre of mass, m; once.
+    fn aside(&self, settings: &Settings) -> Option<(f64, Vector2<f64>)> {
+        let felt = self.felt.filter(|_| !self.regrasp.balanced)?;
         let across_m = felt.closing_axis.perp(&felt.off_m);
         let lever_m = self.in_hand.lever_m();
         let aside_m = (lever_m * LEVER_GAIN).clamp(-ASIDE_MAX_M, ASIDE_MAX_M);
         let has_room = self.displaced_m.norm() + aside_m.abs() <= self.waypoints.spare_m();
         // False for what is not a number.
         let is_flat = across_m.abs() < ROUND_M;
-        if !(lever_m.abs() >= settings.grasp.regrasp_lever_m && has_room && is_flat) {
-            return false;
-        }
-        // What becomes of it on its way back is no slip and no turn of the next grasp.
-        (self.holds, self.in_hand) = (false, InHand::default());
-        // Should it be round after all, the hand comes back to its middle.
-        self.regrasp = Regrasp {
-            before: Some(index),
-            placed: false,
-            balanced: true,
-        };
-        self.enter(PUT_BACK, now, settings, modules);
-        self.waypoints.grasp_aside(aside_m, &felt.closing_axis);
-        true
+        let goes = lever_m.abs() >= settings.grasp.regrasp_lever_m && has_room && is_flat;
+        goes.then_some((aside_m, felt.closing_axis))
+    }
+
+    /// Whether it was refused as too soft for its weight although it may only have turned against the fingertips; once.
+    fn is_to_be_probed_again(&self, verdict: Verdict) -> bool {
+        let too_soft =
+            matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_SOFT);
+        let settled = self.stiffness.is_some_and(|fit| fit.settled);
+        too_soft && settled && !self.regrasp.probed
     }
 
     /// The step in which the search for what the hand grips began, if it has come to its source for that and gone nowhere else yet.

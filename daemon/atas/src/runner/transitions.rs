@@ -14,7 +14,7 @@ impl Runner {
         settings: &Settings,
         modules: &mut Modules,
     ) -> Outcome {
-        if self.balances(verdict, percept, now, settings, modules) {
+        if self.grasps_anew(verdict, percept, now, settings, modules) {
             return Outcome::NextStep;
         }
         match verdict {
@@ -35,7 +35,8 @@ impl Runner {
             }
             Verdict::None | Verdict::Done | Verdict::Refuse(_) => {}
         }
-        if let Some(reason) = self.out_of_force(percept) {
+        let is_refused = self.out_of_force(percept).or_else(|| self.turns_standing());
+        if let Some(reason) = is_refused {
             return self.give_up(Retreat::PutBack, reason, now, settings, modules);
         }
         if self.wants_opening() || self.found_nothing(now) {
@@ -188,6 +189,12 @@ impl Runner {
         self.holds &= retreat == Retreat::Raise;
         self.enter(0, now, settings, modules);
         Outcome::NextStep
+    }
+
+    /// Why an object that still stands, as far as anybody has tested, is put back: it turns in the hand that would lift it.
+    fn turns_standing(&self) -> Option<Reason> {
+        let is_tested = self.step().modules.contains(ModuleId::LOAD_TEST);
+        self.turns().filter(|_| is_tested && !self.hangs)
     }
 
     /// Why an object goes no further, and stays in the hand: one that swings there would be set down on its edge, wherever.

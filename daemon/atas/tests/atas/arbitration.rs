@@ -123,6 +123,7 @@ fn a_refusal_outweighs_every_other_verdict() {
     let stiffness = Verdict::Stiffness(StiffnessFit {
         object_n_m: 1000.0,
         confidence: 1.0,
+        settled: false,
     });
     let refuse = Verdict::Refuse(Reason::of(Cause::TOO_HEAVY));
     for (proposals, expected) in [
@@ -220,6 +221,7 @@ fn any_verdict() -> impl Strategy<Value = Verdict> {
         Verdict::Stiffness(StiffnessFit {
             object_n_m,
             confidence,
+            settled: false,
         })
     });
     prop_oneof![

@@ -95,6 +95,7 @@ impl Bench {
             lowering_m: self.lowering_m,
             lead: None,
             base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::VIRTUAL_FINGERS],
+            turns_by_wrist: false,
             overread: 1.0,
             underread: 1.0,
         };

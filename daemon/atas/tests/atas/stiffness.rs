@@ -1,11 +1,19 @@
 //! The stiffness fit on synthetic series of closing and force.
 
-use atas_core::perception::{StiffnessEstimate, StiffnessFit};
+use atas_core::perception::{Bearing, StiffnessEstimate, StiffnessFit};
 use atas_core::settings::{Perception as Settings, Settings as All};
 use robot_model::{Compression, Skin};
 
 const TIPS: Compression = Skin::DOME_41.compression;
-const WHOLE: [f64; 2] = [1.0; 2];
+const WHOLE: [Bearing; 2] = [Bearing::WHOLE; 2];
+
+/// One fingertip on each side, of whose face so much presses.
+fn faces(face_share: f64) -> [Bearing; 2] {
+    [Bearing {
+        face_share,
+        ..Bearing::WHOLE
+    }; 2]
+}
 
 /// The law that the fit is made for: x = 2·(a·F^p + F/k).
 fn closing_m(normal_n: f64, object_n_m: f64) -> f64 {
@@ -83,7 +91,7 @@ fn a_face_that_presses_with_an_edge_first_does_not_soften_the_object() {
             let share = (normal_n / ALL_PRESS_N).min(1.0);
             tips_m += 1e-3 * FLAT.at_1n_m / share;
             let closing_m = 2.0 * (tips_m + normal_n / object_n_m);
-            let told = if is_told { [share; 2] } else { WHOLE };
+            let told = if is_told { faces(share) } else { WHOLE };
             fit = estimate
                 .add(closing_m, normal_n, 1e-3, &FLAT, told, &settings)
                 .or(fit);
@@ -110,7 +118,7 @@ fn an_object_that_turns_against_the_faces_is_not_soft() {
             let share = if lies { 0.9 } else { 0.3 };
             turned_m += if lies { 0.0 } else { 4e-6 };
             let closing_m = turned_m + 2.0 * normal_n * (FLAT.at_1n_m / share + 1.0 / object_n_m);
-            fits.push(estimate.add(closing_m, normal_n, 1e-3, &FLAT, [share; 2], &settings));
+            fits.push(estimate.add(closing_m, normal_n, 1e-3, &FLAT, faces(share), &settings));
         }
         let read_n_m = |at: usize| fits[at - 50].map(|fit| fit.object_n_m);
         let turning_n_m = read_n_m(299).unwrap();
@@ -119,6 +127,36 @@ fn an_object_that_turns_against_the_faces_is_not_soft() {
         let ratio = read_n_m(599).unwrap() / object_n_m;
         assert!((ratio - 1.0).abs() < 0.02, "{object_n_m} N/m: {ratio}");
     }
+}
+
+/// Regression: a rigid object is never known to be so within 10 %, so what it was taken for while it turned was kept.
+#[test]
+fn an_object_that_turned_is_found_stiffer_although_nobody_knows_how_stiff() {
+    let settings = unfiltered();
+    let (mut estimate, mut fit, mut noise) = (StiffnessEstimate::default(), None, 1_u32);
+    for i in 50..600_u32 {
+        let (normal_n, lies) = (1e-3 * f64::from(i), i >= 300);
+        let tips = if lies { 2.0 } else { 1.0 };
+        let bearing = [
+            Bearing {
+                tips,
+                ..Bearing::WHOLE
+            },
+            Bearing::WHOLE,
+        ];
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise_m = 4e-6 * (f64::from(noise >> 16) / 65_536.0 - 0.5);
+        let turned_m = 1e-6 * f64::from(i.min(300));
+        let closing_m = turned_m + normal_n * FLAT.at_1n_m * (1.0 / tips + 1.0) + noise_m;
+        let news = estimate.add(closing_m, normal_n, 1e-3, &FLAT, bearing, &settings);
+        fit = news.or(fit);
+        if i == 299 {
+            assert!(fit.is_some_and(|fit| fit.object_n_m < 3000.0), "{fit:?}");
+            assert!(!estimate.has_settled());
+        }
+    }
+    assert!(estimate.has_settled());
+    assert!(fit.is_some_and(|fit| fit.object_n_m > 100_000.0), "{fit:?}");
 }
 
 #[test]

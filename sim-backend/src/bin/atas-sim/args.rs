@@ -102,6 +102,11 @@ impl RunArgs {
     pub(crate) fn scene(&self, robot: &RobotModel) -> Result<Scene, Failure> {
         self.scene.scene(robot, self.seed)
     }
+
+    /// What a client would type to have its task done; `None` if there is none.
+    pub(crate) fn command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
+        self.scene.command(robot, scene)
+    }
 }
 
 #[cfg(test)]
@@ -122,6 +127,42 @@ mod tests {
             }
             other => Err(format!("{other:?}")),
         }
+    }
+
+    #[test]
+    fn what_a_client_would_type() {
+        let check = |arguments: &str, expected: Option<&str>| {
+            let words = ["atas-sim", "run"].into_iter();
+            let cli = Cli::try_parse_from(words.chain(arguments.split_whitespace())).unwrap();
+            let Command::Run(args) = cli.command else {
+                panic!("{arguments}");
+            };
+            let robot = RobotModel::find(&args.robot).unwrap();
+            let scene = args.scene(&robot).unwrap();
+            let command = args.command(&robot, &scene);
+            assert_eq!(command.as_deref(), expected, "{arguments}");
+        };
+        check("", None);
+        check(
+            "--object wood --hand left",
+            Some("atas grasp --at 0.320,0.150,0.0345 --width 50.0 --yaw 90 --hand left"),
+        );
+        check(
+            "--scene pick-place",
+            Some(
+                "atas pick-place --from 0.320,-0.150,0.0445 --to 0.320,-0.270,0.0445 --width 50.0 --yaw 90",
+            ),
+        );
+        check(
+            "--scene screw --robot arm7-gripper",
+            Some("atas screw --at 0.319,0.030,0.1200 --width 30.0 --yaw 90"),
+        );
+        check(
+            "--scene assembly",
+            Some(
+                "atas assemble --cap 0.320,-0.180,0.0500 --cap-width 30.0 --on 0.380,0.000,0.1200 --bottle-width 60.0 --yaw 60",
+            ),
+        );
     }
 
     #[test]

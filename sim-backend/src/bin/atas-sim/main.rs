@@ -52,7 +52,7 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
     let world = World::new(&robot, &scene, args.seed)?;
     let bus = Bus::open(&args.bus, "atas-sim", shm_bus::Realtime::Yes)?;
     let mut session = Session::open(&bus, world, &args.faults, args.seed)?;
-    announce(args, &scene);
+    announce(args, &robot, &scene);
     let outcome = if args.lockstep {
         lockstep::run(&mut session, args.duration, &stop)
     } else {
@@ -63,7 +63,7 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
 }
 
 /// Says what is simulated, and where a client would grasp it.
-fn announce(args: &RunArgs, scene: &Scene) {
+fn announce(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
     let pace = if args.lockstep { "lock-step" } else { "1 kHz" };
     tracing::info!(bus = %args.bus, robot = args.robot, seed = args.seed, pace, "simulating");
     for (index, placed) in scene.objects.iter().enumerate() {
@@ -81,6 +81,9 @@ fn announce(args: &RunArgs, scene: &Scene) {
     if let Some(place) = scene.place {
         let [x, y, z] = place.from_m;
         tracing::info!(to_m = format!("{x:.3},{y:.3},{z:.3}"), "its place");
+    }
+    if let Some(command) = args.command(robot, scene) {
+        tracing::info!("a client would type: {command}");
     }
 }
 

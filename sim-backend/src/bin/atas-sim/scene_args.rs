@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use robot_model::{HandModel, RobotModel, Side};
-use sim_backend::{Errors, Object, Placed, Scene};
+use sim_backend::{Errors, GraspHint, Object, Placed, Scene};
 
 use crate::failure::Failure;
 
@@ -105,7 +105,7 @@ impl FromStr for ObjectArg {
 impl SceneArgs {
     /// The scene that the arguments describe, before a robot.
     pub(crate) fn scene(&self, robot: &RobotModel, seed: u64) -> Result<Scene, Failure> {
-        let side = self.hand.map_or(robot.acting_side(), HandArg::side);
+        let side = self.side(robot);
         if !robot.hand(side).is_present() {
             return Err(Failure::Usage(match side {
                 Side::Left => "the robot has no left hand; leave out --hand",
@@ -119,6 +119,33 @@ impl SceneArgs {
         };
         let scene = if self.vary { scene.varied(seed) } else { scene };
         Ok(scene.with_errors(&self.errors, seed))
+    }
+
+    fn side(&self, robot: &RobotModel) -> Side {
+        self.hand.map_or(robot.acting_side(), HandArg::side)
+    }
+
+    /// What a client would type to have the task of this scene done; `None` if there is nothing to do.
+    pub(crate) fn command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
+        let first = scene.grasp_hint(0)?;
+        let (at, yaw_deg, width_mm) = (place(&first), first.yaw_rad.to_degrees(), mm(&first));
+        let to = scene.place.as_ref().map(place).unwrap_or_default();
+        let task = match self.scene {
+            SceneKind::Table => format!("grasp --at {at} --width {width_mm}"),
+            SceneKind::PickPlace => format!("pick-place --from {at} --to {to} --width {width_mm}"),
+            SceneKind::Screw => format!("screw --at {at} --width {width_mm}"),
+            SceneKind::Assembly => {
+                let bottle_mm = mm(&scene.grasp_hint(1)?);
+                format!(
+                    "assemble --cap {at} --cap-width {width_mm} --on {to} --bottle-width {bottle_mm}"
+                )
+            }
+        };
+        let hand = match self.side(robot) {
+            Side::Left => " --hand left",
+            Side::Right => "",
+        };
+        Some(format!("atas {task} --yaw {yaw_deg:.0}{hand}"))
     }
 
     fn nominal(&self, robot: &RobotModel, side: Side) -> Result<Scene, Failure> {
@@ -193,4 +220,15 @@ impl SceneArgs {
             )),
         }
     }
+}
+
+/// Where a client is told to grasp, as it would type that.
+fn place(hint: &GraspHint) -> String {
+    let [x, y, z] = hint.from_m;
+    format!("{x:.3},{y:.3},{z:.4}")
+}
+
+/// How wide a client is told that the object is, mm.
+fn mm(hint: &GraspHint) -> String {
+    format!("{:.1}", hint.width_m * 1e3)
 }
