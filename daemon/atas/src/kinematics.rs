@@ -83,6 +83,13 @@ impl HandServo {
         self.sharing.looked_m()
     }
 
+    /// The closing axis as the hand stands, base frame, unit length: that of the pose, turned by what the wrist does for the
+    /// fingertips.
+    #[must_use]
+    pub fn closing_axis(&self, hand: &HandModel) -> Vector3<f64> {
+        self.frame.as_done_by(hand).closing_axis()
+    }
+
     /// The commanded pose, without the compliance correction.
     #[must_use]
     pub fn frame(&self) -> &GraspFrame {
@@ -97,10 +104,10 @@ impl HandServo {
 
     /// The joints stand as they do because the hand grips: the correction of what the grip bends is in them already.
     pub fn take_grip(&mut self, hand: &HandModel, percept: &Percept) {
-        let pose = hand.forward(&self.q_rad);
+        let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
         let jacobian = hand.jacobian(&pose);
         self.squeeze_n = mean_normal_n(percept);
-        let bend_m = self.bend_m(hand, &pose, &jacobian, percept, 0.0);
+        let bend_m = self.bend_m(hand, (&pose, &jacobian, &n), percept, 0.0);
         for (up_m, bend_m) in self.frame.up_m.iter_mut().zip(bend_m) {
             *up_m += bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
         }
@@ -131,9 +138,9 @@ impl HandServo {
         step_s: f64,
     ) -> HandCommand {
         let mut closing_m_s = self.integrate(intent, step_s);
-        let pose = hand.forward(&self.q_rad);
+        let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
         if intent.pose.is_none_or(|carried| !carried.with_fingers) {
-            self.unwind(hand, &pose);
+            self.unwind(hand, &pose, &n);
             let along_m = self.sharing.step(hand, percept, step_s);
             for (side, along_m) in along_m.into_iter().enumerate() {
                 if along_m != 0.0 {
@@ -144,7 +151,7 @@ impl HandServo {
         }
         let jacobian = hand.jacobian(&pose);
         let mut corrected = self.frame;
-        let bend_m = self.bend_m(hand, &pose, &jacobian, percept, step_s);
+        let bend_m = self.bend_m(hand, (&pose, &jacobian, &n), percept, step_s);
         for (up_m, bend_m) in corrected.up_m.iter_mut().zip(bend_m) {
             *up_m -= bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
         }
@@ -157,35 +164,11 @@ impl HandServo {
         } else {
             step.q_rad
         };
-        let by_joints_m = self.closed_m(hand, &jacobian, &(q_rad - self.q_rad));
+        let by_joints_m = closed_m(hand, &jacobian, &(q_rad - self.q_rad), &n);
         for (closing_m_s, by_joints_m) in closing_m_s.iter_mut().zip(by_joints_m) {
             *closing_m_s = closing_m_s.max(by_joints_m / step_s);
         }
         HandCommand { q_rad, closing_m_s }
-    }
-
-    /// How far the joints of each side's fingers move its tips towards the other side, m. What the arm does is no closing: but where
-    /// fingers share a drive, one can be closed by what the other is asked for.
-    fn closed_m(
-        &self,
-        hand: &HandModel,
-        jacobian: &HandJacobian,
-        dq_rad: &HandVector,
-    ) -> [f64; VIRTUAL_FINGERS] {
-        let n = self.frame.as_done_by(hand).closing_axis();
-        let fingers_rad = HandVector::from_fn(dq_rad.len(), |joint| {
-            if hand.arm_joints().contains(&joint) {
-                0.0
-            } else {
-                dq_rad[joint]
-            }
-        });
-        core::array::from_fn(|side| {
-            let inwards = if side == 0 { -n } else { n };
-            hand.mean_of_side(side, |finger| {
-                HandJacobian::moved(&jacobian.tips[finger].position, &fingers_rad).dot(&inwards)
-            })
-        })
     }
 
     /// How far the present grip bends the surface of each dome upwards where it touches, m: J·K⁻¹·Jᵀ·F over both fingers
@@ -195,15 +178,13 @@ impl HandServo {
     fn bend_m(
         &mut self,
         hand: &HandModel,
-        pose: &HandPose,
-        jacobian: &HandJacobian,
+        (pose, jacobian, n): (&HandPose, &HandJacobian, &Vector3<f64>),
         percept: &Percept,
         step_s: f64,
     ) -> [f64; VIRTUAL_FINGERS] {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
         self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
         // The first side is pressed along +n, the second along −n, each fingertip with its share.
-        let n = self.frame.as_done_by(hand).closing_axis();
         let mut force_n = [Vector3::zeros(); FINGERS_MAX];
         for side in 0..VIRTUAL_FINGERS {
             let share_n = self.squeeze_n / hand.fingers_of(side).count() as f64;
@@ -239,14 +220,13 @@ impl HandServo {
     /// What the joints do not follow must not pile up: the wish to close while the gate lets no finger close would have to be
     /// undone before the hand opens, and the wish to close one finger alone, of a hand that can neither do that nor shift,
     /// would keep it from closing both.
-    fn unwind(&mut self, hand: &HandModel, pose: &HandPose) {
-        let n = self.frame.as_done_by(hand).closing_axis();
+    fn unwind(&mut self, hand: &HandModel, pose: &HandPose, n: &Vector3<f64>) {
         let radius_m = hand.tip_radius_m();
         let is_m: [f64; VIRTUAL_FINGERS] = core::array::from_fn(|finger| {
             let sign = if finger == 0 { 1.0 } else { -1.0 };
             let from_centre_m = pose.side_m(finger) - self.frame.centre_m;
             let radius_m = hand.mean_of_side(finger, |tip| radius_m[tip]);
-            sign * from_centre_m.dot(&n) - radius_m
+            sign * from_centre_m.dot(n) - radius_m
         });
         let half_opening_m = &mut self.frame.half_opening_m;
         let shift_m = (half_opening_m[0] - is_m[0] - (half_opening_m[1] - is_m[1])) / 2.0;
@@ -279,6 +259,24 @@ impl HandServo {
         }
         core::array::from_fn(|f| (before_m[f] - self.frame.half_opening_m[f]) / step_s)
     }
+}
+
+/// How far the joints of each side's fingers move its tips towards the other side, along the closing axis n, m. What the arm does is no
+/// closing: but where fingers share a drive, one can be closed by what the other is asked for.
+fn closed_m(
+    hand: &HandModel,
+    jacobian: &HandJacobian,
+    dq_rad: &HandVector,
+    n: &Vector3<f64>,
+) -> [f64; VIRTUAL_FINGERS] {
+    let mut fingers_rad = *dq_rad;
+    fingers_rad[hand.arm_joints()].fill(0.0);
+    core::array::from_fn(|side| {
+        let inwards = if side == 0 { -n } else { *n };
+        hand.mean_of_side(side, |finger| {
+            HandJacobian::moved(&jacobian.tips[finger].position, &fingers_rad).dot(&inwards)
+        })
+    })
 }
 
 /// Normal force of the squeeze, N: the mean over the virtual fingers.

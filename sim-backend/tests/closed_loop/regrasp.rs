@@ -1,17 +1,9 @@
 //! Objects that stand elsewhere than told: the fingertips feel where, and the hand grasps them there.
 
-use crate::rig::{Rig, goal, object};
+use crate::rig::{Rig, displace, goal, object};
 use robot_model::{RobotModel, Side};
 use shm_schemas::GoalKind;
 use sim_backend::Scene;
-
-/// Moves an object of a scene from where clients are told that it stands: mm, mm, degrees.
-fn displace(scene: &mut Scene, index: usize, [x_mm, y_mm, yaw_deg]: [f64; 3]) {
-    let placed = &mut scene.objects[index];
-    placed.position_m[0] += x_mm * 1e-3;
-    placed.position_m[1] += y_mm * 1e-3;
-    placed.yaw_rad += f64::to_radians(yaw_deg);
-}
 
 /// Regression: slippery boxes that stood askew by 8° were pressed to F_2 and refused as too heavy: much of the friction went into the
 /// faces' angle.

@@ -62,6 +62,14 @@ pub(crate) fn object(name: &str) -> Object {
     Object::built_in(name).expect("built in")
 }
 
+/// Moves an object of a scene from where clients are told that it stands: mm, mm, degrees.
+pub(crate) fn displace(scene: &mut Scene, index: usize, [x_mm, y_mm, yaw_deg]: [f64; 3]) {
+    let placed = &mut scene.objects[index];
+    placed.position_m[0] += x_mm * 1e-3;
+    placed.position_m[1] += y_mm * 1e-3;
+    placed.yaw_rad += f64::to_radians(yaw_deg);
+}
+
 impl Rig {
     /// Both at rest, the controller READY.
     pub(crate) fn new(scene: &Scene) -> Self {

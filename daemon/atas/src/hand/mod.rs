@@ -236,7 +236,7 @@ impl HandControl {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
             frame: servo.frame(),
-            closing_axis: servo.frame().as_done_by(&self.model).closing_axis(),
+            closing_axis: servo.closing_axis(&self.model),
             turns_by_wrist: self.model.turns_by_wrist(),
             base_from_tip: &self.base_from_tip[..self.model.finger_count()],
             tips: perception::compression(&settings.perception, self.model.skin()),
