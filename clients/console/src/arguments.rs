@@ -85,12 +85,12 @@ pub enum Command {
         #[command(subcommand)]
         task: Eval,
     },
-    /// Draw the goals of recorded runs, or a rehearsed task: forces, modules, trajectories; SVG, PNG or PDF
+    /// Draw the goals of recorded runs, or of an offline run: forces, modules, trajectories; SVG, PNG or PDF
     #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
     Plot {
-        /// A rehearsal instead of recordings: a seeded run in this process
+        /// An offline run instead of recordings: a seeded one in this process
         #[command(subcommand)]
-        rehearsal: Option<Plot>,
+        offline: Option<Plot>,
         /// Which recordings
         #[command(flatten)]
         recorded: Option<PlotRecorded>,

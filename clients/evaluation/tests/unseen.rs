@@ -15,7 +15,7 @@ fn object(properties: &str) -> Object {
     Object::parse(&format!("name = \"unseen\"\n{properties}"), "a test").unwrap()
 }
 
-fn rehearse(scene: &Scene, seed: u64) -> Trial {
+fn run_offline(scene: &Scene, seed: u64) -> Trial {
     let robot = RobotModel::two_hand_arm().unwrap();
     let hint = scene.grasp_hint(0).unwrap();
     let goal = match &scene.place {
@@ -27,7 +27,7 @@ fn rehearse(scene: &Scene, seed: u64) -> Trial {
 }
 
 fn grasped(properties: &str, seed: u64) -> Outcome {
-    let trial = rehearse(&Scene::grasp(object(properties), SIDE).varied(seed), seed);
+    let trial = run_offline(&Scene::grasp(object(properties), SIDE).varied(seed), seed);
     Outcome::of(&trial.end, &trial.truth, SIDE.index(), LIFT_M)
 }
 
@@ -58,7 +58,7 @@ fn a_soft_heavy_object_does_not_sway_itself_loose() {
     let swaying = "mass_kg = 0.225\nfriction = 0.46\nstiffness_n_m = 5000.0\n\
                    shape = { kind = \"box\", size_m = [0.0278, 0.0589, 0.079] }";
     let scene = Scene::pick_place(object(swaying), SIDE).varied(1001);
-    let trial = rehearse(&scene, 1001);
+    let trial = run_offline(&scene, 1001);
     assert_eq!(
         (trial.end.state, trial.truth.objects[0].dropped),
         (GoalState::SUCCEEDED, 0),

@@ -4,7 +4,7 @@
 //!  atas demo|eval|plot|robot|explain|calibrate|bench|record|replay ─▶ atas-lab
 //!   ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
 //!   ├─ eval ────▶ atas-evaluation on all cores
-//!   ├─ plot ────▶ atas-evaluation, recorded runs or a rehearsal, as a figure
+//!   ├─ plot ────▶ atas-evaluation, recorded runs or an offline run, as a figure
 //!   ├─ robot ───▶ what a robot is, reaches and can do
 //!   ├─ explain ─▶ why a goal ended as it did, from a recording or a running daemon, with a figure
 //!   ├─ calibrate ▶ recorded presses into a calibration of a sensor
@@ -42,10 +42,9 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
     match command {
         Command::Demo { task } => demo::demo(task, interrupt, output),
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
-        Command::Plot {
-            rehearsal,
-            recorded,
-        } => plot::plot(rehearsal.as_ref(), recorded.as_ref(), output),
+        Command::Plot { offline, recorded } => {
+            plot::plot(offline.as_ref(), recorded.as_ref(), output)
+        }
         Command::Explain(arguments) => explain::explain(arguments, output),
         Command::Bench { what } => bench::bench(what, interrupt, output),
         Command::Robot { action } => robot::robot(action, output),

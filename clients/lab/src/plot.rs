@@ -1,4 +1,4 @@
-//! `atas plot`: the goals of recorded runs, or one rehearsed offline, as a figure in a file.
+//! `atas plot`: the goals of recorded runs, or one run offline, as a figure in a file.
 
 use std::path::{Path, PathBuf};
 
@@ -13,15 +13,15 @@ use crate::picture;
 
 /// `atas plot`.
 pub(crate) fn plot(
-    rehearsal: Option<&Plot>,
+    offline: Option<&Plot>,
     recorded: Option<&PlotRecorded>,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let (svg, out) = match (rehearsal, recorded) {
-        (Some(rehearsal), _) => rehearsed(rehearsal)?,
+    let (svg, out) = match (offline, recorded) {
+        (Some(plot), _) => run_offline(plot)?,
         (None, Some(recorded)) => (overlaid(recorded)?, &recorded.out),
         (None, None) => {
-            let sentence = "needs a recording, or a task to rehearse; see `atas plot --help`";
+            let sentence = "needs a recording, or a task to run offline; see `atas plot --help`";
             return Err(Ended::with(Exit::Usage, sentence));
         }
     };
@@ -32,7 +32,7 @@ pub(crate) fn plot(
     output.line(format_args!("wrote {}", out.display()))
 }
 
-fn rehearsed(plot: &Plot) -> anyhow::Result<(String, &PathBuf)> {
+fn run_offline(plot: &Plot) -> anyhow::Result<(String, &PathBuf)> {
     let (task, arguments): (Task, &Drawn) = match plot {
         Plot::Grasp(arguments) => (Task::Grasp, arguments),
         Plot::PickPlace(arguments) => (Task::PickPlace, arguments),

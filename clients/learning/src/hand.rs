@@ -181,6 +181,7 @@ impl PolicyHand {
             // Nobody has tugged at it to prove that.
             hangs: false,
             tries: false,
+            proved: false,
             table: None,
             lead: None,
         };

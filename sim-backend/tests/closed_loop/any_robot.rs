@@ -144,6 +144,44 @@ fn what_turned_against_the_fingertips_is_probed_again_before_it_is_called_soft()
     }
 }
 
+/// Regression: much of what shears a fingertip on a face askew is the squeeze of the faces and no load; what the load test had just proved
+/// to hang was said to slide by that, pressed to F_2 and put back.
+#[test]
+fn what_a_test_has_proved_to_hang_is_not_put_back_because_it_looks_like_sliding() {
+    for robot in ["test-bench", "arm7-gripper"] {
+        for (name, y_mm, yaw_deg) in [
+            ("slippery-200", -1.5, -4.8),
+            ("slippery-200", 1.5, 4.2),
+            ("slippery-50", 1.5, -4.8),
+            ("slippery-50", -1.5, 4.8),
+        ] {
+            let robot = RobotModel::find(robot).expect("it ships");
+            let mut scene = askew(name, yaw_deg, &robot);
+            scene.objects[0].position_m[1] += y_mm * 1e-3;
+            scene.objects[0].object.friction *= 0.85;
+            let mut rig = Rig::of(robot, &scene, 1);
+            rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+            let truth = rig.object();
+            assert!(truth.lifted_m > 0.045, "{name} {yaw_deg}: {truth:?}");
+        }
+    }
+}
+
+/// Regression: the same squeeze grew with the pressing that answered it, up to F_2, for what weighs 50 g.
+#[test]
+fn what_bears_no_more_load_for_it_is_not_pressed_on() {
+    for y_mm in [-1.5, 1.5] {
+        let robot = RobotModel::two_hand_arm().expect("it loads");
+        let mut scene = askew("slippery-50", -4.8, &robot);
+        scene.objects[0].position_m[1] += y_mm * 1e-3;
+        scene.objects[0].object.friction *= 0.85;
+        let mut rig = Rig::of(robot, &scene, 1);
+        rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+        let pressed_n = rig.object().max_force_n;
+        assert!(pressed_n < 6.0, "{y_mm} mm: {pressed_n} N");
+    }
+}
+
 /// Regression: a block that was too heavy to be lifted at all was said to turn in the hand, and stayed there.
 #[test]
 fn what_seems_to_turn_while_it_still_stands_is_put_back() {

@@ -341,7 +341,7 @@ fn a_recording_is_scrubbed_by_keyboard() {
     let file = folder.path().join("run.mcap");
     let name = file.to_str().expect("UTF-8");
     // A picture needs no complete recording: what a starved recorder has lost is told, and left out.
-    assert_eq!(recorded::tape("wood", name).goal, Some(0));
+    assert_eq!(recorded::record("wood", name).goal, Some(0));
     let server = serve(&["--recording", name]);
     let mut browser = Browser::open(&program, &address(&server).0);
     let first = wait_tick(&mut browser, "the first picture", |_| true);

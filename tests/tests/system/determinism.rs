@@ -105,7 +105,7 @@ fn compare(what: &str, a: &BTreeMap<u64, u32>, b: &BTreeMap<u64, u32>) {
 #[test]
 fn the_same_seed_gives_the_same_commands_over_the_bus_and_in_process() {
     let _alone = alone();
-    let (first, second, rehearsed) = (over_the_bus(), over_the_bus(), in_process());
+    let (first, second, offline) = (over_the_bus(), over_the_bus(), in_process());
     compare("two runs over the bus", &first, &second);
-    compare("the bus and in process", &first, &rehearsed);
+    compare("the bus and in process", &first, &offline);
 }

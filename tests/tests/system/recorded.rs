@@ -16,13 +16,13 @@ pub(crate) struct Taped {
 
 /// Lets the right hand grasp this object and records it without a loss; the exit code of the goal.
 pub(crate) fn grasp(object: &str, file: &str) -> Option<i32> {
-    let taped = tape(object, file);
+    let taped = record(object, file);
     assert_eq!(taped.recorder, Some(0), "{}", taped.log);
     taped.goal
 }
 
 /// Lets the right hand grasp this object and records what can be recorded.
-pub(crate) fn tape(object: &str, file: &str) -> Taped {
+pub(crate) fn record(object: &str, file: &str) -> Taped {
     let bus = FreshBus::new("taped");
     let name = bus.as_str();
     let mut recorder = Process::start("atas", &["record", "--bus", name, "--out", file]);

@@ -20,7 +20,7 @@ pub struct PlotRecorded {
     pub out: PathBuf,
 }
 
-/// The rehearsals of `atas plot`.
+/// The offline runs of `atas plot`.
 #[derive(Debug, Subcommand)]
 pub enum Plot {
     /// Forces between F_1 and F_2, the lift, and which module worked when

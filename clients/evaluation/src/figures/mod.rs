@@ -1,9 +1,9 @@
 //! Figures of a task as SVG: what the fingertips felt, which module worked when, and what truly became of it.
 //!
 //! **In:** a task, an object, a seed ([`draw`]); or the recordings of real runs, each its [`Course`]. **Out:** one file, the
-//! same bytes every time. The trace of a rehearsal is drawn by one file per figure; `figure` and `phases` hold what they
+//! same bytes every time. The trace of an offline run is drawn by one file per figure; `figure` and `phases` hold what they
 //! share. Forces, thresholds and modules are the controller's own reports; heights, torques and the support's force of a
-//! rehearsal are the simulator's truth, which no controller sees, and which no recording has.
+//! offline run are the simulator's truth, which no controller sees, and which no recording has.
 //!
 //! | figure | shows |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! One rehearsed trial, tick by tick: what a figure may show.
+//! One trial run offline, tick by tick: what a figure may show.
 
 use std::ops::Range;
 
@@ -51,7 +51,7 @@ pub(super) struct Hand {
 }
 
 impl Trace {
-    /// Rehearses a member of an object's family.
+    /// Runs a member of an object's family.
     pub(super) fn of(task: Task, object: &Object, seed: u64) -> anyhow::Result<Self> {
         let robot =
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
@@ -76,7 +76,7 @@ impl Trace {
             trace.add(&robot, outputs, world, begin_ns);
         });
         if let Some(fault) = run.world().fault() {
-            return Err(fault).context("could not rehearse the task");
+            return Err(fault).context("could not run the task");
         }
         trace.truth = trial.truth;
         anyhow::ensure!(

@@ -79,12 +79,12 @@ impl BehaviourTable {
         let fingers = percept.virtual_fingers.iter();
         for ((finger, slipping), turning) in fingers.zip(&mut self.slipping).zip(&mut self.turning)
         {
-            *slipping = uses_up(finger, *slipping, 0.0, settings);
+            *slipping = uses_up(finger, *slipping, settings);
             *turning = turns(finger, *turning, context);
             slips |= *slipping
                 || *turning
                 || slips_grossly(finger, context)
-                || is_loading(finger, 0.0, context);
+                || is_loading(finger, context);
         }
         self.latch_s = if slips {
             settings.slip_latch_s

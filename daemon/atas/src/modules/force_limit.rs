@@ -69,7 +69,8 @@ pub(super) fn exceeds_f2(strongest_n: f64, exceeded: bool, f2_n: f64) -> bool {
 }
 
 impl ForceLimit {
-    /// True when every finger has slid at F_2 for so long that the object is on its way out of the hand.
+    /// True when every finger has slid at F_2 for so long that the object is on its way out of the hand; what has been proved to hang
+    /// in a grip as firm as this is not.
     fn slides(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.grasp;
         let least = percept
@@ -78,7 +79,7 @@ impl ForceLimit {
             .map(|f| f.utilisation_now)
             .fold(f64::INFINITY, f64::min);
         self.gross += (least - self.gross) * context.step_s / (GROSS_FILTER_S + context.step_s);
-        let sliding = self.active && self.gross > settings.too_heavy_gross;
+        let sliding = self.active && !context.proved && self.gross > settings.too_heavy_gross;
         self.gross_s = if sliding {
             self.gross_s + context.step_s
         } else {

@@ -45,6 +45,7 @@ mod slip_reaction;
 mod terminate_screw;
 mod trajectory;
 mod transfer;
+mod vain;
 
 pub(crate) use force_limit::RELEASE_SHARE;
 pub use proposal::{

@@ -34,6 +34,9 @@ pub struct Context<'a> {
     /// Whether it is tried how gently the object can be held: it hangs just above its support, where a slip costs nothing and
     /// a test follows.
     pub tries: bool,
+    /// Whether a test has proved that the object hangs, and the hand grips it no less firmly for its load than it did then: what the
+    /// pattern of forces says of slipping is no evidence against that.
+    pub proved: bool,
     /// The behaviour table of the task, if it has one.
     pub table: Option<&'a BehaviourTable>,
     /// The path of the present step.

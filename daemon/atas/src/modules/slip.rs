@@ -12,11 +12,15 @@
 //!       the hand before it slips out of it, or
 //!   (e) while what hangs in the hand weighs less than just before: then it falls. This needs no friction coefficient.
 //! While the load test tries how gently what hangs just above its support can be held, (a) and (c) say nothing: a slip costs
-//! nothing there, and the grip that the test has proved is no cause to press afterwards, whatever a sensor says of its friction.
+//! nothing there. In a grip as firm as the one that the test has proved, nothing that is read from the pattern of forces does, (a) to
+//! (c): faces askew shear a patch alike all over, and a poor sensor reads a wrong friction, but what was tugged at has hung.
+//!
+//! Nor do they while pressing brings no load to what is lifted and has not been tested yet.
 //!
 //! It stays active for `slip_latch_s` after the last cause. While pressing can still help it slows the hand down.
 
 use super::fall::Fall;
+use super::vain::Vain;
 use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::{FingerPercept, Percept};
 use crate::settings::Grasp;
@@ -43,12 +47,6 @@ const HANGS_M: f64 = 0.001;
 pub(super) const STEADY_SHARE: f64 = 0.06;
 const TREMBLE_SHARE: f64 = 0.1;
 
-/// Time constant over which a grip that is tried is felt, s (ours: several of the friction's).
-const TRIED_S: f64 = 0.1;
-/// Utilisation above that of a proved grip at which it counts as slipping, and the most (ours).
-const PROVED_MARGIN: f64 = 0.04;
-const PROVED_MOST: f64 = 0.99;
-
 /// What the module remembers.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -59,16 +57,13 @@ pub(super) struct Slip {
     turning: [bool; VIRTUAL_FINGERS],
     /// The load, while it hangs and is not being set down.
     fall: Fall,
+    /// What pressing brings, while it is not yet known whether what is lifted hangs.
+    vain: Vain,
     /// Time until the latch opens, s.
     latch_s: f64,
     /// Factor on the hand's speed a tick before, and time until what its change shook is over, s.
     carry_scale: f64,
     braking_s: f64,
-    /// The gentlest grip is being tried; low-passed utilisation of the finger that uses most of its friction meanwhile.
-    tries: bool,
-    tried: f64,
-    /// How much more than the settings say a finger may use, because a test has shown that it may.
-    spare: f64,
 }
 
 impl Module for Slip {
@@ -89,12 +84,12 @@ impl Module for Slip {
             *turning = turns(finger, *turning, context);
             cause |= *turning;
         }
-        self.prove(percept, context);
+        let in_vain = self.press_in_vain(percept, down_n, context);
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
-            *slipping = uses_up(finger, *slipping, self.spare, settings);
-            cause |= (*slipping && !context.tries)
-                || slips_grossly(finger, context)
-                || (!brakes && !context.tries && is_loading(finger, self.spare, context));
+            *slipping = uses_up(finger, *slipping, settings);
+            let nears = *slipping || (!brakes && is_loading(finger, context));
+            let slips = slips_grossly(finger, context) || (nears && !context.tries);
+            cause |= slips && !context.proved && !in_vain;
         }
         self.latch_s = if cause {
             settings.slip_latch_s
@@ -130,21 +125,12 @@ impl Module for Slip {
 }
 
 impl Slip {
-    /// A grip that a test has proved is no cause to press, however much of its friction it seems to use.
-    fn prove(&mut self, percept: &Percept, context: &Context<'_>) {
-        if context.tries {
-            let used = percept.virtual_fingers.iter().map(|f| f.utilisation);
-            let used = used.fold(0.0, |a: f64, b| if b > a { b } else { a });
-            let before = if self.tries { self.tried } else { used };
-            self.tried = before + (used - before) * context.step_s / (TRIED_S + context.step_s);
-        }
-        let presses = context.closing_m_s.iter().any(|closing| *closing > 0.0);
-        self.tries = context.tries || (self.tries && !presses);
-        if context.hangs && self.tries {
-            let most = (self.tried + PROVED_MARGIN).min(PROVED_MOST);
-            self.spare = (most - context.settings.grasp.slip_on).max(0.0);
-            self.tries = false;
-        }
+    /// Whether what is lifted bears no more on the fingers although they press harder.
+    fn press_in_vain(&mut self, percept: &Percept, down_n: f64, context: &Context<'_>) -> bool {
+        let lifts = context.carried_m > 0.0 && !context.hangs;
+        let normal_n: f64 = percept.virtual_fingers.iter().map(|f| f.normal_n).sum();
+        self.vain
+            .follow(lifts.then_some((normal_n, down_n)), percept.step_s)
     }
 
     /// Whether the hand that carries has just changed its speed: that shakes its load.
@@ -170,9 +156,9 @@ fn conveys(context: &Context<'_>) -> bool {
     ahead_m.xy().norm() > CONVEYS_M
 }
 
-/// Whether a finger uses up its friction, with hysteresis; `spare` is how much more than usual it may use.
-pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, spare: f64, settings: &Grasp) -> bool {
-    finger.utilisation - spare
+/// Whether a finger uses up its friction, with hysteresis.
+pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, settings: &Grasp) -> bool {
+    finger.utilisation
         > if used_up {
             settings.slip_off
         } else {
@@ -191,7 +177,7 @@ pub(super) fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bo
     finger.gross_slip_s > context.settings.grasp.slip_gross_s || (hangs(context) && alike)
 }
 
-pub(super) fn is_loading(finger: &FingerPercept, spare: f64, context: &Context<'_>) -> bool {
+pub(super) fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
     let settings = &context.settings.grasp;
     let tremble_n = if context.hangs {
         TREMBLE_SHARE * finger.tangential_n
@@ -200,5 +186,5 @@ pub(super) fn is_loading(finger: &FingerPercept, spare: f64, context: &Context<'
     };
     let blind = !finger.shows_slip && finger.friction == 0.0;
     finger.increment_n > settings.dr_n.max(tremble_n)
-        && (blind || finger.utilisation - spare > settings.slip_loading)
+        && (blind || finger.utilisation > settings.slip_loading)
 }

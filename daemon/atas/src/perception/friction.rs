@@ -30,6 +30,13 @@ const READING_FLOOR: f64 = 0.03;
 const NORMAL_MIN_N: f64 = 0.01;
 /// Time constant with which the largest ratio of late is forgotten, s (ours: a slide is noticed within it).
 const LATELY_S: f64 = 0.3;
+/// Momentary utilisation below which a bout of gross slip has ended (ours: well below what begins one).
+const GROSS_OVER: f64 = 0.9;
+/// Share of the largest F_t/F_n of a bout below which what slid sticks (ours: once a patch is sheared alike all over it bears what kinetic
+/// friction does, and that scatters by less).
+const SLIDING_SHARE: f64 = 0.96;
+/// Time constant over which that ratio is felt, s (ours: a few frames of noise).
+const FELT_S: f64 = 0.03;
 
 /// What the friction estimate says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,6 +57,9 @@ pub(super) struct Friction {
     /// S_inst: low-passed utilisation against the present reading.
     utilisation_now: f64,
     gross_s: f64,
+    /// F_t/F_n, low-passed, and the largest of it since the patch was first sheared alike all over in this bout; 0 between bouts.
+    felt: f64,
+    slid_from: f64,
     /// Largest F_t/F_n of late.
     lately: f64,
     /// F_t/F_n at which the object was seen to slide, if it was: there is no more friction than that.
@@ -138,9 +148,18 @@ impl Friction {
         }
     }
 
-    /// While everything slides, F_t/F_n itself is the friction: the memory must not insist on more.
+    /// While everything slides, F_t/F_n itself is the friction: the memory must not insist on more. A patch that was sheared alike all
+    /// over stays so when it sticks again, until it is loaded anew: only while it bears as much for its pressing as when it slid, does it
+    /// slide.
     fn watch_gross(&mut self, ratio: f64, step_s: f64) {
-        self.gross_s = if self.utilisation_now > GROSS_UTILISATION {
+        self.felt += (ratio - self.felt) * step_s / (FELT_S + step_s);
+        let alike = self.utilisation_now > GROSS_UTILISATION;
+        if self.utilisation_now < GROSS_OVER {
+            self.slid_from = 0.0;
+        } else if alike && self.felt > self.slid_from {
+            self.slid_from = self.felt;
+        }
+        self.gross_s = if alike && self.felt > SLIDING_SHARE * self.slid_from {
             self.gross_s + step_s
         } else {
             0.0

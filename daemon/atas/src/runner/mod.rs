@@ -2,10 +2,12 @@
 
 mod in_hand;
 mod led;
+mod proof;
 mod regrasp;
 mod transitions;
 
 use self::in_hand::InHand;
+use self::proof::Proof;
 use self::regrasp::Regrasp;
 use crate::follow::Lead;
 use crate::modules::{Context, Finding, Modules, RELEASE_SHARE, Verdict, force_range_n};
@@ -119,6 +121,7 @@ pub struct Runner {
     carried_m: f64,
     hangs: bool,
     tries: bool,
+    proof: Proof,
     in_hand: InHand,
     /// How long the modules have seen it fall, s.
     sinks_s: f64,
@@ -182,6 +185,7 @@ impl Runner {
             carried_m: 0.0,
             hangs: false,
             tries: false,
+            proof: Proof::default(),
             in_hand: InHand::default(),
             sinks_s: 0.0,
             ended: false,
@@ -311,6 +315,7 @@ impl Runner {
             carried_m: self.carried_m,
             hangs: self.hangs || !self.step().modules.contains(ModuleId::LOAD_TEST),
             tries: self.tries,
+            proved: self.proof.stands(),
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: motion.carry_scale,
@@ -348,6 +353,10 @@ impl Runner {
     /// Takes in what the modules have found out.
     /// `down_n` is the vertical load on the fingers.
     pub fn learn(&mut self, percept: &Percept, down_n: f64, finding: Finding) {
+        self.proof.follow(percept);
+        if finding.hangs && !self.hangs {
+            self.proof.prove();
+        }
         self.hangs |= finding.hangs;
         self.tries = finding.tries;
         let sinks = finding.slides && self.hangs;
@@ -408,7 +417,8 @@ impl Runner {
             .iter()
             .filter(|finger| finger.utilisation > SLIDES_ABOVE)
             .map(|finger| finger.gross_slip_s)
-            .fold(0.0, |most, s| if s > most { s } else { most });
+            .fold(0.0, |most, s| if s > most { s } else { most })
+            .min(self.proof.lapsed_s());
         (held && slid_s > SLIDES_AFTER_S)
             .then(|| Reason::limit(Cause::SLIDING, slid_s, SLIDES_AFTER_S))
     }

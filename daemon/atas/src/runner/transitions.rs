@@ -137,6 +137,7 @@ impl Runner {
             Transition::AllTouched => {
                 self.all_touched = false;
                 (self.hangs, self.tries) = (false, false);
+                self.proof = Proof::default();
                 self.in_hand = InHand::default();
                 self.lifted_from_m = None;
             }

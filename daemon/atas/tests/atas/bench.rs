@@ -43,6 +43,8 @@ pub(crate) struct Bench {
     pub(crate) closing_m_s: [f64; robot_model::VIRTUAL_FINGERS],
     pub(crate) frame: robot_model::GraspFrame,
     pub(crate) lowering_m: Option<f64>,
+    pub(crate) hangs: bool,
+    pub(crate) proved: bool,
 }
 
 impl Bench {
@@ -61,6 +63,8 @@ impl Bench {
             closing_m_s: [0.0; robot_model::VIRTUAL_FINGERS],
             frame: path().at(0.0),
             lowering_m: None,
+            hangs: true,
+            proved: false,
         }
     }
 
@@ -83,8 +87,9 @@ impl Bench {
             closing_m: self.closing_m,
             tips: robot_model::Skin::DOME_41.compression,
             carried_m: self.carried_m,
-            hangs: true,
+            hangs: self.hangs,
             tries: false,
+            proved: self.proved,
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: self.carry_scale,

@@ -2,7 +2,8 @@
 
 use crate::bench::{Bench, finger, path, percept, pressed, sliding};
 use atas_core::modules::{Proposal, Selection, Verdict, force_range_n};
-use atas_core::perception::FingerPercept;
+use atas_core::perception::{FingerPercept, Percept};
+use nalgebra::Vector3;
 use robot_model::Skin;
 use shm_schemas::{Cause, ModuleId};
 
@@ -112,6 +113,76 @@ fn module_2_has_hysteresis_and_a_latch() {
             "S = {utilisation} for {ticks} ms"
         );
     }
+}
+
+/// What the pattern of forces says is no evidence against a test; what turns or falls is.
+#[test]
+fn modules_2_and_3_do_not_doubt_a_grip_that_a_test_has_proved() {
+    let evaluate = |id, proved, ticks, felt: &Percept| {
+        let mut bench = Bench::new(id);
+        (bench.proved, bench.carried_m) = (proved, 0.0005);
+        bench.evaluate_for(ticks, felt)
+    };
+    let one = |one: FingerPercept| percept([one, finger(2.0)]);
+    let (uses_up, slips, loads, turns) = (
+        sliding(2.0, 0.93),
+        one(FingerPercept {
+            gross_slip_s: 0.05,
+            ..finger(2.0)
+        }),
+        one(FingerPercept {
+            utilisation: 0.85,
+            increment_n: 0.2,
+            ..finger(2.0)
+        }),
+        one(FingerPercept {
+            torsion: 0.6,
+            ..finger(2.0)
+        }),
+    );
+    for (case, felt, despite) in [
+        ("(a)", uses_up, false),
+        ("(b)", slips, false),
+        ("(c)", loads, false),
+        ("(d)", turns, true),
+    ] {
+        let active = [false, true].map(|proved| evaluate(ModuleId::SLIP, proved, 1, &felt).active);
+        assert_eq!(active, [true, despite], "{case}: unproved, proved");
+    }
+    let verdicts = [false, true]
+        .map(|proved| evaluate(ModuleId::FORCE_LIMIT, proved, 999, &sliding(4.1, 1.05)).verdict);
+    assert!(matches!(verdicts, [Verdict::Refuse(_), Verdict::None]));
+}
+
+/// Regression: faces askew shear fingertips in proportion to how hard they press, and the hand pressed to F_2 what weighs 50 g.
+#[test]
+fn module_2_stops_pressing_what_bears_no_more_load_for_it() {
+    // After half a second each at 2 N and at twice that, whether it still presses, for a load of 0.5 N that grows by so much meanwhile.
+    let presses = |hangs: bool, load_growth: f64| {
+        let mut bench = Bench::new(ModuleId::SLIP);
+        (bench.hangs, bench.carried_m) = (hangs, 0.0005);
+        let felt = |normal_n: f64, load_n: f64| {
+            percept(
+                [FingerPercept {
+                    utilisation: 0.95,
+                    force_tip_n: Vector3::new(0.0, 0.0, -load_n / 2.0),
+                    ..finger(normal_n)
+                }; 2],
+            )
+        };
+        assert!(bench.evaluate_for(500, &felt(2.0, 0.5)).active);
+        (0..500)
+            .map(|tick| {
+                let share = f64::from(tick) / 500.0;
+                let (normal_n, load_n) = (2.0 + 2.0 * share, 0.5 + 0.5 * load_growth * share);
+                bench.evaluate(&felt(normal_n, load_n)).active
+            })
+            .last()
+            .unwrap()
+    };
+    assert!(!presses(false, 0.0), "what stands keeps its load");
+    assert!(presses(false, 1.0), "what slides bears more");
+    assert!(presses(true, 0.0), "what hangs always has the same load");
 }
 
 #[test]

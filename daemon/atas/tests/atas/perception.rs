@@ -348,6 +348,33 @@ fn utilisation_rises_to_one_in_gross_slip() {
     );
 }
 
+/// A patch stays sheared alike all over when what slid sticks again under less shear: only the ratio of its forces tells.
+#[test]
+fn gross_slip_is_over_when_what_slid_bears_less_for_its_pressing() {
+    let slide = |skin: &mut Skin, friction: f64| {
+        let share = spread(Vector3::z(), WIDE);
+        let mut felt = FingerPercept::default();
+        for _ in 0..200 {
+            felt = skin.feel(MS_NS, |d| {
+                Vector3::new(friction, 0.0, -1.0) * (4.0 * share(d))
+            });
+        }
+        felt
+    };
+    let mut skin = Skin::unfiltered();
+    for (friction, slips) in [
+        (0.5, true),
+        (0.49, true),
+        (0.45, false),
+        (0.5, true),
+        (0.6, true),
+    ] {
+        let felt = slide(&mut skin, friction);
+        assert!(felt.utilisation_now > 0.955, "{friction}: {felt:?}");
+        assert_eq!(felt.gross_slip_s > 0.0, slips, "{friction}: {felt:?}");
+    }
+}
+
 #[test]
 fn letting_go_forgets_the_friction() {
     let mut skin = Skin::unfiltered();
