@@ -77,7 +77,7 @@ mod tests {
     /// For how long a proof has lapsed after a second at this force that another at `from_n` has proved, both fingers bearing 1 N.
     fn lapsed_s(from_n: f64, then_n: f64) -> f64 {
         let mut proof = Proof::default();
-        let mut hold = |proof: &mut Proof, normal_n| {
+        let hold = |proof: &mut Proof, normal_n| {
             let finger = FingerPercept {
                 normal_n,
                 tangential_n: 1.0,
