@@ -21,6 +21,14 @@ fn askew(name: &str, yaw_deg: f64, robot: &RobotModel) -> Scene {
     scene
 }
 
+/// The same, aside by so much and more slippery than usual.
+fn slippery_askew(name: &str, y_mm: f64, yaw_deg: f64, robot: &RobotModel) -> Scene {
+    let mut scene = askew(name, yaw_deg, robot);
+    displace(&mut scene, 0, [0.0, y_mm, 0.0]);
+    scene.objects[0].object.friction *= 0.85;
+    scene
+}
+
 /// Grasps an object that stands under where the hand rests, and lifts it.
 fn grasps(robot: &str, name: &str) {
     let robot = RobotModel::find(robot).expect("it ships");
@@ -156,9 +164,7 @@ fn what_a_test_has_proved_to_hang_is_not_put_back_because_it_looks_like_sliding(
             ("slippery-50", -1.5, 4.8),
         ] {
             let robot = RobotModel::find(robot).expect("it ships");
-            let mut scene = askew(name, yaw_deg, &robot);
-            scene.objects[0].position_m[1] += y_mm * 1e-3;
-            scene.objects[0].object.friction *= 0.85;
+            let scene = slippery_askew(name, y_mm, yaw_deg, &robot);
             let mut rig = Rig::of(robot, &scene, 1);
             rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
             let truth = rig.object();
@@ -172,9 +178,7 @@ fn what_a_test_has_proved_to_hang_is_not_put_back_because_it_looks_like_sliding(
 fn what_bears_no_more_load_for_it_is_not_pressed_on() {
     for y_mm in [-1.5, 1.5] {
         let robot = RobotModel::two_hand_arm().expect("it loads");
-        let mut scene = askew("slippery-50", -4.8, &robot);
-        scene.objects[0].position_m[1] += y_mm * 1e-3;
-        scene.objects[0].object.friction *= 0.85;
+        let scene = slippery_askew("slippery-50", y_mm, -4.8, &robot);
         let mut rig = Rig::of(robot, &scene, 1);
         rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
         let pressed_n = rig.object().max_force_n;
