@@ -59,6 +59,8 @@ pub const PATCH_FLOOR_N: f64 = 0.1;
 pub const NORMAL_FLOOR_N: f64 = 0.01;
 /// Weakest tangential force for which a friction utilisation is meaningful, N (prototype: 40 mN).
 pub const TANGENTIAL_FLOOR_N: f64 = 0.04;
+/// Smallest normal force that F_t is divided by, N.
+pub(crate) const NORMAL_MIN_N: f64 = 0.01;
 /// Largest friction ratio an element may report (prototype: 1.2; higher values are noise on weak elements).
 pub const FRICTION_CLIP: f64 = 1.2;
 /// Smallest friction estimate that is divided by (prototype: 0.05).

@@ -8,7 +8,7 @@ use shm_bus::FreshBus;
 use system_tests::{Process, binary, wait_for};
 
 /// Exit codes, and what the recorder said.
-pub(crate) struct Taped {
+pub(crate) struct Recorded {
     pub(crate) goal: Option<i32>,
     recorder: Option<i32>,
     log: String,
@@ -16,14 +16,14 @@ pub(crate) struct Taped {
 
 /// Lets the right hand grasp this object and records it without a loss; the exit code of the goal.
 pub(crate) fn grasp(object: &str, file: &str) -> Option<i32> {
-    let taped = record(object, file);
-    assert_eq!(taped.recorder, Some(0), "{}", taped.log);
-    taped.goal
+    let recorded = record(object, file);
+    assert_eq!(recorded.recorder, Some(0), "{}", recorded.log);
+    recorded.goal
 }
 
 /// Lets the right hand grasp this object and records what can be recorded.
-pub(crate) fn record(object: &str, file: &str) -> Taped {
-    let bus = FreshBus::new("taped");
+pub(crate) fn record(object: &str, file: &str) -> Recorded {
+    let bus = FreshBus::new("recorded");
     let name = bus.as_str();
     let mut recorder = Process::start("atas", &["record", "--bus", name, "--out", file]);
     wait_for("the recorder", || Path::new(file).exists().then_some(()));
@@ -52,7 +52,7 @@ pub(crate) fn record(object: &str, file: &str) -> Taped {
     daemon.signal(Signal::TERM);
     daemon.wait();
     recorder.signal(Signal::INT);
-    Taped {
+    Recorded {
         goal,
         recorder: recorder.wait().code(),
         log: recorder.log(),

@@ -2,7 +2,7 @@
 //!
 //! **In:** a task, an object, a seed ([`draw`]); or the recordings of real runs, each its [`Course`]. **Out:** one file, the
 //! same bytes every time. The trace of an offline run is drawn by one file per figure; `figure` and `phases` hold what they
-//! share. Forces, thresholds and modules are the controller's own reports; heights, torques and the support's force of a
+//! share. Forces, thresholds and modules are the controller's own reports; heights, torques and the support's force of an
 //! offline run are the simulator's truth, which no controller sees, and which no recording has.
 //!
 //! | figure | shows |

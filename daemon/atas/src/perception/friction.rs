@@ -13,7 +13,9 @@
 //! to 20 % of what they can hold, and cylinders 17 to 25 %).
 
 use super::patch::Patch;
-use crate::limits::{FRICTION_CLIP, FRICTION_FLOOR, FRICTION_RELAX_S, TANGENTIAL_FLOOR_N};
+use crate::limits::{
+    FRICTION_CLIP, FRICTION_FLOOR, FRICTION_RELAX_S, NORMAL_MIN_N, TANGENTIAL_FLOOR_N,
+};
 use crate::settings::Perception as Settings;
 use shm_schemas::capacity::ELEMENTS;
 
@@ -25,9 +27,6 @@ const GROSS_AFTER_S: f64 = 0.01;
 const UTILISATION_CLIP: f64 = 1.2;
 /// Smallest present friction reading that is divided by (prototype: 0.03).
 const READING_FLOOR: f64 = 0.03;
-
-/// Smallest normal force that F_t is divided by, N.
-const NORMAL_MIN_N: f64 = 0.01;
 /// Time constant with which the largest ratio of late is forgotten, s (ours: a slide is noticed within it).
 const LATELY_S: f64 = 0.3;
 /// Momentary utilisation below which a bout of gross slip has ended (ours: well below what begins one).

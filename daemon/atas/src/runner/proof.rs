@@ -6,14 +6,13 @@
 //! pattern says is no cause to press, to warn or to refuse. What falls is told by its weight ([`crate::modules`]: Module 2,
 //! cause (e)), and a proof does not speak against that.
 
+use crate::limits::NORMAL_MIN_N;
 use crate::perception::Percept;
 
 /// Time constant over which F_t/F_n is felt, s (ours: the noise of single frames).
 const FELT_S: f64 = 0.03;
 /// Multiple of the proved F_t/F_n up to which a grip counts as firm as that (ours: what a trembling hand makes of it).
 const MARGIN: f64 = 1.05;
-/// Smallest normal force that F_t is divided by, N.
-const NORMAL_MIN_N: f64 = 0.01;
 
 /// What a load test has proved of one grip, from its first touch on.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +73,7 @@ mod tests {
     use super::*;
     use crate::perception::FingerPercept;
 
-    /// For how long a proof has lapsed after a second at this force that another at `from_n` has proved, both fingers bearing 1 N.
+    /// Both fingers bear 1 N each: a second at `from_n` is proved; for how long the proof has lapsed after a second at `then_n`.
     fn lapsed_s(from_n: f64, then_n: f64) -> f64 {
         let mut proof = Proof::default();
         let hold = |proof: &mut Proof, normal_n| {
