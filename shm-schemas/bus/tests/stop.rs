@@ -3,13 +3,14 @@
 mod common;
 
 use std::fs;
+use std::io::{self, Write};
 use std::os::unix::net::UnixDatagram;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use common::{Peer, hold_startup_lock, peer_role, ready, sleep_on, until};
+use common::{OWN_RUNTIME_DIR, Peer, hold_startup_lock, peer_role, ready, sleep_on, until};
 use rustix::process::{Resource, Rlimit, Signal as Signum, getrlimit, setrlimit};
 use shm_bus::stop::{self, Listener};
 use shm_bus::{Bus, BusError, BusName, FreshBus, OwnerLock, Realtime};
@@ -52,6 +53,19 @@ fn peer() {
     match role.as_str() {
         "daemon" => daemon(&name, true),
         "frozen" => daemon(&name, false),
+        "on small disks" => {
+            let _daemon = Peer::start(&name, "daemon");
+            let folder = folder(&name);
+            assert!(
+                folder.starts_with(OWN_RUNTIME_DIR),
+                "{folder:?} is the machine's"
+            );
+            fill(&folder);
+            fill(Path::new("/dev/shm"));
+            let late = Bus::join(&name, "late", Realtime::No).expect_err("no room to join");
+            assert!(late.to_string().contains("0 KiB free"), "{late}");
+            check_stopped(&name, 100);
+        }
         "poor" => {
             // Every descriptor is in use, as with too many observers.
             let owner = OwnerLock::take(&name, "atasd").expect("sole owner");
@@ -108,6 +122,20 @@ fn peer() {
     }
 }
 
+/// Leaves a file system neither a byte nor an inode.
+fn fill(folder: &Path) {
+    let full = |e: io::Error| assert_eq!(e.kind(), io::ErrorKind::StorageFull, "{e}");
+    let mut ballast = fs::File::create(folder.join("ballast")).expect("room for a first file");
+    while let Ok(written) = ballast.write(&[0; 4096]) {
+        assert_eq!(written, 4096);
+    }
+    let error = (0..)
+        .find_map(|number| fs::File::create(folder.join(format!("ballast-{number}"))).err())
+        .expect("finite");
+    full(error);
+    full(ballast.write(&[0]).expect_err("not a byte is left"));
+}
+
 fn check_stopped(name: &BusName, times: usize) {
     for _ in 0..times {
         let answer = stop::request(name, "a test", WITHIN).expect("answered");
@@ -159,6 +187,15 @@ fn a_daemon_without_a_free_descriptor_is_stopped() {
     let name = FreshBus::new("poor");
     let _daemon = Peer::start(&name, "poor");
     check_stopped(&name, 20);
+}
+
+#[test]
+fn a_stop_gets_through_where_every_disk_is_full() {
+    let name = FreshBus::new("fulldisk");
+    let Some(peer) = Peer::spawn_on_small_disks(&name, "on small disks") else {
+        return;
+    };
+    peer.succeed();
 }
 
 #[test]

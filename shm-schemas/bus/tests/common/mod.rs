@@ -10,6 +10,15 @@ use shm_bus::{Bus, BusName, Realtime};
 
 const ROLE: &str = "SHM_BUS_TEST_ROLE";
 
+/// On a file system that nobody else sees, and that is gone with the process.
+pub(crate) const OWN_RUNTIME_DIR: &str = "/dev/shm/runtime";
+/// Mounts the two file systems that a bus uses, and goes on as the program that is named.
+const MOUNT_SMALL_DISKS: &str = r#"
+    mount -t tmpfs -o size=16m,nr_inodes=200 none /dev/shm &&
+    mkdir "$XDG_RUNTIME_DIR" &&
+    mount -t tmpfs -o size=1m,nr_inodes=200,mode=700 none "$XDG_RUNTIME_DIR" &&
+    exec "$0" "$@""#;
+
 /// A peer process. It is killed (SIGKILL) when dropped.
 pub(crate) struct Peer {
     child: Child,
@@ -51,6 +60,27 @@ impl Peer {
         // It runs on without its name.
         std::fs::remove_file(&copy).expect("removed");
         peer
+    }
+
+    /// Starts a peer with a bus folder and a `/dev/shm` of its own, both small enough to fill. `None`, and says so, where
+    /// the kernel lets this user mount nothing.
+    #[allow(clippy::print_stderr, reason = "a test that was not run says so")]
+    pub(crate) fn spawn_on_small_disks(bus: &BusName, role: &str) -> Option<Self> {
+        let apart = |script| {
+            let mut command = Command::new("unshare");
+            command.args(["--mount", "--map-root-user", "sh", "-c", script]);
+            command
+        };
+        let tried = apart("mount -t tmpfs none /dev/shm").output();
+        if !tried.as_ref().is_ok_and(|output| output.status.success()) {
+            eprintln!("NOT RUN: no file systems of one's own: {tried:?}");
+            return None;
+        }
+        let mut command = apart(MOUNT_SMALL_DISKS);
+        command
+            .arg(std::env::current_exe().expect("own path"))
+            .env("XDG_RUNTIME_DIR", OWN_RUNTIME_DIR);
+        Some(Self::run(command, bus, role))
     }
 
     fn run(mut command: Command, bus: &BusName, role: &str) -> Self {
