@@ -13,7 +13,10 @@ const DURATION_MIN_S: f64 = 0.05;
 /// Rise, or way across, below which a path over is straight, m (ours: less than any gap that a hand keeps).
 const LEVEL_M: f64 = 0.001;
 
-/// Mean speeds that no coordinate of a path exceeds; the peak of a minimum-jerk profile is 1.875 times the mean.
+/// Peak speed of a minimum-jerk profile over its mean.
+pub(crate) const PEAK_OF_MEAN: f64 = 1.875;
+
+/// Mean speeds that no coordinate of a path exceeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
     /// Of the centre, m/s.

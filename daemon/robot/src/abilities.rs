@@ -15,6 +15,8 @@ const LITTLE_RAD: f64 = 0.26;
 /// Farthest that a hand is tried to open, m, and how often the opening is halved to find the widest (ours: to 0.1 mm).
 const OPEN_MAX_M: f64 = 0.4;
 const HALVINGS: usize = 12;
+/// Openings between the widest and none at which its speed is found (ours).
+const OPENINGS: usize = 8;
 /// How far each fingertip must be able to pass the other, m (ours: a sixth of a turn of the smallest cap).
 const PASS_M: f64 = 0.006;
 /// How wide a cap is that it is tried on, m.
@@ -86,9 +88,31 @@ impl HandModel {
         reached_m
     }
 
-    /// Finds out how far it opens, whether it has to turn caps by its wrist, and whether it can shift and turn a little.
+    /// The time that the joints of the fingers take from one opening to the next tells how fast the fingers are.
+    fn find_finger_speed_m_s(&self) -> f64 {
+        let step_m = self.widest_m / OPENINGS as f64;
+        let posture = |step: usize| {
+            let opening_m = self.widest_m - step_m * step as f64;
+            let frame = GraspFrame::from_above(self.home_m, self.home_yaw_rad, opening_m);
+            self.posture_for(&frame).ok().map(|found| found.q_rad)
+        };
+        let mut slowest_m_s = f64::INFINITY;
+        for step in 0..OPENINGS {
+            if let (Some(from), Some(to)) = (posture(step), posture(step + 1)) {
+                for joint in self.arm_joints..self.joint_count {
+                    let takes_s =
+                        libm::fabs(to[joint] - from[joint]) / self.joints[joint].velocity_max_rad_s;
+                    slowest_m_s = slowest_m_s.min(step_m / 2.0 / takes_s);
+                }
+            }
+        }
+        slowest_m_s
+    }
+
+    /// Finds out how far and how fast it opens, whether it has to turn caps by its wrist, and whether it can shift and turn a little.
     pub(crate) fn find_abilities(&mut self) {
         self.widest_m = self.find_widest_m();
+        self.finger_speed_m_s = self.find_finger_speed_m_s();
         self.turns_by_wrist = self.turning.wrist.is_some() && !self.turns_both_ways();
         let moves = |axis: Vector3<f64>, sign: f64| {
             self.reaches_beside_home(axis * (sign * LITTLE_M), sign * LITTLE_RAD)

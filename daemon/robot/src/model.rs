@@ -54,6 +54,8 @@ pub struct HandModel {
     pub(crate) home_opening_m: f64,
     /// How far open it can be where it rests, both sides alike, m.
     pub(crate) widest_m: f64,
+    /// Speed at which each finger opens and closes at most, m/s.
+    pub(crate) finger_speed_m_s: f64,
     /// Direction of the closing axis there, radians.
     pub(crate) home_yaw_rad: f64,
     /// Where objects stand that nobody placed: x and y, m.
@@ -177,6 +179,7 @@ impl HandModel {
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
             widest_m: 0.0,
+            finger_speed_m_s: 0.0,
             home_yaw_rad: 0.0,
             object_m: [0.0; 2],
             workspace: None,
@@ -347,6 +350,12 @@ impl HandModel {
     #[must_use]
     pub fn widest_m(&self) -> f64 {
         self.widest_m
+    }
+
+    /// Speed that its joints allow each finger to open and close with where it rests, however far open, m/s.
+    #[must_use]
+    pub fn finger_speed_m_s(&self) -> f64 {
+        self.finger_speed_m_s
     }
 
     /// Whether it turns a cap by its wrist, because its fingertips cannot pass each other.

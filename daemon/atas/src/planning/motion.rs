@@ -25,7 +25,7 @@ pub(crate) fn path_of(
     let free = Speeds {
         move_m_s: speeds.reach_m_s,
         turn_rad_s: speeds.turn_rad_s,
-        open_m_s: speeds.open_m_s,
+        open_m_s: waypoints.finger_speed_m_s(speeds.open_m_s),
     };
     let gripping = |waypoint, move_m_s| {
         let speeds = Speeds { move_m_s, ..free };
@@ -42,7 +42,7 @@ pub(crate) fn path_of(
         Motion::Open => Path::free(*now, waypoints.opened(now, OPEN_BY_M), &free),
         Motion::LetGo => {
             let speeds = Speeds {
-                open_m_s: LET_GO_BY_M / LET_GO_S,
+                open_m_s: waypoints.finger_speed_m_s(LET_GO_BY_M / LET_GO_S),
                 ..free
             };
             Path::free(*now, waypoints.opened(now, LET_GO_BY_M), &speeds)

@@ -1,7 +1,7 @@
 //! The poses that a goal's steps refer to by name.
 
 use crate::goal::Goal;
-use crate::path::{at_height, reachable_yaw_rad};
+use crate::path::{PEAK_OF_MEAN, at_height, reachable_yaw_rad};
 use crate::settings::Settings;
 use crate::tasks::Waypoint;
 use core::f64::consts::FRAC_PI_2;
@@ -18,6 +18,9 @@ pub(crate) const OVER_TOP_M: f64 = 0.010;
 /// How far two arms may disagree about where one place is, m (ours: links that are not as long as their model's, by up to 1 mm each).
 /// What one hand feels to be displaced by less stands for the other where it was told.
 const ARMS_AGREE_M: f64 = 0.0015;
+
+/// Share of the fingers' speed that a path may take (ours: the rest is for what the modules correct).
+const FINGER_SPEED_SHARE: f64 = 0.8;
 
 /// Height of a grasp from the side, m; pitch of the hand below the horizontal and angle of the finger roots, rad (robot
 /// design: proved free of collisions with the hand that screws).
@@ -47,6 +50,8 @@ pub struct Waypoints {
     turning: f64,
     /// How far each finger can open, m.
     widest_half_m: f64,
+    /// How fast its joints let each finger open and close, m/s.
+    finger_m_s: f64,
     /// Where the object was told to stand, base frame, m.
     told_m: Vector2<f64>,
     corrections: Corrections,
@@ -129,6 +134,7 @@ impl Waypoints {
             expected_m: to_m[2],
             turning: request.turn.sign(),
             widest_half_m: hand.widest_m() / 2.0,
+            finger_m_s: hand.finger_speed_m_s(),
             told_m: source.centre_m.xy(),
             corrections: Corrections::default(),
         }
@@ -184,6 +190,7 @@ impl Waypoints {
             expected_m: now.centre_m.z,
             turning: Turn::CLOCKWISE.sign(),
             widest_half_m: hand.widest_m() / 2.0,
+            finger_m_s: hand.finger_speed_m_s(),
             told_m: now.centre_m.xy(),
             corrections: Corrections::default(),
         }
@@ -219,6 +226,13 @@ impl Waypoints {
                 .map(|half_m| (half_m + by_m).min(half_m.max(widest_m))),
             ..*now
         }
+    }
+
+    /// Mean speed of a path on which the fingers keep up with what is commanded: what a drive that lags behind leaves undone, the
+    /// arm would try to do.
+    #[must_use]
+    pub fn finger_speed_m_s(&self, wanted_m_s: f64) -> f64 {
+        wanted_m_s.min(FINGER_SPEED_SHARE * self.finger_m_s / PEAK_OF_MEAN)
     }
 
     /// Over where the target stands, with the middle of the object above its middle.

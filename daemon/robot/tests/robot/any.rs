@@ -239,6 +239,33 @@ fn a_gripper_turns_a_cap_by_its_wrist() {
     assert!((turned_rad - 0.006 / 0.012).abs() < 1e-6, "{turned_rad}");
 }
 
+/// Regression: a drive that was asked to open faster than it can made the arm do what it left undone, and the hand sway.
+#[test]
+fn fingers_are_as_fast_as_their_slowest_joint() {
+    for robot in SHIPPED {
+        let model = load(&robot);
+        let speed_m_s = model.hand(Side::Right).finger_speed_m_s();
+        assert!(
+            speed_m_s > 0.09,
+            "{}: {speed_m_s} m/s is too slow to let go at once",
+            robot.name
+        );
+    }
+    let [_, gripper, ..] = SHIPPED;
+    let slower = gripper
+        .urdf
+        .replace("velocity=\"0.25\"", "velocity=\"0.02\"");
+    let slower = RobotFiles {
+        urdf: slower.into(),
+        ..gripper
+    };
+    let speed_m_s = load(&slower).hand(Side::Right).finger_speed_m_s();
+    assert!(
+        (speed_m_s - 0.02).abs() < 1e-4,
+        "a sliding jaw: {speed_m_s}"
+    );
+}
+
 /// What the two fingers of one side are asked for beyond their middle they take, and never at its expense: one closes ahead of the
 /// other.
 #[test]
