@@ -1026,7 +1026,8 @@ typedef struct atas_status {
     char version[32];
     // FNV-1a 64 of the configuration text in force.
     uint64_t config_hash;
-    // When the daemon started, CLOCK_MONOTONIC ns.
+    // When the daemon started, ns of the clock of its stamps: CLOCK_MONOTONIC; in lock-step the virtual time of its first
+    // tick, 0 before that.
     uint64_t started_ns;
     // Process id.
     uint32_t pid;

@@ -24,10 +24,14 @@ check grep -q '^atas:' "$root/etc/passwd"
 for file in usr/bin/{atasd,atas,atas-gate,atas-lab,atas-live,atas-robot,atas-sensor,atas-sim,ebts} etc/atas/{atas.toml,sensors,robots,conf.d} \
     usr/lib/systemd/system/{atasd,atas-gate,atas-sim,atas-record,atas-sensor@,atas-robot@}.service usr/lib/systemd/system/atas-gate.socket usr/lib/sysusers.d/atas.conf \
     usr/lib/udev/rules.d/60-atas.rules usr/share/man/man1/atas{,-grasp,-sim-run}.1.gz usr/share/man/man8/{atasd,atas-gate}.8.gz \
-    usr/share/bash-completion/completions/atas.bash usr/include/atas.h; do
+    usr/include/atas.h; do
     check test -e "$root/$file"
 done
-check bash -n "$root/usr/share/bash-completion/completions/atas.bash"
+for program in atas atas-robot atas-sensor atas-sim atasd ebts; do
+    check bash -n "$root/usr/share/bash-completion/completions/$program.bash"
+    check test -e "$root/usr/share/zsh/vendor-completions/_$program"
+    check test -e "$root/usr/share/fish/vendor_completions.d/$program.fish"
+done
 
 # Daemon, simulator and client from the package's files, under a notify socket of this test's own.
 python3 - "$root" "$work" <<'RUN'

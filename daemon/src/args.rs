@@ -2,15 +2,18 @@
 
 use std::path::PathBuf;
 
-use clap::{Parser, ValueEnum};
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use shm_bus::BusName;
 
 use crate::config::Source;
 
 /// The 1 kHz ATAS daemon: feels with its hands, moves their joints, takes goals.
 #[derive(Clone, Debug, Parser)]
-#[command(version, after_help = EXIT_CODES)]
+#[command(version, after_help = AFTER, args_conflicts_with_subcommands = true)]
 pub struct Args {
+    /// What to do instead of feeling and moving.
+    #[command(subcommand)]
+    pub instead: Option<Instead>,
     /// The bus to run on; every process of one robot uses the same.
     #[arg(long, value_name = "NAME", env = BusName::ENV, default_value_t)]
     pub bus: BusName,
@@ -40,6 +43,17 @@ pub struct Args {
     pub log_format: LogFormat,
 }
 
+/// What is done instead of feeling and moving.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Instead {
+    /// Print completions for a shell.
+    #[command(after_help = "Example:\n  atasd completions bash > /etc/bash_completion.d/atasd")]
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+}
+
 /// How the log looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
@@ -58,7 +72,14 @@ impl From<LogFormat> for atas_process::log::LogFormat {
     }
 }
 
-const EXIT_CODES: &str = "\
+const AFTER: &str = "\
+Examples:
+  atasd
+  atasd --bus left-arm --robot my_arm.toml
+  atasd --lockstep --config mine.toml --set grasp.dr_n=0.08
+  atasd --check-config --set grasp.f2_max_n=6
+  atasd --print-tasks
+
 Signals: SIGTERM and SIGINT stop the robot and the daemon, a second one at once; SIGHUP reads the configuration again.
 
 Exit codes:
@@ -79,6 +100,15 @@ impl Args {
             files: self.config.clone(),
             flags: self.flags(),
         }
+    }
+
+    /// What a shell reads to complete this command line.
+    #[must_use]
+    pub fn completions(shell: clap_complete::Shell) -> Vec<u8> {
+        // Into memory: clap's generator panics where a pipe is closed or a disk is full.
+        let mut script = Vec::new();
+        clap_complete::generate(shell, &mut Self::command(), "atasd", &mut script);
+        script
     }
 
     fn flags(&self) -> Vec<String> {

@@ -57,6 +57,9 @@ impl From<OpenError> for Failure {
 }
 
 impl Failure {
+    /// The exit code of what could not be printed.
+    pub const UNWRITTEN: u8 = 1;
+
     /// The exit code, see the [crate's table](crate).
     #[must_use]
     pub fn exit_code(&self) -> u8 {
@@ -99,7 +102,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         granted,
     };
     let (ticks, granted) = start.spawn(tick_end)?;
-    let flags = flags(&granted, args.lockstep);
+    let flags = flags(&granted, args.lockstep, wiring.joints_required);
     let state = SupervisorState::new(source, config, robot, wiring, flags);
     supervise(args, supervisor_end, state, signals, ticks).inspect(|()| tracing::info!("stopped"))
 }
@@ -124,7 +127,7 @@ fn supervise(
     Ok(ended?)
 }
 
-fn flags(granted: &Granted, lockstep: bool) -> u32 {
+fn flags(granted: &Granted, lockstep: bool, joints_required: bool) -> u32 {
     for refused in &granted.refused {
         tracing::warn!("degraded: {refused}");
     }
@@ -134,6 +137,7 @@ fn flags(granted: &Granted, lockstep: bool) -> u32 {
         (granted.fifo, StatusFlags::REALTIME),
         (granted.locked, StatusFlags::MEMORY_LOCKED),
         (granted.awake.is_some(), StatusFlags::KEPT_AWAKE),
+        (!joints_required, StatusFlags::SENSE_ONLY),
     ]
     .into_iter()
     .filter_map(|(is_set, flag)| is_set.then_some(flag))

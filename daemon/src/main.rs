@@ -3,14 +3,17 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use atas_process::log;
-use atasd::args::Args;
+use atas_process::{command_line, log};
+use atasd::args::{Args, Instead};
 use atasd::config::Tasks;
 use atasd::daemon::{self, Failure};
 use clap::Parser;
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => return command_line::end("atasd", &error, Failure::UNWRITTEN),
+    };
     let log = match log::start(args.log_format.into()) {
         Ok(log) => log,
         // Without threads there is no daemon, and nobody to tell.
@@ -28,18 +31,21 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
-    if args.print_tasks {
-        print(Tasks::built_in_text().trim_start())
+    if let Some(Instead::Completions { shell }) = args.instead {
+        print(&Args::completions(shell))
+    } else if args.print_tasks {
+        print(Tasks::built_in_text().trim_start().as_bytes())
     } else if args.check_config {
-        print(&args.source().load()?.text())
+        print(args.source().load()?.text().as_bytes())
     } else {
         daemon::run(args)
     }
 }
 
 /// A reader that has seen enough is no failure.
-fn print(text: &str) -> Result<(), Failure> {
-    match io::stdout().write_all(text.as_bytes()) {
+fn print(text: &[u8]) -> Result<(), Failure> {
+    let mut out = io::stdout();
+    match out.write_all(text).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
     }

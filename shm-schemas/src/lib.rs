@@ -50,6 +50,7 @@ mod target_sentence;
 mod text;
 mod tick;
 mod truth;
+mod typed;
 mod view;
 
 pub use arena::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, TrialTruth, WallTruth};

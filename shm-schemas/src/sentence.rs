@@ -6,6 +6,7 @@ use crate::joints::Mode;
 use crate::module::ModuleId;
 use crate::reason::{Cause, Reason};
 use crate::stamp::Hand;
+use crate::typed::of_goal;
 use core::fmt::{self, Formatter};
 
 impl fmt::Display for Reason {
@@ -46,8 +47,10 @@ impl Reason {
             Cause::OUT_OF_RANGE => {
                 write!(
                     f,
-                    "{} of the goal is {value:.4}, the limit is {limit:.4}; choose a value within it",
-                    goal_value(index)
+                    "{} of the goal is {}, the limit is {}; choose a value within it",
+                    goal_value(index),
+                    of_goal(index, value),
+                    of_goal(index, limit)
                 )
             }
             Cause::TASK_TOO_LONG => write!(
@@ -65,13 +68,16 @@ impl Reason {
             ),
             Cause::UNREACHABLE if goal_value(index) == "lift" => write!(
                 f,
-                "the hand cannot lift it so high: the place and the lift together are {value:.4} m high, the limit is {limit:.4} m; \
-                 lift less"
+                "the hand cannot lift it so high: the place and the lift together are {} high, the limit is {}; lift less",
+                of_goal(index, value),
+                of_goal(index, limit)
             ),
             Cause::UNREACHABLE => write!(
                 f,
-                "the hand cannot reach it: {} is {value:.4}, the limit is {limit:.4}; {}",
+                "the hand cannot reach it: {} is {}, the limit is {}; {}",
                 goal_value(index),
+                of_goal(index, value),
+                of_goal(index, limit),
                 if goal_place(index).is_empty() {
                     "choose a value within it"
                 } else {
@@ -325,7 +331,7 @@ impl Reason {
                 limit * 1e-6
             ),
             Cause::SENSE_ONLY => f.write_str(
-                "senses only and moves nothing, because robot.joints_required is false",
+                "this daemon senses only and moves nothing because robot.joints_required is false",
             ),
             Cause::JOINTS_INVALID => {
                 write!(

@@ -96,6 +96,8 @@ impl StatusFlags {
     pub const PHASE_LOCKED: u32 = 1 << 4;
     /// The cores are kept from idle states that they wake up from slowly.
     pub const KEPT_AWAKE: u32 = 1 << 5;
+    /// There is no robot to move: the daemon was told to sense only.
+    pub const SENSE_ONLY: u32 = 1 << 6;
 }
 
 payload! {
@@ -107,7 +109,8 @@ payload! {
         pub version: Text<32>,
         /// FNV-1a 64 of the configuration text in force.
         pub config_hash: u64,
-        /// When the daemon started, `CLOCK_MONOTONIC` ns.
+        /// When the daemon started, ns of the clock of its stamps: `CLOCK_MONOTONIC`; in lock-step the virtual time of its first
+        /// tick, 0 before that.
         pub started_ns: u64,
         /// Process id.
         pub pid: u32,

@@ -3,6 +3,7 @@
 use crate::reason::{Cause, Reason};
 use crate::stamp::Hand;
 use crate::target::GraspTarget;
+use crate::typed::of_target;
 use core::fmt::{self, Formatter};
 
 impl Reason {
@@ -42,7 +43,9 @@ impl Reason {
             }
             Cause::TARGET_OUT_OF_RANGE => write!(
                 f,
-                "{name} of a target is {value:.4}, the limit is {limit:.4}; the hand keeps to the target before"
+                "{name} of a target is {}, the limit is {}; the hand keeps to the target before",
+                of_target(index, value),
+                of_target(index, limit)
             ),
             Cause::ACROSS_THE_MIDDLE => write!(
                 f,

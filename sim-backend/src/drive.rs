@@ -60,8 +60,8 @@ impl Drive {
             Some(_) => self.expired += 1,
             None => {}
         }
-        let lapsed = self.obeyed.is_some_and(|last| last.valid_until_ns < now_ns);
-        if self.in_force && lapsed {
+        let expired = self.obeyed.is_some_and(|last| last.valid_until_ns < now_ns);
+        if self.in_force && expired {
             self.in_force = false;
             self.expired += 1;
         }

@@ -185,6 +185,10 @@ fn lockstep_waits_for_a_late_daemon_and_ends_on_sigterm() {
     simulator.signal(Signal::TERM);
     let output = simulator.wait();
     assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    let begun = log.lines().find(|line| line.contains("simulating"));
+    let version = concat!("version=\"", env!("CARGO_PKG_VERSION"), '"');
+    assert!(begun.is_some_and(|line| line.contains(version)), "{log}");
 }
 
 #[test]
@@ -282,6 +286,7 @@ fn refusals() {
     check("run --fault melt@1".into(), 2, "needs one of drop");
     check("run --robot /no/such.urdf".into(), 2, "/no/such.urdf");
     check("fly".into(), 2, "unrecognized subcommand");
+    check("objects --fast --format json".into(), 2, "\"exit\":2");
 }
 
 #[test]
@@ -309,6 +314,11 @@ fn lists() {
         .lines()
         .map(|line| serde_json::from_str(line).expect("one JSON object per line"))
         .collect();
+    let help = listed("objects --help");
+    let mut keys = rows
+        .iter()
+        .flat_map(|row| row.as_object().expect("an object").keys());
+    assert!(keys.all(|key| help.contains(key)), "{help}");
     let wood = rows.iter().find(|row| row["name"] == "wood").expect("wood");
     let shape = sim_backend::Object::built_in("wood")
         .expect("built in")
@@ -325,6 +335,9 @@ fn every_command_has_a_manual_page_and_an_example() {
         .output()
         .expect("it starts");
     assert!(output.status.success(), "{output:?}");
+    let output = atas_sim("--help").output().expect("it starts");
+    let help = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(help.contains("Examples:"), "{help}");
     for command in [
         "run",
         "field",
@@ -347,7 +360,15 @@ fn every_command_has_a_manual_page_and_an_example() {
 /// Regression: a list that did not fit on the disk ended with code 0.
 #[test]
 fn a_full_disk_is_told_with_the_documented_code() {
-    for what in ["objects", "faults", "errors", "completions bash"] {
+    let printing = [
+        "objects",
+        "faults",
+        "errors",
+        "completions bash",
+        "--help",
+        "run --help",
+    ];
+    for what in printing {
         let full = std::fs::File::options().write(true).open("/dev/full");
         let output = atas_sim(what)
             .stdout(full.expect("Linux has it"))
@@ -365,7 +386,7 @@ fn a_full_disk_is_told_with_the_documented_code() {
 /// As in `atas-sim faults | head -1`.
 #[test]
 fn a_closed_pipe_is_no_failure() {
-    for what in ["objects", "faults", "completions zsh"] {
+    for what in ["objects", "faults", "completions zsh", "--help"] {
         let mut child = atas_sim(what).spawn().expect("atas-sim starts");
         drop(child.stdout.take());
         let output = child.wait_with_output().expect("it ends");

@@ -30,7 +30,9 @@ pub(crate) fn events(
     let begin = Instant::now();
     let mut left = arguments.count.unwrap_or(u64::MAX);
     while left > 0 && !interrupt.is_set() && (waits || begin.elapsed() < PAST) {
-        statuses.newest(&mut status)?;
+        if statuses.newest(&mut status)? {
+            teller.started_ns = status.started_ns;
+        }
         if arguments.follow {
             teller.tell_conditions(&status, output)?;
         }
@@ -104,6 +106,7 @@ impl Filter {
 
 /// Tells events one by one, and what is missing between them.
 struct Teller {
+    /// Of a lock-step it is known with its first tick.
     started_ns: u64,
     expected: Option<(u64, u64)>,
     conditions: Option<u32>,

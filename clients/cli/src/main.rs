@@ -23,6 +23,7 @@ mod estop;
 mod events;
 mod follow;
 mod goals;
+mod keys;
 mod latency;
 mod manual;
 mod neighbours;

@@ -117,8 +117,8 @@ pub(crate) fn export(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let kind = arguments.kind;
-    let out = arguments.out.clone();
-    let out = out.unwrap_or_else(|| kind.usual_name(&arguments.files[0]));
+    let out = arguments.file();
+    let out = out.map_err(|sentence| Ended::with(Exit::Usage, sentence))?;
     let choices = Choices {
         kind: match kind {
             ExportKind::Mcap => Kind::Mcap,

@@ -182,7 +182,7 @@ mod tests {
                 "",
                 Reason::limit(Cause::UNREACHABLE, 0.9, 0.4).about(0),
             )],
-            "the hand cannot reach it: from x is 0.9000, the limit is 0.4000; move the object nearer",
+            "the hand cannot reach it: from x is 0.9000 m, the limit is 0.4000 m; move the object nearer",
         );
         check(
             &[

@@ -8,7 +8,7 @@ use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, t
 use shm_bus::now_ns;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
-use crate::refusals::refusals;
+use crate::refusals::{self, refusals};
 
 /// Pause between two pictures of a watched status.
 const PICTURE: Duration = Duration::from_millis(200);
@@ -23,10 +23,12 @@ pub(crate) fn status(
 ) -> anyhow::Result<()> {
     let session = Session::existing(&arguments.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
+    let mut before = status;
     if !arguments.watch {
+        refusals::look_again(&mut statuses, &mut status)?;
         let refusals = refusals(&session, &status)?;
         let frozen = standstill(&status, now_ns());
-        print(&status, &refusals, frozen, output)?;
+        print([&before, &status], &refusals, frozen, output)?;
         return frozen.map_or(Ok(()), |frozen| {
             Err(Ended::with(Exit::Failed, standing_still(frozen)))
         });
@@ -45,16 +47,19 @@ pub(crate) fn status(
         if drawn.is_none_or(|drawn| drawn.elapsed() >= PICTURE) {
             output.clear()?;
             let frozen = standstill(&status, now_ns());
-            print(&status, &refusals(&session, &status)?, frozen, output)?;
+            let refusals = refusals(&session, &status)?;
+            print([&before, &status], &refusals, frozen, output)?;
             drawn = Some(Instant::now());
+            before = status;
         }
         std::thread::sleep(POLL);
     }
     Ok(())
 }
 
+/// Prints the newer of two statuses.
 fn print(
-    status: &Status,
+    [before, status]: [&Status; 2],
     refusals: &[String],
     frozen: Option<Duration>,
     output: &mut Output,
@@ -65,7 +70,7 @@ fn print(
         value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
         return output.json(&value);
     }
-    output.line(heading(status))?;
+    output.line(heading([before, status]))?;
     if let Some(frozen) = frozen {
         output.line(standing_still(frozen))?;
     }
@@ -84,17 +89,18 @@ fn standing_still(frozen: Duration) -> String {
     )
 }
 
-fn heading(status: &Status) -> String {
+fn heading([before, status]: [&Status; 2]) -> String {
     let mut lines = vec![format!(
-        "atasd {}, process {}, {} Hz{}, up {:.0} s",
+        "atasd {}, process {}, {} Hz{}{}",
         status.version,
         status.pid,
         status.rate_hz,
         flags(status.flags),
-        status.stamp.captured_ns.saturating_sub(status.started_ns) as f64 * 1e-9,
+        up(status),
     )];
     lines.push(if status.reason.is_some() {
-        format!("mode {}: {}", status.mode, status.reason)
+        let why = refusals::why_so([before, status]);
+        format!("mode {}: {why}", status.mode)
     } else {
         format!("mode {}{}", status.mode, hint(status.mode))
     });
@@ -104,6 +110,17 @@ fn heading(status: &Status) -> String {
         status.ticks, status.missed_ticks, status.late_ticks, status.dropped_records
     ));
     lines.join("\n")
+}
+
+/// For how long the daemon runs. A lock-step that has not ticked yet has no time.
+fn up(status: &Status) -> String {
+    let is_virtual = status.flags & StatusFlags::LOCKSTEP != 0;
+    if is_virtual && status.ticks == 0 {
+        return String::new();
+    }
+    let up_ns = status.stamp.captured_ns.saturating_sub(status.started_ns);
+    let clock = if is_virtual { " of virtual time" } else { "" };
+    format!(", up {:.0} s{clock}", up_ns as f64 * 1e-9)
 }
 
 fn hint(mode: Mode) -> &'static str {
@@ -124,6 +141,10 @@ fn flags(flags: u32) -> String {
             StatusFlags::DEGRADED,
             "DEGRADED: real-time scheduling or memory locking was refused",
         ),
+        (
+            StatusFlags::SENSE_ONLY,
+            "senses only and moves nothing (robot.joints_required is false)",
+        ),
     ];
     let set = known.iter().filter(|(flag, _)| flags & flag != 0);
     set.map(|(_, text)| format!(", {text}")).collect()
@@ -134,12 +155,11 @@ fn hands(status: &Status) -> comfy_table::Table {
         "hand", "frames", "lost", "bad", "age ms", "F_n N", "F_t N", "touches", "modules",
     ]);
     for (hand, sensor) in Hand::BOTH.iter().zip(&status.hands) {
-        let bad = sensor.corrupt + sensor.mistimed + sensor.foreign + sensor.reordered;
         rows.add_row([
             hand.to_string(),
             sensor.frames.to_string(),
             sensor.lost.to_string(),
-            bad.to_string(),
+            refusals::refused(sensor).to_string(),
             age_ms(sensor.age_ns),
             forces(&sensor.normal_n),
             forces(&sensor.tangential_n),
@@ -204,7 +224,11 @@ fn forces(force_n: &[f32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, GoalKind, GoalState, Reason, Text};
+    use shm_schemas::{Cause, GoalKind, GoalState, Reason, Stamp, Text};
+
+    fn told(status: &Status) -> String {
+        heading([status, status])
+    }
 
     #[test]
     fn a_goal_is_told_with_its_own_name_its_step_and_why_it_ended() {
@@ -217,10 +241,47 @@ mod tests {
             goal_reason: Reason::limit(Cause::TIMED_OUT, 9.0, 9.0),
             ..Status::default()
         };
-        let told = heading(&status);
         let expected = "goal polish failed, step press: took 9.0 s, allowed 9.0 s";
-        assert!(told.contains(expected), "{told}");
-        let none = heading(&Status::default());
+        assert!(told(&status).contains(expected), "{}", told(&status));
+        let none = told(&Status::default());
         assert!(none.contains("no goal yet"), "{none}");
+    }
+
+    #[test]
+    fn how_long_the_daemon_runs_is_told_on_its_own_clock_or_not_at_all() {
+        let check = |flags, ticks, [started_s, captured_s]: [u64; 2], expected: &str| {
+            let status = Status {
+                stamp: Stamp {
+                    captured_ns: captured_s * 1_000_000_000,
+                    ..Stamp::default()
+                },
+                started_ns: started_s * 1_000_000_000,
+                flags,
+                ticks,
+                ..Status::default()
+            };
+            assert_eq!(up(&status), expected, "{flags} {ticks}");
+        };
+        check(0, 0, [500, 500], ", up 0 s");
+        check(0, 9, [500, 517], ", up 17 s");
+        let lockstep = StatusFlags::LOCKSTEP;
+        check(lockstep, 9, [1, 18], ", up 17 s of virtual time");
+        check(lockstep, 0, [0, 500], "");
+    }
+
+    #[test]
+    fn a_daemon_that_senses_only_says_so_whatever_is_missing() {
+        let status = Status {
+            flags: StatusFlags::SENSE_ONLY,
+            reason: Reason::limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6),
+            ..Status::default()
+        };
+        let told = told(&status);
+        for part in [
+            "senses only and moves nothing (robot.joints_required is false)",
+            "no tactile frame of hand left yet",
+        ] {
+            assert!(told.contains(part), "{told}");
+        }
     }
 }

@@ -71,8 +71,7 @@ impl GoalProgress {
     }
 
     /// Whether the hand is done with the object: opens, goes home, or retreats.
-    #[must_use]
-    pub fn lets_go(&self) -> bool {
+    fn lets_go(&self) -> bool {
         let step = self.step.as_str();
         OPENING.contains(&step) || GOING_HOME.contains(&step) || self.retreats()
     }

@@ -18,6 +18,6 @@ mod progress;
 
 pub use exit::{Ended, Exit};
 pub use interrupt::Interrupt;
-pub use output::{Format, Mood, Output, modules, number, table};
+pub use output::{Format, Mood, Output, modules, number, table, whole};
 pub use program::run;
 pub use progress::Progress;

@@ -1,6 +1,7 @@
 //! Standard output: results for people or for programs.
 
 use std::io::{IsTerminal, Write};
+use std::ops::Range;
 
 use anyhow::Context;
 use clap::ValueEnum;
@@ -81,8 +82,8 @@ impl Output {
         Ok(())
     }
 
-    /// Prints a table as wide as the terminal, or 80 columns where there is none. Only spaces are broken at: numbers stay
-    /// whole, and a table of longer words is wider.
+    /// Prints a table as wide as the terminal, or 80 columns where there is none. What does not fit beside the first column, which
+    /// names the rows, comes below with that column again. Cells are broken at spaces; see [`whole`].
     ///
     /// # Errors
     /// Standard output cannot be written.
@@ -138,35 +139,70 @@ pub fn table(header: &[&str]) -> Table {
     table
 }
 
-/// The table in so many columns, no column narrower than its longest word.
-fn fitted(mut table: Table, columns: u16) -> Table {
-    let longest: Vec<u16> = (0..table.column_count())
-        .map(|index| {
-            let rows = table.header().into_iter().chain(table.row_iter());
-            let cells = rows.filter_map(|row| row.cell_iter().nth(index));
-            cells
-                .map(|cell| longest_word(&cell.content()))
-                .max()
-                .unwrap_or(0)
-        })
-        .collect();
-    for (column, longest) in table.column_iter_mut().zip(longest) {
-        column.set_padding((0, 1));
-        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(longest + 1)));
-    }
+/// Words that a table keeps on one line, such as a range of numbers.
+#[must_use]
+pub fn whole(words: &str) -> String {
+    words.replace(' ', BOUND)
+}
+
+/// A space that is not broken at (U+00A0); printed as any other.
+const BOUND: &str = "\u{a0}";
+/// Longest word that stays whole: what is longer is a path, and no table could hold it. Ours: half of 80 columns.
+const WORD_MAX: usize = 40;
+/// What stands between two columns.
+const GAP: u16 = 2;
+
+/// The table in so many columns, in as many parts as it takes.
+fn fitted(mut table: Table, columns: u16) -> String {
     table
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(columns);
-    table
+    let least = least_widths(&mut table);
+    let parts = parts(&least, columns).into_iter().map(|part| {
+        let mut shown = table.clone();
+        for (column, least) in shown.column_iter_mut().zip(&least) {
+            let is_shown = column.index == 0 || part.contains(&column.index);
+            column.set_padding((0, 1));
+            column.set_constraint(match is_shown {
+                true => ColumnConstraint::LowerBoundary(Width::Fixed(least + 1)),
+                false => ColumnConstraint::Hidden,
+            });
+        }
+        shown.to_string().replace(BOUND, " ")
+    });
+    parts.collect::<Vec<_>>().join("\n\n")
+}
+
+/// Of each column its longest word.
+fn least_widths(table: &mut Table) -> Vec<u16> {
+    let longest = |index: usize, table: &Table| {
+        let cells = table.column_cells_with_header_iter(index).flatten();
+        cells.map(|cell| longest_word(&cell.content())).max()
+    };
+    (0..table.column_count())
+        .map(|index| longest(index, table).unwrap_or(0))
+        .collect()
+}
+
+/// Which columns stand beside the first one in each part: as many as fit, and at least one.
+fn parts(least: &[u16], columns: u16) -> Vec<Range<usize>> {
+    let first = least.first().map_or(0, |least| least + GAP);
+    let (mut parts, mut begin, mut taken) = (Vec::new(), 1, first);
+    for (index, least) in least.iter().enumerate().skip(1) {
+        // The last one needs no gap behind it.
+        if taken + least + GAP > columns + GAP - 1 && index > begin {
+            parts.push(begin..index);
+            (begin, taken) = (index, first);
+        }
+        taken += least + GAP;
+    }
+    parts.push(begin..least.len().max(1));
+    parts
 }
 
 fn longest_word(text: &str) -> u16 {
-    let lengths = text.split_whitespace().map(|word| word.chars().count());
-    lengths
-        .max()
-        .unwrap_or(0)
-        .try_into()
-        .unwrap_or(u16::MAX - 1)
+    let lengths = text.split([' ', '\n']).map(|word| word.chars().count());
+    lengths.max().unwrap_or(0).min(WORD_MAX) as u16
 }
 
 /// A number with so many digits after the point, and no minus before a zero.
@@ -211,25 +247,51 @@ mod tests {
 
     #[test]
     fn tables_fit_their_columns_and_break_no_number() {
-        let mut rows = table(&[
-            "object",
-            "needed N",
-            "stiffness N/m",
-            "lifted mm",
-            "outcome",
-        ]);
+        // What is printed of a table of these columns, each a heading and a cell.
+        let check = |columns: &[(&str, &str)], wide: u16, parts: usize| {
+            let (header, row): (Vec<&str>, Vec<&str>) = columns.iter().copied().unzip();
+            let mut rows = table(&header);
+            rows.add_row(row.iter().map(|cell| cell.replace('~', BOUND)));
+            let text = fitted(rows, wide);
+            let lengths = text.lines().map(|line| line.chars().count());
+            assert!(lengths.max() <= Some(wide.into()), "{text}");
+            for word in row.iter().flat_map(|cell| cell.split(' ')) {
+                let word = word.replace('~', " ");
+                assert!(
+                    word.len() > WORD_MAX || text.contains(&word),
+                    "{word}:\n{text}"
+                );
+            }
+            let shown = text
+                .split("\n\n")
+                .filter(|part| part.starts_with(columns[0].0));
+            assert_eq!(shown.count(), parts, "{text}");
+        };
         let outcome =
             "refused: object too heavy for its hardness, and more words than one line has room for";
-        rows.add_row(["filled-paper-box", "18.39", "1000000", "39.96", outcome]);
-        let text = fitted(rows, 60).to_string();
-        for whole in ["filled-paper-box", "18.39", "1000000", "39.96", "stiffness"] {
-            assert!(text.contains(whole), "{whole}:\n{text}");
-        }
-        let widest = text
-            .lines()
-            .map(|line| line.trim_end().chars().count())
-            .max();
-        assert!(widest.is_some_and(|columns| columns <= 60), "{text}");
+        let grasp = [
+            ("object", "filled-paper-box"),
+            ("needed N", "18.39"),
+            ("stiffness N/m", "1000000"),
+            ("lifted mm", "39.96"),
+            ("outcome", outcome),
+        ];
+        check(&grasp, 80, 1);
+        check(&grasp, 60, 1);
+        check(&grasp, 40, 2);
+        let ranges = [
+            ("family", "filled-paper-box"),
+            ("held", "150~of~150"),
+            ("over-grip", "1.67~to~11.45"),
+            ("slip mm", "0.31~to~6.97"),
+            ("turn °", "0.58~to~12.58"),
+            ("otherwise", "3 crushed, 2 slipped in the hand"),
+        ];
+        check(&ranges, 100, 1);
+        check(&ranges, 80, 2);
+        let path = "/dev/shm/".to_owned() + &"0123456789abcdef".repeat(8);
+        check(&[("probe", "bus"), ("found", &path)], 80, 1);
+        check(&[("alone", "1")], 40, 1);
     }
 
     #[test]

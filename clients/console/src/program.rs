@@ -1,13 +1,15 @@
 //! A program from its command line to its exit code.
 
-use std::io::Write;
 use std::process::ExitCode;
 
+use atas_process::command_line;
 use clap::FromArgMatches;
-use serde_json::json;
 
 use crate::arguments::{Arguments, Command, command};
-use crate::{Exit, Format, Interrupt, Output};
+use crate::{Exit, Interrupt, Output};
+
+/// What errors are told under: all programs of this command line are one to their users.
+const PROGRAM: &str = "atas";
 
 /// Reads the command line, does what it says by `execute`, tells errors in one line, returns the exit code.
 #[must_use]
@@ -15,9 +17,12 @@ pub fn run(
     execute: impl FnOnce(&Command, &Interrupt, &mut Output) -> anyhow::Result<()>,
 ) -> ExitCode {
     log_to_stderr();
-    let arguments = match parse() {
+    let parsed = command()
+        .try_get_matches()
+        .and_then(|matches| Arguments::from_arg_matches(&matches));
+    let arguments = match parsed {
         Ok(arguments) => arguments,
-        Err(code) => return code,
+        Err(error) => return command_line::end(PROGRAM, &error, Exit::Failed as u8),
     };
     let mut output = Output::new(arguments.format);
     let ended = Interrupt::listen()
@@ -29,46 +34,9 @@ pub fn run(
         return Exit::Ok.into();
     }
     let exit = Exit::of(&error);
-    tell(arguments.format, &format!("{error:#}"), exit);
+    let sentence = format!("{error:#}");
+    command_line::tell(PROGRAM, &sentence, exit as u8, output.is_json());
     exit.into()
-}
-
-/// The command line, or the end that it leads to by itself: help, a version, or wrong usage.
-fn parse() -> Result<Arguments, ExitCode> {
-    let parsed = command()
-        .try_get_matches()
-        .and_then(|matches| Arguments::from_arg_matches(&matches));
-    parsed.map_err(|error| {
-        if !error.use_stderr() {
-            // A reader that goes away has read enough of a help.
-            let _ = error.print();
-            return Exit::Ok.into();
-        }
-        if wants_json() {
-            let text = error.render().to_string();
-            let sentence = text.trim_start_matches("error: ").trim_end();
-            tell(Format::Json, sentence, Exit::Usage);
-        } else {
-            let _ = error.print();
-        }
-        Exit::Usage.into()
-    })
-}
-
-/// Whether the user asked for JSON on a command line that is wrong elsewhere.
-fn wants_json() -> bool {
-    let words: Vec<String> = std::env::args().collect();
-    let apart = words.windows(2).any(|pair| pair == ["--format", "json"]);
-    apart || words.iter().any(|word| word == "--format=json")
-}
-
-/// Tells an error in one line. Nothing can be done if standard error is closed as well.
-fn tell(format: Format, sentence: &str, exit: Exit) {
-    let line = match format {
-        Format::Human => format!("atas: {sentence}"),
-        Format::Json => json!({ "error": sentence, "exit": exit as u8 }).to_string(),
-    };
-    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Whoever reads the output may stop reading: `atas events | head` is no error.

@@ -52,6 +52,7 @@ fn accepted() {
     );
     check("atas plot grasp --out grasp.svg");
     check("atas plot run.mcap --out run.png");
+    check("atas plot grasp --out GRASP.SVG");
     check("atas plot run.mcap other.mcap --from lift --out both.pdf");
     check("atas plot screw --object ./cap.toml --seed 7 --out screw.svg");
     check("atas grasp --at 0.32,-0.15,0.04 --width 50");
@@ -165,6 +166,13 @@ fn refused() {
     check("atas plot", "<RECORDING>");
     check("atas plot run.mcap", "--out");
     check("atas plot run.mcap --out run.gif", ".svg, .png, .pdf");
+    check("atas calibrate guide --out steps.toml", ".csv");
+    check("atas calibrate fit --presses p.csv --out tip.json", ".toml");
+    check(
+        "atas calibrate fit --presses p.csv --out tip.toml --daemon tip.json",
+        ".toml",
+    );
+    check("atas eval recording a.csv --save m.json", ".toml");
     check("atas topic echo", "<SERVICE>");
     check("atas topic hz view --seconds 0", "above zero");
     check("atas status --format xml", "human, json");
@@ -215,6 +223,42 @@ fn values_and_defaults() {
         }) => assert_eq!((demo.object.as_str(), demo.running.seed), ("wood", 1)),
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn what_is_exported_and_what_its_name_ends_in_are_one() {
+    let file = |line: &str| match parse(&format!("atas export runs/run.mcap {line}")) {
+        Ok(Command::Export(export)) => export.file(),
+        other => panic!("{line}: {other:?}"),
+    };
+    let made = |line: &str, expected: &str| assert_eq!(file(line), Ok(expected.into()), "{line}");
+    made("--to mcap", "runs/run-ros2.mcap");
+    made("--to csv", "runs/run.csv");
+    made("--to parquet", "runs/run.parquet");
+    made("--to csv --out x.csv", "x.csv");
+    made("--to csv --out x.CSV", "x.CSV");
+    let refused = |line: &str, parts: [&str; 3]| {
+        let sentence = file(line).expect_err(line);
+        for part in parts {
+            assert!(sentence.contains(part), "{line}: {part}: {sentence}");
+        }
+    };
+    refused(
+        "--to csv --out x.parquet",
+        ["means parquet", "--to says csv", "say --to parquet"],
+    );
+    refused(
+        "--to parquet --out x.csv",
+        ["means csv", "--to says parquet", "say --to csv"],
+    );
+    refused(
+        "--to mcap --out x.CSV",
+        ["means csv", "--to says mcap", "ends in .mcap"],
+    );
+    refused(
+        "--to csv --out x",
+        ["means no kind of file", "--to says csv", "rename it"],
+    );
 }
 
 #[test]

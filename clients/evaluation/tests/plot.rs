@@ -85,6 +85,44 @@ fn the_steps_after_a_refusal_are_labelled() {
     }
 }
 
+/// The force that an object needs stands where the axis says, as the forces of the hand do, also where no hand can press so hard.
+#[test]
+fn what_an_object_needs_is_drawn_to_scale() {
+    /// Where the lines of one colour and width are: the least y, which points downwards, px.
+    fn top(svg: &str, colour: &str, width: u32) -> f64 {
+        let drawn = format!("stroke=\"{colour}\" stroke-width=\"{width}\" points=\"");
+        let lines = svg
+            .split(&drawn)
+            .skip(1)
+            .filter_map(|l| l.split('"').next());
+        let points = lines.flat_map(str::split_whitespace);
+        let y = points.filter_map(|point| point.split_once(',')?.1.parse().ok());
+        y.fold(f64::INFINITY, f64::min)
+    }
+    // What F_2 is of a rigid object, N.
+    const F2_N: f64 = 8.0;
+    for object in ["wood", "bottle", "heavy-block"] {
+        let svg = drawn(Task::Grasp, object, 1);
+        let (_, title) = svg
+            .split_once(&format!("Grasp of {object}: "))
+            .expect(object);
+        let (mass_g, rest) = title.split_once(" g, μ ").expect("a mass");
+        let friction = rest.split_whitespace().next().expect("a friction");
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        let needed_n = number(mass_g) * 9.81e-3 / (2.0 * number(friction));
+        // The first axis left of the panels is the forces'.
+        let axis = svg.split("points=\"219,").nth(1).expect("an axis");
+        let bottom = axis.split([',', ' ']).nth(2).map(number).expect("an end");
+        let height = |colour| bottom - top(&svg, colour, 3);
+        let ratio = height("#787878") / height("#D55E00");
+        assert!(
+            (ratio / (needed_n / F2_N) - 1.0).abs() < 0.03,
+            "{object} needs {needed_n:.2} N, drawn as {:.2} N",
+            ratio * F2_N
+        );
+    }
+}
+
 /// What lies on top of each other must be told apart by its colour.
 #[test]
 fn fingers_and_thresholds_have_colours_of_their_own() {

@@ -13,6 +13,7 @@ mod visit;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use atas_process::command_line;
 use clap::Parser;
 
 /// Runs `atas` for members of group atas, as far as access.group of the configuration lets them.
@@ -30,10 +31,15 @@ struct Args {
     full: bool,
 }
 
+const PROGRAM: &str = "atas-gate";
+
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => return command_line::end(PROGRAM, &error, 1),
+    };
     atas_process::run(
-        "atas-gate",
+        PROGRAM,
         || {
             let done = if args.visit {
                 visit::receive(&args.config, args.full)

@@ -48,7 +48,7 @@ pub fn pass(command: &Command) -> anyhow::Result<()> {
     if let Some(why) = kept {
         let memory = place.file_name().unwrap_or_default().to_string_lossy();
         if !memory.starts_with(&format!("{bus}_")) {
-            // Another user has some bus, not this one, which the command may make, or await.
+            // Of the other user's bus there is but the folder: the command may make its own, or await one.
             return Ok(());
         }
         let sentence =

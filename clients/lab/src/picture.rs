@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Context;
+use atas_process::file_name::suffix;
 use resvg::{tiny_skia, usvg};
 use tracing::subscriber::{NoSubscriber, with_default};
 use usvg::fontdb;
@@ -21,11 +22,10 @@ const PDF_DPI: f32 = 144.0;
 
 /// Writes a figure as what its name ends in: `svg`, `png` or `pdf`.
 pub(crate) fn write(path: &Path, svg: &str) -> anyhow::Result<()> {
-    let ending = path.extension().unwrap_or_default();
     // The converters remark on lines without length, which a user can neither see nor mend.
-    let bytes = with_default(NoSubscriber::default(), || match ending.to_str() {
-        Some("png") => png(svg),
-        Some("pdf") => pdf(svg),
+    let bytes = with_default(NoSubscriber::default(), || match suffix(path).as_str() {
+        "png" => png(svg),
+        "pdf" => pdf(svg),
         _ => Ok(svg.as_bytes().to_vec()),
     })?;
     std::fs::write(path, bytes).with_context(|| {

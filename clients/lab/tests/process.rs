@@ -50,6 +50,45 @@ fn wrong_usage_has_its_own_code() {
 }
 
 #[test]
+fn a_picture_is_what_its_suffix_says_in_any_case() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, begins) in [
+        ("a.svg", &b"<svg"[..]),
+        ("b.SVG", b"<svg"),
+        ("c.Png", b"\x89PNG"),
+        ("d.PDF", b"%PDF"),
+    ] {
+        let file = folder.path().join(name);
+        let out = file.to_str().expect("UTF-8");
+        let (code, _, stderr) = run(&["plot", "grasp", "--object", "sponge", "--out", out]);
+        assert_eq!(code, 0, "{name}: {stderr}");
+        let bytes = std::fs::read(&file).expect("a picture");
+        assert!(bytes.starts_with(begins), "{name}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_recording_is_told_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("tasks.toml");
+    std::fs::write(&file, "[[task]]\nname = \"polish\"\n").expect("written");
+    let path = file.to_str().expect("UTF-8");
+    let out = format!("{path}.svg");
+    for line in [
+        &["explain", path][..],
+        &["replay", path],
+        &["plot", path, "--out", &out],
+    ] {
+        let (code, _, stderr) = run(line);
+        assert_eq!(code, 1, "{line:?}: {stderr}");
+        assert!(
+            stderr.contains("does not begin as a recording does") && !stderr.contains("repair"),
+            "{line:?}: {stderr}"
+        );
+    }
+}
+
+#[test]
 fn eval_prints_one_json_line() {
     let (code, stdout, stderr) = run(&[
         "eval",
@@ -197,6 +236,47 @@ fn children_of(id: u32) -> Vec<u32> {
     text.split_whitespace()
         .filter_map(|id| id.parse().ok())
         .collect()
+}
+
+/// As wide as a table is where nobody says how wide the terminal is.
+#[test]
+fn tables_fit_eighty_columns_and_break_no_range() {
+    if !neighbours_are_built() {
+        return;
+    }
+    // What is below a table begins with `below`; a sentence may be as long as it is.
+    let check = |line: &str, below: &str, parts: &[&str]| {
+        let words: Vec<&str> = line.split(' ').collect();
+        let (code, stdout, stderr) = run(&words);
+        assert_eq!(code, 0, "{line}: {stderr}");
+        for part in parts {
+            assert!(stdout.contains(part), "{part:?} is not in: {stdout}");
+        }
+        for row in stdout.lines().take_while(|row| !row.starts_with(below)) {
+            assert!(row.chars().count() <= 80, "{row}");
+            assert!(!row.trim_end().ends_with(" to"), "{stdout}");
+            assert!(!row.contains("reason"), "{stdout}");
+        }
+    };
+    let demo = |task: &str, parts: &[&str]| {
+        check(&format!("demo {task} --lockstep"), "heavy-block: ", parts);
+    };
+    demo("grasp --object wood", &["lifted mm", "held"]);
+    demo(
+        "grasp --object heavy-block",
+        &[
+            "refused:",
+            "too heavy ",
+            "\nheavy-block: lift: needs more than ",
+        ],
+    );
+    demo("pick-place --object wood", &["took", "placed"]);
+    demo("screw", &["took s", "tight"]);
+    check(
+        "eval grasp --trials 2 --objects filled-paper-box,slippery-200 --noise 1",
+        "grasp: ",
+        &["1 of 1", "otherwise"],
+    );
 }
 
 /// A fingertip of four electrodes, touched by one object and slipping on it.

@@ -38,7 +38,7 @@ class Page {
   past({ moments, events, status, faults }) {
     // Times count from the daemon's start, or from the beginning of the recording.
     if (this.scene.recording) this.origin = moments[0][0];
-    else if (status?.alive && !status.lockstep) this.origin = status.started_ns * 1e-9;
+    else if (status?.alive) this.origin = status.started_ns * 1e-9;
     this.traces.begin(moments, this.origin);
     this.events(events);
     this.faults(faults);

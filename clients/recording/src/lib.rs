@@ -10,7 +10,7 @@
 //!                       └─ whoever replays it
 //! ```
 //!
-//! * **Invariants:** a file never overwrites another. One file holds one run of the daemon, or a piece of one. What was
+//! * **Invariants:** a file never overwrites another. One file holds one run of the daemon, or a part of one. What was
 //!   flushed survives any end of the recorder; every ordinary end writes the footer. Lost parts are counted and named.
 //! * **Time** in the files is the sensors' time (`CLOCK_MONOTONIC`, or virtual in lock-step). The wall clock stands in
 //!   the metadata; what is exported has it ([`Clock`]).

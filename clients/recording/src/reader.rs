@@ -72,6 +72,22 @@ impl Reader {
         })
     }
 
+    /// What is wrong where nothing further can be read. Of a recording something can be saved, of another file nothing.
+    fn unreadable(&self) -> String {
+        let path = self.path.display();
+        // A file that cannot be opened any more could be when it was read.
+        if is_recording(&self.path).unwrap_or(true) {
+            format!(
+                "could not read {path} to its end; `atas record repair {path}` saves what can be read"
+            )
+        } else {
+            format!(
+                "could not read {path} because it does not begin as a recording does, needs a file that `atas record` wrote; \
+                 name another"
+            )
+        }
+    }
+
     fn next_entry(&mut self) -> anyhow::Result<Option<Entry>> {
         while let Some(event) = self.records.next_event() {
             match event? {
@@ -123,10 +139,7 @@ impl Iterator for Reader {
         if self.has_ended {
             return None;
         }
-        let entry = self.next_entry().with_context(|| {
-            let path = self.path.display();
-            format!("could not read {path} to its end; `atas record repair {path}` saves what can be read")
-        });
+        let entry = self.next_entry().with_context(|| self.unreadable());
         self.has_ended = !matches!(entry, Ok(Some(_)));
         entry.transpose()
     }
@@ -200,6 +213,29 @@ mod tests {
             publish_time: 0,
             data: Cow::Owned(data),
         }
+    }
+
+    #[test]
+    fn what_is_no_recording_is_told_as_such_and_not_to_be_repaired() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("some.file");
+        let check = |bytes: &[u8], is_one: bool| {
+            std::fs::write(&path, bytes).expect("written");
+            let entries = Reader::open(&path).expect("opened");
+            let errors: Vec<String> = entries
+                .filter_map(|entry| Some(format!("{:#}", entry.err()?)))
+                .collect();
+            let [error] = &errors[..] else {
+                panic!("{bytes:?}: {errors:?}");
+            };
+            assert_eq!(error.contains("`atas record repair"), is_one, "{error}");
+            assert_eq!(error.contains("needs a file that"), !is_one, "{error}");
+        };
+        check(b"[[task]]\nname = \"polish\"\n", false);
+        check(b"", false);
+        check(&MAGIC[..3], false);
+        check(&[MAGIC, b"0\r\n"].concat(), true);
+        check(&[MAGIC, b"0\r\n and then something else"].concat(), true);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A recording over several files: one file per run and piece, flushed by time, bounded in size.
+//! A recording over several files: one file per run and part, flushed by time, bounded in size.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -58,7 +58,7 @@ pub(super) struct Recording {
     writer: Writer,
     size: u64,
     closed: VecDeque<(PathBuf, u64)>,
-    pieces: u32,
+    parts: u32,
     run: Option<Box<RunHeader>>,
     follower: Option<Box<dyn Follower>>,
     /// Whether the follower could follow this run so far.
@@ -84,7 +84,7 @@ impl Recording {
             notes,
             size: 0,
             closed: VecDeque::new(),
-            pieces: 0,
+            parts: 0,
             run: None,
             follower,
             follows: false,
@@ -189,8 +189,8 @@ impl Recording {
     }
 
     fn next_file(&mut self) -> anyhow::Result<()> {
-        self.pieces += 1;
-        let next = Writer::create(&piece(&self.out, self.pieces))?;
+        self.parts += 1;
+        let next = Writer::create(&part(&self.out, self.parts))?;
         let full = std::mem::replace(&mut self.writer, next);
         let path = full.path().to_owned();
         self.closed.push_back((path, full.finish()?));
@@ -231,7 +231,7 @@ impl Recording {
             self.writer.describe(&robot)?;
         }
         self.writer.write(&**run)?;
-        self.writer.describe(&origin(run, self.pieces))?;
+        self.writer.describe(&origin(run, self.parts))?;
         if self.notes.is_empty() {
             return Ok(());
         }
@@ -243,7 +243,7 @@ impl Recording {
 }
 
 /// The name of a later file: `grasp.mcap`, `grasp-001.mcap`, …
-fn piece(out: &Path, number: u32) -> PathBuf {
+fn part(out: &Path, number: u32) -> PathBuf {
     let text =
         |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     let name = format!("{}-{number:03}", text(out.file_stem()));
@@ -251,7 +251,7 @@ fn piece(out: &Path, number: u32) -> PathBuf {
         .with_extension(text(out.extension()))
 }
 
-fn origin(run: &RunHeader, piece: u32) -> Metadata {
+fn origin(run: &RunHeader, part: u32) -> Metadata {
     let texts = [
         ("daemon_version", run.version.to_string()),
         ("recorder_version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -266,7 +266,7 @@ fn origin(run: &RunHeader, piece: u32) -> Metadata {
         ("rate_hz", run.rate_hz.to_string()),
         ("daemon_started_ns", run.stamp.captured_ns.to_string()),
         ("writer_epoch", format!("{:016x}", run.stamp.writer_epoch)),
-        ("piece", piece.to_string()),
+        ("part", part.to_string()),
     ];
     let texts = texts.into_iter().chain(Clock::now());
     Metadata {

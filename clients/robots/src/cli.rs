@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use atas_process::file_name::ending_in;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use shm_bus::BusName;
 
@@ -14,7 +15,7 @@ Examples:
 
 Exit codes: 0 stopped by SIGINT or SIGTERM, the servos hold; 1 standard output failed; 2 wrong arguments; 3 wrong servo map; \
 4 servos do not answer as the map says; 6 bus not usable.
-Log: standard error, filtered by RUST_LOG (default info).";
+Log: standard error, filtered by RUST_LOG (default info). With --format json an error is one JSON object there: {error, exit}.";
 
 const RUN_HELP: &str = r#"The map, one [[port]] for each serial port, one [[port.servo]] for each joint of the robot:
   robot = "two-hand-arm"            # or a robot file, as the daemon is told
@@ -157,7 +158,7 @@ pub enum Verb {
         #[command(flatten)]
         which: Which,
         /// Where to write the map, instead of standard output.
-        #[arg(long)]
+        #[arg(long, value_name = "FILE.toml", value_parser = map_file)]
         out: Option<PathBuf>,
     },
     /// Let servos go: switch their torque off.
@@ -176,7 +177,7 @@ pub enum Verb {
         /// The map.
         map: PathBuf,
         /// Where to write the map with the terminals.
-        #[arg(long)]
+        #[arg(long, value_name = "FILE.toml", value_parser = map_file)]
         out: PathBuf,
         /// How to print.
         #[arg(long, value_enum, default_value = "text")]
@@ -196,6 +197,11 @@ pub enum Verb {
         /// The folder; it is made.
         folder: PathBuf,
     },
+}
+
+/// A map to write.
+fn map_file(text: &str) -> Result<PathBuf, String> {
+    ending_in(text, &["toml"])
 }
 
 /// Joints of a map.

@@ -3,7 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | stopped by SIGINT or SIGTERM; the servos hold |
-//! | 1 | standard output failed |
+//! | 1 | standard output could not be written; a closed pipe is no failure |
 //! | 2 | the command line makes no sense, or a file could not be written |
 //! | 3 | the servo map makes no sense |
 //! | 4 | a servo or its port does not answer as the map says |
@@ -49,11 +49,14 @@ fn listed(findings: &[String]) -> String {
 }
 
 impl Failure {
+    /// The exit code of what could not be printed.
+    pub const UNWRITTEN: u8 = 1;
+
     /// The exit code that stands for this failure.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Output(_) => 1,
+            Self::Output(_) => Self::UNWRITTEN,
             Self::Usage(_) => 2,
             Self::Map { .. } => 3,
             Self::Servos(_) => 4,

@@ -2,14 +2,17 @@
 
 use std::process::ExitCode;
 
-use atas_robots::{cli, commands, failure::Failure};
+use atas_process::command_line;
+use atas_robots::{cli::Arguments, commands, failure::Failure};
 use clap::Parser;
 
+const PROGRAM: &str = "atas-robot";
+
 fn main() -> ExitCode {
-    let arguments = cli::Arguments::parse();
-    atas_process::run(
-        "atas-robot",
-        || commands::run(arguments.verb),
-        Failure::exit_code,
-    )
+    match Arguments::try_parse() {
+        Ok(Arguments { verb }) => {
+            atas_process::run(PROGRAM, || commands::run(verb), Failure::exit_code)
+        }
+        Err(error) => command_line::end(PROGRAM, &error, Failure::UNWRITTEN),
+    }
 }

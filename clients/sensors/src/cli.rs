@@ -25,7 +25,7 @@ Examples:
 Exit codes: 0 stopped by SIGINT or SIGTERM, or end of a recording; 1 standard output failed; \
 2 wrong arguments; 3 device or recording not opened; 4 device does not answer as configured; 5 device lost or recording damaged; \
 6 bus not usable.
-Log: standard error, filtered by RUST_LOG (default info).";
+Log: standard error, filtered by RUST_LOG (default info). With --format json an error is one JSON object there: {error, exit}.";
 
 /// What all sensors' subcommands take.
 #[derive(Debug, Args)]
@@ -110,8 +110,9 @@ const LIST_HELP: &str = "JSON: {sensors: [{name, about, wire, taxels, rate_hz}]}
 Example:
   atas-sensor list --format json";
 
-const PROBE_HELP: &str = "JSON: {device, found: [{name, frames, junk_bytes, rate_hz}]}, best first; empty when nothing \
-was recognised. On failure {error}. Sensors that need other options than the default ones are named too.
+const PROBE_HELP: &str = "JSON: {device, found: [{name, frames, junk_bytes, rate_hz, needs}]}, best first; empty when nothing \
+was recognised. On failure {device, error}. Sensors that need other options than the default ones are named too, with \
+what they need.
 
 Examples:
   atas-sensor probe /dev/ttyUSB0
@@ -254,16 +255,18 @@ pub struct Listen {
 /// The whole command line.
 #[must_use]
 pub fn command() -> Command {
-    let command = Command::new("atas-sensor")
+    let command = SENSORS
+        .iter()
+        .fold(Command::new("atas-sensor"), |command, sensor| {
+            command.subcommand(subcommand(sensor))
+        });
+    // What the program is stands after what is taken in, which brings along what it is itself.
+    Tool::augment_subcommands(command)
         .version(env!("CARGO_PKG_VERSION"))
         .about("Reads real tactile sensors and publishes what they feel")
         .after_help(AFTER)
         .subcommand_required(true)
-        .arg_required_else_help(true);
-    let command = SENSORS.iter().fold(command, |command, sensor| {
-        command.subcommand(subcommand(sensor))
-    });
-    Tool::augment_subcommands(command)
+        .arg_required_else_help(true)
 }
 
 /// The subcommand of one sensor.
@@ -277,19 +280,18 @@ fn subcommand(sensor: &SensorType) -> Command {
         ..
     } = sensor;
     let after = format!("{notes}\n\nWire: {wire}.\n\nExample:\n  atas-sensor {name} {example}");
-    let common = PortArgs::augment_args(
-        Command::new(name)
-            .about(*about)
-            .after_help(after.trim_start().to_owned()),
-    )
-    .mut_arg("rate_hz", |arg| {
-        arg.required(false).default_value(sensor.rate_hz)
-    })
-    .mut_arg("axes", |arg| arg.required(false).default_value(sensor.axes))
-    .mut_arg("newtons_per_count", |arg| match sensor.newtons_per_unit {
-        Some(scale) => arg.default_value(scale),
-        None => arg.required_unless_present_any(["dry_run", "calibration"]),
-    });
+    // As with the tools: what the sensor is stands last.
+    let common = PortArgs::augment_args(Command::new(name))
+        .about(*about)
+        .after_help(after.trim_start().to_owned())
+        .mut_arg("rate_hz", |arg| {
+            arg.required(false).default_value(sensor.rate_hz)
+        })
+        .mut_arg("axes", |arg| arg.required(false).default_value(sensor.axes))
+        .mut_arg("newtons_per_count", |arg| match sensor.newtons_per_unit {
+            Some(scale) => arg.default_value(scale),
+            None => arg.required_unless_present_any(["dry_run", "calibration"]),
+        });
     (sensor.options)(common)
 }
 

@@ -3,7 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | stopped by SIGINT or SIGTERM, or a recording was decoded to its end |
-//! | 1 | the table of a dry run could not be written |
+//! | 1 | standard output could not be written; a closed pipe is no failure |
 //! | 2 | the command line makes no sense |
 //! | 3 | the device, or the recording to play, could not be opened |
 //! | 4 | the device does not answer as configured |
@@ -66,11 +66,14 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The exit code of what could not be printed.
+    pub const UNWRITTEN: u8 = 1;
+
     /// The exit code that stands for this failure.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Table(_) => 1,
+            Self::Table(_) => Self::UNWRITTEN,
             Self::Usage(_) => 2,
             Self::Open { .. } | Self::Recording(_) => 3,
             Self::Configure { .. } | Self::WrongKind { .. } => 4,

@@ -2,13 +2,14 @@
 
 use std::process::ExitCode;
 
+use atas_process::command_line;
 use atas_sensors::{cli, commands, failure::Failure};
 
+const PROGRAM: &str = "atas-sensor";
+
 fn main() -> ExitCode {
-    let matches = cli::command().get_matches();
-    atas_process::run(
-        "atas-sensor",
-        || commands::run(&matches),
-        Failure::exit_code,
-    )
+    match cli::command().try_get_matches() {
+        Ok(matches) => atas_process::run(PROGRAM, || commands::run(&matches), Failure::exit_code),
+        Err(error) => command_line::end(PROGRAM, &error, Failure::UNWRITTEN),
+    }
 }

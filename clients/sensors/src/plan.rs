@@ -190,7 +190,7 @@ fn make_port(
     let newtons = if args.calibration.is_empty() {
         scaled()
     } else {
-        Some(fitted(driver.shape(), device, calibrations)?)
+        Some(fitted(driver.shape(), device, calibrations, args.zero)?)
     };
     Ok(Port {
         sensor,
@@ -209,11 +209,12 @@ fn calibrations(args: &PortArgs) -> Result<Vec<Calibration>, Failure> {
         .collect()
 }
 
-/// Takes the next device's calibrations.
+/// Takes the next device's calibrations. A device whose zero is taken at the start has no other.
 fn fitted(
     shape: Shape,
     device: &str,
     calibrations: &mut Vec<Calibration>,
+    is_zeroed: bool,
 ) -> Result<Newtons, Failure> {
     if calibrations.len() < shape.fingers {
         return Err(Failure::Usage(format!(
@@ -231,6 +232,10 @@ fn fitted(
             other.elements_in(),
             shape.taxels
         ))),
+        None if is_zeroed => {
+            let own = own.into_iter().map(Calibration::of_zeroed);
+            Ok(Newtons::Fitted(own.collect()))
+        }
         None => Ok(Newtons::Fitted(own)),
     }
 }
@@ -328,7 +333,8 @@ pub fn layout(wanted: Option<&str>, elements: usize) -> Result<Layout, Failure> 
 
 #[cfg(test)]
 mod tests {
-    use super::Plan;
+    use super::{Newtons, Plan};
+    use crate::calibration::{Calibration, Model, Quality};
     use crate::cli;
     use crate::wire::{Dialogue, named};
 
@@ -379,6 +385,37 @@ mod tests {
         let plan = plan("--hand left --newtons-per-count 1,1,1 --finger 1 --device b").unwrap();
         let fingers: Vec<usize> = plan.seats().iter().map(|seat| seat.finger).collect();
         assert_eq!(fingers, [1, 2]);
+    }
+
+    /// Regression: with `--zero` the zero of the calibration was taken off as well.
+    #[test]
+    fn a_sensor_has_one_zero() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("tip.toml");
+        let calibration = Calibration {
+            format: 1,
+            source: "a test".to_owned(),
+            model: Model::Matrix,
+            zero: vec![10.0, 20.0, 30.0],
+            newtons: vec![[
+                vec![1.0, 0.0, 0.0],
+                vec![0.0, 1.0, 0.0],
+                vec![0.0, 0.0, 1.0],
+            ]],
+            quality: Quality::default(),
+            drift: None,
+        };
+        calibration.save(&path).expect("written");
+        let check = |more: &str, force_n: [f64; 3]| {
+            let line = format!("--hand left --calibration {} {more}", path.display());
+            let plan = plan(&line).expect("it holds");
+            let Some(Newtons::Fitted(of)) = &plan.ports[0].newtons else {
+                panic!("calibrated");
+            };
+            assert_eq!(of[0].force_n(0, &[11.0, 20.0, 30.0]), force_n, "{more:?}");
+        };
+        check("", [1.0, 0.0, 0.0]);
+        check("--zero", [11.0, 20.0, 30.0]);
     }
 
     #[test]

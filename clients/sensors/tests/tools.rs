@@ -18,12 +18,38 @@ use atas_sensors::wire::SENSORS;
 use process::{Pty, Sensor};
 use rustix::process::Signal;
 use serde_json::Value;
-use shm_bus::FreshBus;
+use shm_bus::{Bus, FreshBus};
 
 fn json_of(arguments: &str) -> Value {
     let (code, stdout, stderr) = Sensor::start_line(arguments).finish();
     assert_eq!(code, Some(0), "{arguments}: {stderr}");
     serde_json::from_str(&stdout).unwrap_or_else(|error| panic!("{arguments}: {error}: {stdout}"))
+}
+
+/// What a program is made of says what it is itself; that must not stand for the program.
+#[test]
+fn every_help_and_page_opens_with_what_it_is_about() {
+    let folder = tempfile::tempdir().unwrap();
+    clap_mangen::generate_to(cli::command(), folder.path()).unwrap();
+    let check = |words: &str, about: &str| {
+        let mut line: Vec<&str> = words.split(' ').collect();
+        line.push("--help");
+        let help = cli::command().try_get_matches_from(line).unwrap_err();
+        let help = help.render().to_string();
+        assert_eq!(help.lines().next(), Some(about), "{words}");
+        let page = folder.path().join(words.replace(' ', "-") + ".1");
+        let page = fs::read_to_string(page).unwrap();
+        let page = page.replace(r"\*(Aq", "'").replace('\\', "");
+        assert!(page.contains(about), "{words}: {page}");
+        assert!(!page.contains("Everything that") && !page.contains("What all"));
+    };
+    check(
+        "atas-sensor",
+        "Reads real tactile sensors and publishes what they feel",
+    );
+    for sensor in &SENSORS {
+        check(&format!("atas-sensor {}", sensor.name), sensor.about);
+    }
 }
 
 #[test]
@@ -144,6 +170,11 @@ fn rate_and_frames_of_a_hand_are_shown() {
         "optoforce --device {} {at} --no-configure --newtons-per-count 1,1,1",
         pty.path.display()
     ));
+    let made = (0..10_000).any(|_| {
+        thread::sleep(Duration::from_millis(1));
+        Bus::find(&bus).is_ok()
+    });
+    assert!(made, "the sensor's process makes the bus");
     let echo = Sensor::start_line(&format!("echo {at} --frames 5 --format json"));
     let hz = Sensor::start_line(&format!("hz {at} --seconds 2 --format json"));
     let done = AtomicBool::new(false);
@@ -195,6 +226,21 @@ fn rate_and_frames_of_a_hand_are_shown() {
 }
 
 #[test]
+fn a_bus_that_nobody_made_is_told_and_not_made() {
+    for line in ["hz", "hz --seconds 1 --format json", "echo --frames 1"] {
+        let bus = FreshBus::new("typo");
+        let line = format!("{line} --hand left --bus {}", *bus);
+        let (code, stdout, stderr) = Sensor::start_line(&line).finish();
+        assert_eq!((code, stdout.as_str()), (Some(6), ""), "{line}: {stderr}");
+        assert!(
+            stderr.contains("could not find the bus"),
+            "{line}: {stderr}"
+        );
+        assert!(Bus::find(&bus).is_err(), "{line}");
+    }
+}
+
+#[test]
 fn completions_and_manual_pages() {
     let (code, script, _) = Sensor::start_line("completions bash").finish();
     assert_eq!(code, Some(0));
@@ -222,6 +268,8 @@ fn a_closed_pipe_and_a_full_disk_are_no_panic() {
         "list",
         "list --format json",
         "completions zsh",
+        "--help",
+        "optoforce --help",
     ] {
         for full in [true, false] {
             let sink = if full {
@@ -238,11 +286,14 @@ fn a_closed_pipe_and_a_full_disk_are_no_panic() {
                 .output()
                 .unwrap();
             let stderr = String::from_utf8(output.stderr).unwrap();
-            assert_eq!(output.status.code(), Some(1), "{line}: {stderr}");
-            assert!(
-                stderr.contains("could not write") && !stderr.contains("panicked"),
+            let (code, complains) = if full { (1, true) } else { (0, false) };
+            assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
+            assert_eq!(
+                stderr.contains("could not write"),
+                complains,
                 "{line}: {stderr}"
             );
+            assert!(!stderr.contains("panicked"), "{line}: {stderr}");
         }
     }
 }

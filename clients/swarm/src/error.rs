@@ -36,6 +36,9 @@ pub enum Error {
 }
 
 impl Error {
+    /// The exit code where the system refused, a full disk for example.
+    pub const SYSTEM: u8 = 5;
+
     /// A refusal in the house's form.
     pub fn refused(
         what: impl Display,
@@ -69,7 +72,7 @@ impl Error {
         match self {
             Self::Refused(_) => 3,
             Self::Busy(_) => 4,
-            Self::Io { .. } => 5,
+            Self::Io { .. } => Self::SYSTEM,
             Self::Bus(_) => 6,
             Self::Interrupted(_) => 130,
         }

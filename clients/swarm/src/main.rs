@@ -7,17 +7,29 @@ mod cli;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use atas_process::command_line;
+use clap::FromArgMatches;
 
 use cli::Arguments;
+use ebts::error::Error;
+
+const PROGRAM: &str = "ebts";
 
 fn main() -> ExitCode {
-    let args = Arguments::parse();
+    let parsed = cli::command()
+        .try_get_matches()
+        .and_then(|matches| Arguments::from_arg_matches(&matches));
+    let args = match parsed {
+        Ok(args) => args,
+        Err(error) => return command_line::end(PROGRAM, &error, Error::SYSTEM),
+    };
+    let as_json = args.is_json();
     match cli::run(args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            cli::complain(&error);
-            ExitCode::from(error.exit_code())
+            let exit = error.exit_code();
+            command_line::tell(PROGRAM, &error.to_string(), exit, as_json);
+            ExitCode::from(exit)
         }
     }
 }

@@ -1,5 +1,5 @@
-//! What the processes on a bus do alike, whatever they are: how they log, how they end, how a thread becomes real-time, where the
-//! system's configuration is.
+//! What the processes on a bus do alike, whatever they are: how they read a command line, how they log, how they end, how a thread
+//! becomes real-time, where the system's configuration is.
 //!
 //! ```text
 //!  tracing ─▶ log ─▶ standard error        SIGINT, SIGTERM ─▶ end ─▶ a flag        thread ─▶ scheduling ─▶ SCHED_FIFO
@@ -9,8 +9,10 @@
 //! * **Absent on purpose:** the bus (`shm-bus`), and what only the daemon does: locked memory, pinned cores
 //!   (`atasd::realtime`).
 
+pub mod command_line;
 pub mod configuration;
 pub mod end;
+pub mod file_name;
 pub mod log;
 pub mod scheduling;
 
@@ -37,9 +39,10 @@ pub fn run<E: Display>(
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            // If nobody can read it, nobody needs to be told.
-            let _ = writeln!(io::stderr(), "{program}: {failure}");
-            ExitCode::from(exit_code(&failure))
+            let exit = exit_code(&failure);
+            let as_json = command_line::wants_json();
+            command_line::tell(program, &failure.to_string(), exit, as_json);
+            ExitCode::from(exit)
         }
     }
 }

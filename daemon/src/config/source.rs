@@ -94,9 +94,19 @@ impl Config {
     /// The keys in which another configuration differs and which this daemon cannot change while it runs.
     #[must_use]
     pub fn fixed_differences(&self, other: &Self) -> Vec<String> {
+        self.differences(other, keys::is_fixed)
+    }
+
+    /// The keys in which another configuration differs and which it changes only while the robot is stopped.
+    #[must_use]
+    pub fn safety_differences(&self, other: &Self) -> Vec<String> {
+        self.differences(other, |key| key.starts_with("safety."))
+    }
+
+    fn differences(&self, other: &Self, of: impl Fn(&str) -> bool) -> Vec<String> {
         let theirs: BTreeMap<_, _> = document::flat(other).into_iter().collect();
         let ours = document::flat(self).into_iter();
-        ours.filter(|(key, value)| keys::is_fixed(key) && theirs.get(key) != Some(value))
+        ours.filter(|(key, value)| of(key) && theirs.get(key) != Some(value))
             .map(|(key, _)| key)
             .collect()
     }

@@ -165,6 +165,13 @@ fn bias(
             request.value
         ));
     };
+    if !state.wiring.joints_required {
+        return Err(
+            "could not take the bias because this daemon senses only (robot.joints_required is false) and takes one in mode ready, \
+             which needs a robot; start the sensor's process anew with --zero"
+                .to_owned(),
+        );
+    }
     if state.mode != Mode::READY {
         return Err(format!(
             "could not take the bias because the mode was {}, needs ready with an empty hand; release what it holds",
@@ -200,7 +207,7 @@ fn set(request: &ControlRequest, state: &mut SupervisorState, link: &mut Supervi
         Ok(found) => found,
         Err(why) => return Answer::Now(unknown(&why)),
     };
-    if parameter.is_safety() && !matches!(state.mode, Mode::INIT | Mode::SAFE_STOP) {
+    if parameter.is_safety() && !state.is_stopped() {
         let why = format!(
             "could not set {} because the mode was {}, needs a stopped robot; `atas estop` first, `atas recover` after",
             parameter.name, state.mode

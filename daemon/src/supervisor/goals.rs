@@ -61,6 +61,10 @@ impl GoalService {
         }
         if self.candidate.is_none() {
             match self.server.poll() {
+                // No check could make it possible, and its first finding would hide that.
+                Ok(Some(client)) if !state.wiring.joints_required => {
+                    reject(&client, Reason::of(Cause::SENSE_ONLY), state);
+                }
                 Ok(Some(client)) => self.check(Candidate { client, checks: 0 }, state),
                 Ok(None) => {}
                 Err(error) => tracing::warn!(%error, "a goal could not be read"),
@@ -117,11 +121,7 @@ impl GoalService {
                 cancelled: false,
                 ended: false,
             }),
-            Err(reason) => {
-                let task = &request.task;
-                tracing::info!(goal = request.goal_id, kind = %request.kind, %task, %reason, "goal rejected");
-                let _heard = client.update(&rejection(&request, reason, state.tick));
-            }
+            Err(reason) => reject(&client, reason, state),
         }
     }
 }
@@ -150,6 +150,15 @@ impl OpenGoal {
         }
         true
     }
+}
+
+/// Tells a client that its goal is not begun, and why.
+fn reject(client: &ActiveGoal, reason: Reason, state: &SupervisorState) {
+    let request = *client.request();
+    let task = &request.task;
+    tracing::info!(goal = request.goal_id, kind = %request.kind, %task, %reason, "goal rejected");
+    // A client that is gone needs no answer.
+    let _heard = client.update(&rejection(&request, reason, state.tick));
 }
 
 fn rejection(request: &GoalRequest, reason: Reason, tick: u64) -> GoalUpdate {

@@ -24,6 +24,8 @@ pub struct SupervisorState {
     pub flags: u32,
     /// When the daemon started, ns.
     pub started_ns: u64,
+    /// The same on the clock that stamps the ticks: virtual time begins with its first tick, and is 0 before.
+    pub stamps_from_ns: u64,
     /// Mode after the last tick.
     pub mode: Mode,
     /// Index of the last tick.
@@ -46,6 +48,7 @@ impl SupervisorState {
         wiring: Wiring,
         flags: u32,
     ) -> Self {
+        let started_ns = shm_bus::now_ns();
         Self {
             config_hash: config.hash(),
             settings: config.settings(),
@@ -54,7 +57,11 @@ impl SupervisorState {
             robot,
             wiring,
             flags,
-            started_ns: shm_bus::now_ns(),
+            started_ns,
+            stamps_from_ns: match flags & StatusFlags::LOCKSTEP {
+                0 => started_ns,
+                _ => 0,
+            },
             mode: Mode::INIT,
             tick: 0,
             commanded_rad: None,
@@ -64,6 +71,7 @@ impl SupervisorState {
 
     /// Learns from a tick.
     pub(super) fn learn(&mut self, record: &TickRecord) {
+        self.learn_clock(record.report.stamp.captured_ns);
         self.mode = record.report.mode;
         self.tick = record.report.tick;
         self.commanded_rad = record.commanded_rad;
@@ -72,6 +80,15 @@ impl SupervisorState {
             self.flags |= StatusFlags::PHASE_LOCKED;
         } else {
             self.flags &= !StatusFlags::PHASE_LOCKED;
+        }
+    }
+
+    /// Where virtual time began. Another simulator begins it anew.
+    fn learn_clock(&mut self, tick_ns: u64) {
+        let is_virtual = self.flags & StatusFlags::LOCKSTEP != 0;
+        let is_first = self.ticks_seen == 0 || tick_ns < self.stamps_from_ns;
+        if is_virtual && is_first {
+            self.stamps_from_ns = tick_ns;
         }
     }
 
@@ -102,8 +119,21 @@ impl SupervisorState {
                 "could not change {keys} while running; restart the daemon for that"
             ));
         }
+        let safety = self.config.safety_differences(&config);
+        if !safety.is_empty() && !self.is_stopped() {
+            return Err(format!(
+                "could not change {} because the mode was {}, needs a stopped robot; `atas estop` first, `atas recover` after",
+                safety.join(", "),
+                self.mode
+            ));
+        }
         let order = Order::Configure(config.settings());
         self.adopt(config, order, link)
+    }
+
+    /// Whether nothing moves before a person says so: only then what keeps the robot safe may change.
+    pub(super) fn is_stopped(&self) -> bool {
+        matches!(self.mode, Mode::INIT | Mode::SAFE_STOP)
     }
 
     fn adopt(

@@ -96,7 +96,7 @@ impl Telemetry {
         status.stamp.writer_epoch = state.wiring.writer_epoch;
         status.version = Text::new(env!("CARGO_PKG_VERSION"));
         status.config_hash = state.config_hash;
-        status.started_ns = state.started_ns;
+        status.started_ns = state.stamps_from_ns;
         status.pid = std::process::id();
         status.flags = state.flags;
         status.rate_hz = state.config.realtime.rate_hz;

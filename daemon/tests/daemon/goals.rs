@@ -180,7 +180,7 @@ fn goals_that_make_no_sense_are_rejected_with_the_reason() {
 }
 
 /// One goal in lock-step: ticks and states of its updates, and a digest of every command.
-fn story() -> (Vec<(u64, GoalState)>, u64) {
+fn run_goals() -> (Vec<(u64, GoalState)>, u64) {
     let bus = FreshBus::new("story");
     let mut world = LockStep::on(&bus);
     let _daemon = Daemon::start(&bus, &["--lockstep"]);
@@ -196,7 +196,7 @@ fn story() -> (Vec<(u64, GoalState)>, u64) {
 
 #[test]
 fn lock_step_depends_on_the_goal_only() {
-    let (updates, commands) = story();
+    let (updates, commands) = run_goals();
     assert_eq!(
         updates.first(),
         Some(&(100, GoalState::ACCEPTED)),
@@ -207,7 +207,7 @@ fn lock_step_depends_on_the_goal_only() {
         Some(GoalState::FAILED),
         "there is nothing to grasp"
     );
-    assert_eq!(story(), (updates, commands), "bit for bit");
+    assert_eq!(run_goals(), (updates, commands), "bit for bit");
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod orders;
 mod outputs;
 mod replay;
 mod service;
+mod status;
 mod stops;
 mod support;
 mod tasks;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 use shm_bus::FreshBus;
-use shm_schemas::{ControlOp, ControlOutcome};
+use shm_schemas::{ControlOp, ControlOutcome, Mode};
 use tempfile::TempDir;
 
 use crate::support::{Daemon, PATIENCE, World, wait_for};
@@ -88,7 +88,7 @@ fn the_configuration_is_read_again_or_kept() {
     let bus = FreshBus::new("reload");
     let mut world = World::on(&bus);
     let mut daemon = Daemon::start_with(&bus, "", &[], |_| ());
-    world.until("a status", |s| s.ticks > 0);
+    world.until("a robot that may move", |s| s.mode == Mode::READY);
     let get = |world: &mut World| world.control(ControlOp::PARAM_GET, "grasp.dr_n", 0.0).value;
     let write = |text: &str| fs::write(daemon.config_file(), text).expect("writable");
 
@@ -108,6 +108,11 @@ fn the_configuration_is_read_again_or_kept() {
         "could not change realtime.rate_hz while running",
     );
     check_refused("grasp.dr_n = 0.2\ngrasp.slip_on = 9", "grasp.slip_on is 9");
+    // Regression: what a client may not set in a robot that moves came in by the file.
+    check_refused(
+        "grasp.dr_n = 0.2\nsafety.grip_ceiling_n = 21.0",
+        "needs a stopped robot",
+    );
 
     write("grasp.dr_n = 0.3");
     assert_eq!(

@@ -5,8 +5,11 @@
 
 use std::fs;
 use std::io::{ErrorKind, Write as _};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
+use atasd::args::Args;
+use atasd::config::Source;
+use clap::{CommandFactory as _, Parser as _};
 use tempfile::TempDir;
 
 const UNIT: &str = include_str!("../../systemd/atasd.service");
@@ -176,6 +179,70 @@ fn the_manual_has_every_flag() {
         flags += 1;
     }
     assert!(flags > 6, "{help}");
+    assert!(help.contains("\n  completions "), "{help}");
+    assert!(MANUAL.contains("\\fBcompletions\\fR"));
+}
+
+/// The package takes them, as it takes those of the other programs.
+#[test]
+fn every_shell_completes_the_command_line() {
+    for shell in ["bash", "fish", "zsh"] {
+        let output = Command::new(env!("CARGO_BIN_EXE_atasd"))
+            .args(["completions", shell])
+            .output()
+            .expect("atasd starts");
+        let script = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{shell}: {output:?}");
+        assert!(script.contains("check-config"), "{shell}: {script}");
+    }
+}
+
+#[test]
+fn the_help_shows_examples_that_can_be_said() {
+    let help = Args::command().render_help().to_string();
+    let (_, examples) = help.split_once("Examples:\n").expect("examples");
+    let lines: Vec<&str> = examples.lines().take_while(|l| !l.is_empty()).collect();
+    for line in &lines {
+        let parsed = Args::try_parse_from(line.split_whitespace());
+        let args = parsed.unwrap_or_else(|error| panic!("{line}: {error}"));
+        let written = args
+            .config
+            .iter()
+            .chain(&args.robot.map(Into::into))
+            .count();
+        // What needs no file is loaded, too.
+        if written == 0 {
+            let source = Source {
+                files: vec!["/dev/null".into()],
+                flags: args.set,
+            };
+            source.load().unwrap_or_else(|e| panic!("{line}: {e}"));
+        }
+    }
+    assert!(lines.len() > 3, "{help}");
+}
+
+/// A list that did not fit on the disk is not there.
+#[test]
+fn a_full_disk_is_told_and_a_closed_pipe_is_no_failure() {
+    for line in ["--help", "--version", "completions bash", "--print-tasks"] {
+        let told = |sink: Stdio| {
+            let output = Command::new(env!("CARGO_BIN_EXE_atasd"))
+                .args(line.split_whitespace())
+                .stdout(sink)
+                .output()
+                .expect("atasd starts");
+            let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+            (output.status.code(), stderr)
+        };
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        assert_eq!(told(writer.into()), (Some(0), String::new()), "{line}");
+        let full = fs::File::options().write(true).open("/dev/full");
+        let (code, stderr) = told(full.expect("Linux has it").into());
+        assert_eq!(code, Some(1), "{line}: {stderr}");
+        assert!(stderr.contains("No space left"), "{line}: {stderr}");
+    }
 }
 
 /// The value of a key that stands once in the unit.

@@ -48,8 +48,8 @@ impl Bus {
     /// Joins a bus that others made: for those who look, ask or order. A mistyped name leaves nothing behind.
     ///
     /// # Errors
-    /// [`BusError::Absent`] if this user has no such bus; [`BusError::OtherUser`], with its name, if another user has
-    /// buses here; else as [`Bus::open`].
+    /// [`BusError::OtherUser`], with its name, if this user has no such bus and another user has; [`BusError::Absent`] if nobody
+    /// is seen to have it; else as [`Bus::open`].
     pub fn join(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
         let folder = Folder::of(name)?;

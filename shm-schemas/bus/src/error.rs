@@ -1,5 +1,6 @@
 //! What can go wrong on the bus, in sentences: could not X because Y; do C.
 
+use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -136,15 +137,18 @@ pub enum BusError {
     },
     /// There is no such bus.
     #[error(
-        "could not find the bus {bus:?} because nobody made it (folder {folder}); start atasd on it, or choose another bus with --bus"
+        "could not find the bus {bus:?} because nobody made it (folder {folder}){unseen}; start atasd on it, or choose another bus \
+         with --bus"
     )]
     Absent {
         /// The bus.
         bus: String,
         /// Where its folder would be.
         folder: PathBuf,
+        /// Where it may be all the same.
+        unseen: Unseen,
     },
-    /// This user has no such bus, but another user has one of this name, or others.
+    /// This user has no such bus, but another user has one of this name.
     #[error(
         "could not find the bus {bus:?} because this user has none (folder {folder}), and {place} is owned by user {user}; \
          run this as {user}, for example with `sudo -u {user}`, or start atasd"
@@ -231,6 +235,27 @@ pub enum BusError {
         /// Role and process id of those that use it.
         peers: String,
     },
+}
+
+/// Folders of other users that may hold a bus, for all that this user may see, with the users' names. Prints as the end of a
+/// sentence that says that nobody has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Unseen(pub Vec<(PathBuf, String)>);
+
+impl fmt::Display for Unseen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place =
+            |(folder, user): &(PathBuf, String)| format!("{} of user {user}", folder.display());
+        let places: Vec<String> = self.0.iter().map(place).collect();
+        match places.as_slice() {
+            [] => Ok(()),
+            _ => write!(
+                f,
+                ", unless it is in {}, which this user may not see",
+                places.join(" or ")
+            ),
+        }
+    }
 }
 
 impl BusError {

@@ -6,7 +6,7 @@ use std::io;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-use crate::error::BusError;
+use crate::error::{BusError, Unseen};
 use crate::name::BusName;
 use crate::user::{User, uid};
 
@@ -53,7 +53,7 @@ impl Folder {
 
     /// Checks the folder without making anything: for those who only look.
     ///
-    /// Fails with [`BusError::OtherUser`] when only another user has buses here, else with [`BusError::Absent`].
+    /// Fails with [`BusError::OtherUser`] when another user has this bus, else with [`BusError::Absent`].
     pub(crate) fn find(&self) -> Result<(), BusError> {
         match fs::symlink_metadata(&self.path) {
             Ok(meta) => check_private(&self.path, &meta),
@@ -65,51 +65,77 @@ impl Folder {
     /// Why there is no bus.
     fn missing(&self) -> BusError {
         let (bus, folder) = (self.bus.to_string(), self.path.clone());
-        match others(&self.bus, Path::new(SERVICE_BASE), Path::new(SHM)).next() {
+        let bases = bases_of_others(Path::new(SERVICE_BASE), Path::new(SHM));
+        match held(&self.bus, &bases, Path::new(SHM)) {
             Some((place, user)) => BusError::OtherUser {
                 bus,
                 folder,
                 place,
                 user: user.to_string(),
             },
-            None => BusError::Absent { bus, folder },
+            None => BusError::Absent {
+                bus,
+                folder,
+                unseen: Unseen(unseen(&self.bus, &bases)),
+            },
         }
     }
 }
 
-/// What other users have of buses here, and who: shared memory of a bus of this name, the service's folder, folders
-/// below `/dev/shm`. Everybody may list these.
-fn others<'a>(
-    bus: &'a BusName,
-    service: &Path,
-    shm: &Path,
-) -> impl Iterator<Item = (PathBuf, User)> + 'a {
-    let below = |of: fn(&str, &BusName) -> bool| {
-        entries_named(shm, move |name| of(&name.to_string_lossy(), bus))
-    };
+/// Folders in which other users have buses, and who: the service's, and those below `/dev/shm`. Everybody may list these.
+fn bases_of_others(service: &Path, shm: &Path) -> Vec<(PathBuf, User)> {
     let service = fs::symlink_metadata(service)
         .ok()
-        .filter(Metadata::is_dir)
         .map(|meta| (service.to_owned(), meta));
-    below(is_memory)
-        .chain(service)
-        .chain(below(is_base))
+    service
+        .into_iter()
+        .chain(entries_named(shm, |name| is_base(&name.to_string_lossy())))
+        .filter(|(_, meta)| meta.is_dir() && meta.uid() != uid())
         .map(|(path, meta)| (path, User(meta.uid())))
-        .filter(|(_, user)| user.0 != uid())
+        .collect()
 }
 
-/// Whether a name in `/dev/shm` is shared memory of a bus of this name.
-fn is_memory(name: &str, bus: &BusName) -> bool {
-    let drawn = name
-        .strip_prefix(bus.as_str())
-        .and_then(|rest| rest.strip_prefix('_'))
-        .and_then(|rest| rest.split_once('_'));
-    drawn
-        .is_some_and(|(drawn, _)| drawn.len() == 16 && drawn.bytes().all(|b| b.is_ascii_hexdigit()))
+/// Where another user has this bus, and who: its shared memory, whose names everybody may list, or its folder.
+fn held(bus: &BusName, bases: &[(PathBuf, User)], shm: &Path) -> Option<(PathBuf, User)> {
+    let mut memory = entries_named(shm, |name| {
+        prefix_of(&name.to_string_lossy(), bus).is_some()
+    });
+    let memory = memory.find(|(_, meta)| meta.uid() != uid());
+    if let Some((path, meta)) = memory {
+        // All of it begins so; the rest of each name is long and says nothing to a reader.
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let all = format!("{}*", prefix_of(&name, bus).unwrap_or_default());
+        return Some((shm.join(all), User(meta.uid())));
+    }
+    let folders = bases
+        .iter()
+        .map(|(base, user)| (base.join(bus.as_str()), *user));
+    let mut there = folders.filter(|(folder, _)| fs::symlink_metadata(folder).is_ok());
+    there.next()
+}
+
+/// Other users' folders that may hold this bus, for all that this user may see.
+fn unseen(bus: &BusName, bases: &[(PathBuf, User)]) -> Vec<(PathBuf, String)> {
+    let is_closed = |base: &Path| {
+        let folder = fs::symlink_metadata(base.join(bus.as_str()));
+        folder.is_err_and(|e| e.kind() == io::ErrorKind::PermissionDenied)
+    };
+    let closed = bases.iter().filter(|(base, _)| is_closed(base));
+    closed
+        .map(|(base, user)| (base.clone(), user.to_string()))
+        .collect()
+}
+
+/// What a name in `/dev/shm` begins with if it is shared memory of a bus of this name.
+fn prefix_of<'a>(name: &'a str, bus: &BusName) -> Option<&'a str> {
+    let rest = name.strip_prefix(bus.as_str())?.strip_prefix('_')?;
+    let (drawn, rest) = rest.split_once('_')?;
+    let is_drawn = drawn.len() == 16 && drawn.bytes().all(|b| b.is_ascii_hexdigit());
+    is_drawn.then(|| &name[..name.len() - rest.len()])
 }
 
 /// Whether a name in `/dev/shm` is the folder of a user's buses.
-fn is_base(name: &str, _any: &BusName) -> bool {
+fn is_base(name: &str) -> bool {
     name.strip_prefix("atas-")
         .is_some_and(|uid| uid.parse::<u32>().is_ok())
 }
@@ -269,18 +295,15 @@ mod tests {
     #[test]
     fn names_in_shared_memory() {
         let bus = BusName::default();
-        let check = |name: &str, expected: (bool, bool)| {
-            assert_eq!(
-                (is_memory(name, &bus), is_base(name, &bus)),
-                expected,
-                "{name}"
-            );
+        let check = |name: &str, expected: (Option<&str>, bool)| {
+            assert_eq!((prefix_of(name, &bus), is_base(name)), expected, "{name}");
         };
-        check("atas_0123456789abcdef_x.dynamic", (true, false));
-        check("atas-2_0123456789abcdef_x.dynamic", (false, false));
-        check("atas_0123456789abcde_x", (false, false));
-        check("atas", (false, false));
-        check("atas-1000", (false, true));
-        check("atas-x", (false, false));
+        let prefix = "atas_0123456789abcdef_";
+        check(&format!("{prefix}x.dynamic"), (Some(prefix), false));
+        check("atas-2_0123456789abcdef_x.dynamic", (None, false));
+        check("atas_0123456789abcde_x", (None, false));
+        check("atas", (None, false));
+        check("atas-1000", (None, true));
+        check("atas-x", (None, false));
     }
 }

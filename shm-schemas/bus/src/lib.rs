@@ -63,7 +63,7 @@ mod user;
 pub use bus::Bus;
 pub use clock::{now_ns, writer_epoch};
 pub use control::{ControlCall, ControlClient, ControlServer};
-pub use error::BusError;
+pub use error::{BusError, Unseen};
 pub use exchange::Exchange;
 pub use fresh::FreshBus;
 pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};

@@ -242,11 +242,29 @@ fn peer() {
     let stopped = shm_bus::stop::request(&name, "a test", Duration::from_secs(1))
         .expect_err("nor may strangers stop it");
     for error in [refused, stopped] {
+        let BusError::OtherUser { user, place, .. } = &error else {
+            panic!("{error}");
+        };
+        assert_eq!(user, "root");
+        // Short enough for a column of a table: all of the bus's memory, not one file of it.
+        let (begin, drawn) = (format!("/dev/shm/{name}_"), "0123456789abcdef_*");
+        let place = place.to_string_lossy();
         assert!(
-            matches!(&error, BusError::OtherUser { user, .. } if user == "root"),
-            "{error}"
+            place.starts_with(&begin) && place.ends_with("_*"),
+            "{place}"
         );
+        assert_eq!(place.len(), begin.len() + drawn.len(), "{place}");
     }
+    // Of a bus that nobody has, a stranger can only say where he may not look.
+    let nowhere = BusName::fresh("nowhere");
+    let absent = Bus::join(&nowhere, "stranger", Realtime::No).expect_err("no such bus");
+    let told = absent.to_string();
+    assert!(matches!(absent, BusError::Absent { .. }), "{told}");
+    let part = "/dev/shm/atas-0 of user root";
+    assert!(
+        told.contains(part) && told.contains("may not see"),
+        "{told}"
+    );
     let socket = Path::new("/dev/shm/atas-0")
         .join(name.as_str())
         .join("stop");
@@ -256,6 +274,26 @@ fn peer() {
         ErrorKind::PermissionDenied
     );
     ready();
+}
+
+#[test]
+fn another_users_folder_is_only_told_of_where_it_holds_the_bus() {
+    as_another_user(|_| {
+        let (user, name) = (60_631, BusName::fresh("stale"));
+        let base = Path::new("/dev/shm").join(format!("atas-{user}"));
+        let found = || Bus::find(&name).expect_err("no bus of ours").to_string();
+        let make = |folder: &Path| {
+            fs::create_dir(folder).expect("made");
+            std::os::unix::fs::chown(folder, Some(user), Some(user)).expect("given away");
+        };
+        make(&base);
+        let stale = found();
+        make(&base.join(name.as_str()));
+        let held = found();
+        fs::remove_dir_all(&base).expect("removed");
+        assert!(!stale.contains(&user.to_string()), "{stale}");
+        assert!(held.contains(&format!("run this as {user}")), "{held}");
+    });
 }
 
 #[test]

@@ -165,7 +165,7 @@ fn a_full_bus_with_a_stopped_start_up_is_stopped() {
     let _daemon = Peer::start(&name, "daemon");
     let _crowd = ["control clients", "goal clients"].map(|role| Peer::start(&name, role));
     let starting = Peer::start(&name, "starting");
-    starting.signal(Signum::STOP);
+    starting.stop();
     let refused = Bus::join(&name, "late", Realtime::No).expect_err("the start-up lock is held");
     assert!(
         matches!(&refused, BusError::StartUp { pid, .. } if *pid == starting.pid()),
@@ -210,7 +210,7 @@ fn a_frozen_tick_is_told_from_a_stopped_robot() {
 fn a_stop_waits_for_a_stopped_daemon() {
     let name = FreshBus::new("asleep");
     let daemon = Peer::start(&name, "daemon");
-    daemon.signal(Signum::STOP);
+    daemon.stop();
     let unheard = stop::request(&name, "a test", Duration::from_millis(50)).expect_err("asleep");
     assert!(matches!(unheard, BusError::NoAnswer { .. }), "{unheard}");
     daemon.signal(Signum::CONT);

@@ -15,19 +15,19 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::OUT_OF_RANGE, 0.2, 0.15, 9),
-            "lift of the goal is 0.2000, the limit is 0.1500; choose a value within it",
+            "lift of the goal is 200.0 mm, the limit is 150.0 mm; choose a value within it",
         ),
         (
             limit(Cause::UNREACHABLE, 0.55, 0.4, 0),
-            "the hand cannot reach it: from x is 0.5500, the limit is 0.4000; move the object nearer",
+            "the hand cannot reach it: from x is 0.5500 m, the limit is 0.4000 m; move the object nearer",
         ),
         (
             limit(Cause::UNREACHABLE, 0.15, 0.11, 8),
-            "the hand cannot reach it: width is 0.1500, the limit is 0.1100; choose a value within it",
+            "the hand cannot reach it: width is 150.0 mm, the limit is 110.0 mm; choose a value within it",
         ),
         (
             limit(Cause::UNREACHABLE, 0.24, 0.21, 9),
-            "the hand cannot lift it so high: the place and the lift together are 0.2400 m high, the limit is 0.2100 m; lift less",
+            "the hand cannot lift it so high: the place and the lift together are 240.0 mm high, the limit is 210.0 mm; lift less",
         ),
         (
             limit(Cause::UNREACHABLE, 0.0123, 0.0, 4),
@@ -74,7 +74,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::TARGET_OUT_OF_RANGE, 0.5, 0.4, 0),
-            "x of a target is 0.5000, the limit is 0.4000; the hand keeps to the target before",
+            "x of a target is 0.5000 m, the limit is 0.4000 m; the hand keeps to the target before",
         ),
         (
             limit(Cause::ACROSS_THE_MIDDLE, -0.0093, 0.003, 1),
@@ -267,7 +267,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::SENSE_ONLY, 0.0, 0.0, 0),
-            "senses only and moves nothing, because robot.joints_required is false",
+            "this daemon senses only and moves nothing because robot.joints_required is false",
         ),
         (
             limit(Cause::JOINTS_INVALID, 3.5, 0.25, 4),
@@ -322,6 +322,75 @@ fn every_cause_has_its_sentence() {
             table().iter().any(|(r, _)| r.cause == *cause),
             "{cause} has no row"
         );
+    }
+}
+
+/// What a user typed stands in the sentence as it was typed.
+#[test]
+fn values_are_said_in_the_unit_that_they_are_typed_in() {
+    let goal = |index: usize, value: f64, limit: f64| {
+        Reason::limit(Cause::OUT_OF_RANGE, value, limit).about(index)
+    };
+    let target = |index: usize, value: f64, limit: f64| {
+        Reason::limit(Cause::TARGET_OUT_OF_RANGE, value, limit).about(index)
+    };
+    let deg = |degrees: f64| degrees.to_radians();
+    for (reason, part) in [
+        (
+            goal(0, -0.5, 0.2),
+            "from x of the goal is -0.5000 m, the limit is 0.2000 m;",
+        ),
+        (
+            goal(3, deg(4000.0), deg(360.0)),
+            "from yaw of the goal is 4000.0°, the limit is 360.0°;",
+        ),
+        (
+            goal(6, 9.0, 0.35),
+            "to z of the goal is 9.0000 m, the limit is 0.3500 m;",
+        ),
+        (
+            goal(7, deg(-400.0), deg(-360.0)),
+            "to yaw of the goal is -400.0°, the limit is -360.0°;",
+        ),
+        (
+            goal(8, 0.5, 0.1),
+            "width of the goal is 500.0 mm, the limit is 100.0 mm;",
+        ),
+        (
+            goal(9, 0.9, 0.15),
+            "lift of the goal is 900.0 mm, the limit is 150.0 mm;",
+        ),
+        (
+            goal(10, -1.0, 0.0),
+            "hold of the goal is -1.0 s, the limit is 0.0 s;",
+        ),
+        (
+            goal(11, 0.5, 0.1),
+            "helper width of the goal is 500.0 mm, the limit is 100.0 mm;",
+        ),
+        (
+            goal(12, 5.0, 0.5),
+            "top of the goal is 5000.0 mm, the limit is 500.0 mm;",
+        ),
+        (
+            goal(13, 99.0, 8.0),
+            "maximum force of the goal is 99.00 N, the limit is 8.00 N;",
+        ),
+        (
+            goal(99, 1.5, 1.0),
+            "a value of the goal is 1.5000, the limit is 1.0000;",
+        ),
+        (
+            target(3, 7.0, 6.25),
+            "yaw of a target is 7.0000 rad, the limit is 6.2500 rad;",
+        ),
+        (
+            target(4, 0.2, 0.1),
+            "opening of a target is 0.2000 m, the limit is 0.1000 m;",
+        ),
+    ] {
+        let told = reason.to_string();
+        assert!(told.starts_with(part), "{told}");
     }
 }
 

@@ -14,7 +14,7 @@ use crate::ride::Ride;
 const BASE_M: f64 = 0.16;
 const OBJECT_M: f64 = 0.05;
 
-/// Radius of a robot that another one with its arms before it must get past, m (ours: fewest robots met so on held-out rehearsals;
+/// Radius of a robot that another one with its arms before it must get past, m (ours: fewest robots met so on held-out courses;
 /// the sum of both radii, 0.9 m, leaves no way between a robot and a wall).
 const PASSING_M: f64 = 0.75;
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::spec::{Fault, FaultKind};
-use super::spoil::{Carried, Spoiler};
+use super::spoil::{Payload, Spoiler};
 use crate::random::Random;
 
 /// Payloads that can be held back at once; more are lost. The longest delay at 1 kHz.
@@ -19,7 +19,7 @@ pub(super) struct Channel<T> {
     held: VecDeque<(u64, T)>,
 }
 
-impl<T: Carried> Channel<T> {
+impl<T: Payload> Channel<T> {
     pub(super) fn new(faults: Vec<Fault>, random: Random) -> Self {
         let held = VecDeque::with_capacity(if faults.is_empty() { 0 } else { HELD_MAX });
         Self {

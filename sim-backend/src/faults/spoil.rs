@@ -14,7 +14,7 @@ const EPOCH_MASK: u64 = 0x5a5a_5a5a_5a5a_5a5a;
 const DENORMAL_N: f32 = 1e-40;
 
 /// A payload that can be spoilt.
-pub(super) trait Carried: Copy + Default {
+pub(super) trait Payload: Copy + Default {
     fn stamp(&mut self) -> &mut Stamp;
     fn as_mut_bytes(&mut self) -> &mut [u8];
     /// Seals the payload, if its kind has a seal.
@@ -34,7 +34,7 @@ pub(super) struct Spoiler<T> {
     epoch_from: Option<u64>,
 }
 
-impl<T: Carried> Spoiler<T> {
+impl<T: Payload> Spoiler<T> {
     pub(super) fn spoil(&mut self, fault: &Fault, tick: u64, payload: &mut T) {
         let value = fault.value;
         match fault.kind {
@@ -71,7 +71,7 @@ impl<T: Carried> Spoiler<T> {
     }
 }
 
-impl Carried for HandFrame {
+impl Payload for HandFrame {
     fn stamp(&mut self) -> &mut Stamp {
         &mut self.stamp
     }
@@ -115,7 +115,7 @@ fn each_normal(frame: &mut HandFrame, mut change: impl FnMut(&mut f32)) {
     }
 }
 
-impl Carried for JointState {
+impl Payload for JointState {
     fn stamp(&mut self) -> &mut Stamp {
         &mut self.stamp
     }

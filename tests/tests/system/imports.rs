@@ -4,7 +4,7 @@
 //! folder's own `mod.rs` declares and re-exports belongs to the folder and is no import.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Module path of a file, and the modules that it names.
 type Imports = BTreeMap<Vec<String>, BTreeSet<Vec<String>>>;
@@ -14,9 +14,11 @@ fn no_crate_imports_in_a_circle() {
     let mut found = Vec::new();
     for package in &crate::architecture::packages() {
         let folder = package.manifest_path.parent().expect("a folder");
-        let circles = circles(&imports(folder.join("src").as_std_path()));
-        if !circles.is_empty() {
-            found.push((package.name.to_string(), circles));
+        for source in roots(folder.join("src").as_std_path()) {
+            let circles = circles(&imports(&source));
+            if !circles.is_empty() {
+                found.push((source, circles));
+            }
         }
     }
     assert!(
@@ -55,6 +57,15 @@ fn a_circle_is_found_and_a_ladder_is_none() {
     );
     let tested = "#[cfg(test)]\nmod tests { use crate::b::B; }";
     check(&[("a.rs", tested), ("b.rs", "use crate::a::A;")], &[]);
+}
+
+/// The folders of a package's library and of its programs that have one.
+fn roots(source: &Path) -> Vec<PathBuf> {
+    let programs = std::fs::read_dir(source.join("bin")).into_iter().flatten();
+    let programs = programs.map(|entry| entry.expect("readable").path());
+    let mut roots: Vec<_> = programs.filter(|path| path.is_dir()).collect();
+    roots.push(source.to_owned());
+    roots
 }
 
 fn imports(source: &Path) -> Imports {

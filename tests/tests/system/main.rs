@@ -2,6 +2,7 @@
 
 mod architecture;
 mod arena;
+mod contributing;
 mod dashboard;
 mod determinism;
 mod explain;

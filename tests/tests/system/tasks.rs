@@ -128,7 +128,7 @@ fn what_cannot_be_done_is_refused_before_anything_moves() {
     };
     check("pick-place --to 0.9,0", "to x is 0.9000");
     check("pick-place --from 0.32,0.2", "from y is 0.2000");
-    check("pick-place --width 300", "width is 0.3000");
+    check("pick-place --width 300", "width is 300.0 mm");
     check("pick-place --to 0.32,-0.27,0.2", "lift less");
     check("screw --at 0.34,-0.12,0.5", "from z is 0.5000");
     check("assemble --bottle-width 500", "helper width");
@@ -137,6 +137,29 @@ fn what_cannot_be_done_is_refused_before_anything_moves() {
         "polish: the daemon's configuration has no task of this name",
     );
     assert_eq!(rig.objects()[0].lifted_m, 0.0);
+}
+
+#[test]
+fn what_happens_in_a_lock_step_is_told_in_its_virtual_time() {
+    let _alone = alone();
+    let rig = Rig::plain("pick-place");
+    let (code, _, stderr) = rig.ask("pick-place");
+    assert_eq!(code, 0, "{stderr}");
+    let say = |arguments: &str| {
+        let output = atas(&format!("{arguments} --bus {}", rig.bus.as_str())).output();
+        String::from_utf8(output.expect("it starts").stdout).expect("UTF-8")
+    };
+    let events = say("events --last-goal");
+    let at_s = |line: &str| line.split_whitespace().next()?.parse::<f64>().ok();
+    let times_s: Vec<f64> = events.lines().filter_map(at_s).collect();
+    assert!(times_s.len() > 5 && times_s.is_sorted(), "{events}");
+    let (began_s, took_s) = (times_s[0], times_s[times_s.len() - 1] - times_s[0]);
+    assert!((0.0..2.0).contains(&began_s) && took_s > 10.0, "{events}");
+    let status = say("status");
+    let (_, up) = status.split_once(", up ").expect("told");
+    let (up_s, _) = up.split_once(" s of virtual time").expect("told");
+    let up_s: f64 = up_s.parse().expect("a number");
+    assert!((took_s.floor()..60.0).contains(&up_s), "{status}");
 }
 
 #[test]

@@ -35,27 +35,11 @@ impl Terminal {
     }
 
     /// A terminal of 80 × 24 with this program in it.
-    pub(crate) fn with(mut command: Command) -> Self {
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a terminal");
-        grantpt(&master).expect("granted");
-        unlockpt(&master).expect("unlocked");
-        tcsetwinsize(&master, size(24, 80)).expect("sized");
-        let name = ptsname(&master, Vec::new()).expect("a name");
-        let path = name.to_str().expect("UTF-8");
-        let slave = File::options()
-            .read(true)
-            .write(true)
-            .open(path)
-            .expect("opened");
-        let again = || Stdio::from(slave.try_clone().expect("another handle"));
-        let program = command
-            .stdin(again())
-            .stdout(again())
-            .stderr(again())
-            .spawn();
+    pub(crate) fn with(command: Command) -> Self {
+        let (program, master) = in_terminal(command);
         let terminal = Self {
-            program: program.expect("started"),
-            master: File::from(master),
+            program,
+            master,
             screen: Arc::new(Mutex::new(vt100::Parser::new(24, 80, 0))),
             raw: Arc::default(),
         };
@@ -142,6 +126,29 @@ impl Drop for Terminal {
         let _ended = self.program.kill();
         let _status = self.program.wait();
     }
+}
+
+/// A program in a terminal of 80 × 24, and the terminal's other end.
+fn in_terminal(mut command: Command) -> (Child, File) {
+    let master =
+        openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).expect("a terminal");
+    grantpt(&master).expect("granted");
+    unlockpt(&master).expect("unlocked");
+    tcsetwinsize(&master, size(24, 80)).expect("sized");
+    let name = ptsname(&master, Vec::new()).expect("a name");
+    let path = name.to_str().expect("UTF-8");
+    let slave = File::options()
+        .read(true)
+        .write(true)
+        .open(path)
+        .expect("opened");
+    let again = || Stdio::from(slave.try_clone().expect("another handle"));
+    let program = command
+        .stdin(again())
+        .stdout(again())
+        .stderr(again())
+        .spawn();
+    (program.expect("started"), File::from(master))
 }
 
 fn size(rows: u16, columns: u16) -> Winsize {
@@ -235,6 +242,32 @@ fn a_running_robot_on_one_screen() {
         "no colours under NO_COLOR"
     );
     plain.quit();
+}
+
+/// Regression: it read a terminal that was gone for ever, with a core of its own.
+#[test]
+fn it_ends_with_its_terminal() {
+    let bus = FreshBus::new("topgone");
+    let name = bus.as_str();
+    let _robot = Process::start("atas-sim", &["run", "--lockstep", "--bus", name]);
+    let _daemon = Process::start(
+        "atasd",
+        &["--lockstep", "--config", "/dev/null", "--bus", name],
+    );
+    wait_for("the daemon", || {
+        (atas(&["status", "--bus", name]).0 == Some(0)).then_some(())
+    });
+    let mut command = Command::new(binary("atas"));
+    command
+        .args(["top", "--bus", name])
+        .env("TERM", "xterm-256color");
+    let (mut program, mut master) = in_terminal(command);
+    let mut bytes = [0; 64];
+    let _drawn = master.read(&mut bytes).expect("it draws");
+    drop(master);
+    wait_for("the end of the program", || {
+        program.try_wait().expect("waitable")
+    });
 }
 
 /// Beside the screen: the bus itself.

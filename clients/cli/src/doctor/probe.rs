@@ -76,9 +76,13 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
             let frozen = status.as_ref().and_then(|s| standstill(s, now_ns()));
             findings.push(judge::daemon(status.as_ref(), frozen, name.as_str()));
         }
-        Err(ClientError::Bus(BusError::Absent { bus, folder })) => {
+        Err(ClientError::Bus(BusError::Absent {
+            bus,
+            folder,
+            unseen,
+        })) => {
             let found = format!(
-                "{bus:?} is not there: nothing has made {}",
+                "{bus:?} is not there: nothing has made {}{unseen}",
                 folder.display()
             );
             findings.push(Finding::warn(

@@ -7,9 +7,11 @@ use anyhow::Context;
 use atas_client::{Led, Session, Wanted};
 use atas_console::arguments::Follow;
 use atas_console::{Ended, Exit, Interrupt, Output};
-use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::crossterm::terminal::{disable_raw_mode, enable_raw_mode};
 use shm_schemas::{FingerReport, Hand};
+
+use crate::keys::{self, Typed};
 
 use super::{Stream, VALID_NS};
 
@@ -91,11 +93,10 @@ fn lead(
         let line = jog.line([first, second]);
         write!(screen, "\r\x1b[K{line}").context("could not draw on the terminal")?;
         screen.flush().context("could not draw on the terminal")?;
-        if event::poll(PAUSE).context("could not read the terminal")?
-            && let Event::Key(key) = event::read().context("could not read the terminal")?
-            && jog.press(key, step_m, turn_deg) == Asked::End
-        {
-            break;
+        match keys::wait(PAUSE)? {
+            Typed::Key(key) if jog.press(key, step_m, turn_deg) == Asked::End => break,
+            Typed::Gone => break,
+            Typed::Key(_) | Typed::Nothing => {}
         }
     }
     Ok(sent)

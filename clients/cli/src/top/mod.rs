@@ -17,8 +17,9 @@ use anyhow::Context;
 use atas_client::{Session, Watch};
 use atas_console::arguments::BusArgument;
 use atas_console::{Ended, Exit, Interrupt};
-use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
+use crate::keys::{self, Typed};
 use seen::Seen;
 
 /// Pause between two pictures: ten a second, which is what a slow line carries.
@@ -52,11 +53,10 @@ fn show(
         terminal
             .draw(|frame| screen::draw(frame, seen, colours))
             .context("could not draw on the terminal")?;
-        if event::poll(PICTURE).context("could not read the terminal")?
-            && let Event::Key(key) = event::read().context("could not read the terminal")?
-            && ends(key)
-        {
-            break;
+        match keys::wait(PICTURE)? {
+            Typed::Key(key) if ends(key) => break,
+            Typed::Gone => break,
+            Typed::Key(_) | Typed::Nothing => {}
         }
     }
     Ok(())

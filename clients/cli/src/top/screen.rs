@@ -14,6 +14,7 @@ use shm_bus::now_ns;
 use shm_schemas::{Mode, StatusFlags};
 
 use super::seen::Seen;
+use crate::refusals;
 
 /// Smallest screen that has room for everything.
 const COLUMNS: u16 = 80;
@@ -133,7 +134,8 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
         );
         Line::styled(told, look.fault())
     } else if status.reason.is_some() {
-        Line::styled(status.reason.to_string(), look.fault())
+        let why = refusals::why_so([&seen.rates.before, status]);
+        Line::styled(why, look.fault())
     } else {
         Line::raw(words::goal(status))
     };

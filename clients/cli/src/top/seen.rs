@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use atas_client::{Watch, words};
 use shm_bus::BusError;
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{EventKind, Mode, ModuleEvent, ModuleId, Status, StatusFlags};
+use shm_schemas::{EventKind, Mode, ModuleEvent, ModuleId, Status};
 
 /// Time of one column of a module's lane, s; a lane of 40 columns is 20 s (ours).
 const COLUMN: Duration = Duration::from_millis(500);
@@ -35,7 +35,8 @@ pub(super) struct Rates {
     pub(super) frames_hz: [f64; HANDS],
     pub(super) joints_hz: f64,
     pub(super) ticks_hz: f64,
-    before: Status,
+    /// What they are taken since.
+    pub(super) before: Status,
 }
 
 impl Rates {
@@ -119,13 +120,7 @@ impl Seen {
         if self.events.len() == EVENTS {
             self.events.pop_front();
         }
-        // Virtual time begins by itself.
-        let is_virtual = self.watch.status.flags & StatusFlags::LOCKSTEP != 0;
-        let started_ns = if is_virtual {
-            0
-        } else {
-            self.watch.status.started_ns
-        };
+        let started_ns = self.watch.status.started_ns;
         let at_s = event.stamp.captured_ns.saturating_sub(started_ns) as f64 * 1e-9;
         self.events
             .push_back((at_s, words::event(event), is_fault(event)));

@@ -133,6 +133,7 @@ pub fn status(status: &Status) -> Value {
         "phase_locked": status.flags & StatusFlags::PHASE_LOCKED != 0,
         "memory_locked": status.flags & StatusFlags::MEMORY_LOCKED != 0,
         "kept_awake": status.flags & StatusFlags::KEPT_AWAKE != 0,
+        "sense_only": status.flags & StatusFlags::SENSE_ONLY != 0,
         "ticks": status.ticks,
         "missed_ticks": status.missed_ticks,
         "late_ticks": status.late_ticks,

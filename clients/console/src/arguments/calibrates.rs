@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::{finite, picture};
+use super::values::{csv, finite, picture, toml};
 
 /// The steps of a calibration.
 #[derive(Debug, Subcommand)]
@@ -28,7 +28,7 @@ pub struct Guide {
     #[arg(long, value_name = "S", default_value_t = 3.0, value_parser = finite)]
     pub seconds: f64,
     /// The table of steps to write
-    #[arg(long, value_name = "STEPS.csv")]
+    #[arg(long, value_name = "STEPS.csv", value_parser = csv)]
     pub out: PathBuf,
 }
 
@@ -62,10 +62,10 @@ pub struct CalibrateFit {
     #[arg(long, value_name = "N", default_value_t = 8.0, value_parser = finite)]
     pub multiple: f64,
     /// The calibration to write, for `atas-sensor --calibration`
-    #[arg(long, value_name = "FILE.toml")]
+    #[arg(long, value_name = "FILE.toml", value_parser = toml)]
     pub out: PathBuf,
     /// Thresholds and compression to write, for `atasd --config`
-    #[arg(long, value_name = "FILE.toml")]
+    #[arg(long, value_name = "FILE.toml", value_parser = toml)]
     pub daemon: Option<PathBuf>,
     /// The errors of the presses to draw
     #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]

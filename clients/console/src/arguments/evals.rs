@@ -6,7 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 use super::demos::COURSE_TABLE;
-use super::values::finite;
+use super::values::{finite, toml};
 
 /// The tasks of `atas eval`.
 #[derive(Debug, Subcommand)]
@@ -175,7 +175,7 @@ pub struct RecordedEvaluation {
     #[arg(long, value_name = "FILE", requires = "labels")]
     pub train: Option<PathBuf>,
     /// Write the constants in force to a new file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.toml", value_parser = toml)]
     pub save: Option<PathBuf>,
     /// Judge each object with constants fitted to all others of FILE
     #[arg(long, conflicts_with = "train", requires = "labels")]

@@ -16,8 +16,69 @@ const REPORT: &str = "one object: success, ci95, failures, medians, families, ro
 /// What the table of a demo is.
 const ROWS: &str = "one object: as_expected, and one row per object";
 
-/// Every command that does something.
+/// What a group of commands prints.
+const BELOW: &str = "what the `--help` of each command says";
+
+/// Every command, and the program itself, which has no words.
 const HELPS: &[Help] = &[
+    Help(
+        "",
+        &[
+            "atas demo grasp",
+            "atas grasp --at 0.32,-0.15,0.0345 --width 50",
+            "atas status --watch",
+            "atas estop",
+            "atas explain last",
+        ],
+        BELOW,
+    ),
+    Help(
+        "demo",
+        &[
+            "atas demo grasp --object sponge --dashboard",
+            "atas demo assembly --lockstep",
+        ],
+        BELOW,
+    ),
+    Help(
+        "eval",
+        &[
+            "atas eval grasp --trials 50 --no-baselines",
+            "atas eval all --markdown",
+        ],
+        BELOW,
+    ),
+    Help(
+        "topic",
+        &["atas topic list", "atas topic echo status --count 1"],
+        BELOW,
+    ),
+    Help(
+        "param",
+        &["atas param list", "atas param set grasp.dr_n 0.02"],
+        BELOW,
+    ),
+    Help(
+        "robot",
+        &[
+            "atas robot list",
+            "atas robot check my_arm.toml --out my_arm.svg",
+        ],
+        BELOW,
+    ),
+    Help(
+        "calibrate",
+        &[
+            "atas calibrate guide --out steps.csv",
+            "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml",
+        ],
+        BELOW,
+    ),
+    Help(
+        "bench",
+        &["atas bench latency --short", "atas bench stop"],
+        BELOW,
+    ),
     Help(
         "demo grasp",
         &[
@@ -404,20 +465,18 @@ fn with_examples(mut command: clap::Command, words: &str) -> clap::Command {
 mod tests {
     use super::*;
 
-    /// Every command that does something, by its words.
-    fn leaves(command: &clap::Command, words: &str) -> Vec<String> {
-        let acts = !command.is_subcommand_required_set() && !words.is_empty();
-        let hidden = command.is_hide_set() || command.get_name() == "help";
-        let own = (acts && !hidden).then(|| words.to_owned());
+    /// A command and all below it, by their words.
+    fn all(command: &clap::Command, words: &str) -> Vec<String> {
         let below = command.get_subcommands().filter(|sub| !sub.is_hide_set());
-        let below = below.flat_map(|sub| leaves(sub, format!("{words} {}", sub.get_name()).trim()));
-        own.into_iter().chain(below).collect()
+        let below = below.filter(|sub| sub.get_name() != "help");
+        let below = below.flat_map(|sub| all(sub, format!("{words} {}", sub.get_name()).trim()));
+        std::iter::once(words.to_owned()).chain(below).collect()
     }
 
     #[test]
     fn every_command_has_examples_that_parse_and_says_what_its_json_is() {
         let mut known: Vec<&str> = HELPS.iter().map(|Help(words, ..)| *words).collect();
-        let mut found = leaves(&Arguments::command(), "");
+        let mut found = all(&Arguments::command(), "");
         known.sort_unstable();
         found.sort_unstable();
         assert_eq!(found, known);

@@ -1,7 +1,8 @@
 //! What `atas export` and `atas explain` may be told.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use atas_process::file_name::suffix;
 use clap::{Args, ValueEnum};
 
 use super::BusArgument;
@@ -16,7 +17,8 @@ pub struct Export {
     /// What to write
     #[arg(long = "to", value_enum, value_name = "KIND")]
     pub kind: ExportKind,
-    /// File to make; it must not exist [default: NAME-ros2.mcap, NAME.csv or NAME.parquet, beside the recording]
+    /// File to make, whose ending says the same as --to; it must not exist [default: NAME-ros2.mcap, NAME.csv or NAME.parquet,
+    /// beside the recording]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// MCAP: transforms and point clouds per second; everything else comes with every tick
@@ -25,6 +27,31 @@ pub struct Export {
     /// CSV and Parquet: a column for every component of every element of the fingertips, too
     #[arg(long)]
     pub elements: bool,
+}
+
+impl Export {
+    /// The file to make. Under a name that ends as something else nothing is written.
+    ///
+    /// # Errors
+    /// What its suffix means, and what `--to` says.
+    pub fn file(&self) -> Result<PathBuf, String> {
+        let Some(out) = &self.out else {
+            return Ok(self.kind.usual_name(&self.files[0]));
+        };
+        let (said, found) = (self.kind.suffix(), suffix(out));
+        if found == said {
+            return Ok(out.clone());
+        }
+        let mut kinds = ExportKind::value_variants().iter();
+        let (means, cure) = match kinds.find(|kind| kind.suffix() == found) {
+            Some(_) => (found.as_str(), format!("rename it, or say --to {found}")),
+            None => ("no kind of file", "rename it".to_owned()),
+        };
+        Err(format!(
+            "could not export to {} because its suffix means {means} and --to says {said}, needs a name that ends in .{said}; {cure}",
+            out.display()
+        ))
+    }
 }
 
 /// `atas explain`.
@@ -59,13 +86,19 @@ pub enum ExportKind {
 
 impl ExportKind {
     /// The usual name of what is written: the recording's, with what it is.
-    #[must_use]
-    pub fn usual_name(self, recording: &std::path::Path) -> PathBuf {
+    fn usual_name(self, recording: &Path) -> PathBuf {
         let stem = recording.file_stem().unwrap_or_default().to_string_lossy();
-        recording.with_file_name(match self {
-            Self::Mcap => format!("{stem}-ros2.mcap"),
-            Self::Csv => format!("{stem}.csv"),
-            Self::Parquet => format!("{stem}.parquet"),
-        })
+        // The recording itself is MCAP, too.
+        let mark = if self == Self::Mcap { "-ros2" } else { "" };
+        recording.with_file_name(format!("{stem}{mark}.{}", self.suffix()))
+    }
+
+    /// What its files' names end in.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::Mcap => "mcap",
+            Self::Csv => "csv",
+            Self::Parquet => "parquet",
+        }
     }
 }

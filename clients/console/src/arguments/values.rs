@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use atas_process::file_name::ending_in;
 use shm_schemas::EventKind;
 
 /// The robot where nothing is said; a test holds it to the one that ships as the default.
@@ -25,32 +26,24 @@ pub(super) fn event_kind(text: &str) -> Result<EventKind, String> {
     })
 }
 
-/// A file that a command makes, whose name ends as its content is: nothing else is written under it.
-fn file(text: &str, suffixes: &[&str]) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_known = path
-        .extension()
-        .is_some_and(|found| suffixes.iter().any(|suffix| found == *suffix));
-    if is_known {
-        Ok(path)
-    } else {
-        Err(format!(
-            "needs a name that ends in .{}, because that is what is written",
-            suffixes.join(", .")
-        ))
-    }
-}
-
 pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
-    file(text, &["svg", "png", "pdf"])
+    ending_in(text, &["svg", "png", "pdf"])
 }
 
 pub(super) fn mcap(text: &str) -> Result<PathBuf, String> {
-    file(text, &["mcap"])
+    ending_in(text, &["mcap"])
 }
 
 pub(super) fn html(text: &str) -> Result<PathBuf, String> {
-    file(text, &["html"])
+    ending_in(text, &["html"])
+}
+
+pub(super) fn toml(text: &str) -> Result<PathBuf, String> {
+    ending_in(text, &["toml"])
+}
+
+pub(super) fn csv(text: &str) -> Result<PathBuf, String> {
+    ending_in(text, &["csv"])
 }
 
 pub(super) fn position_m(text: &str) -> Result<[f64; 3], String> {

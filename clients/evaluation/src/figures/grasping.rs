@@ -58,7 +58,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         phases.draw(&strip, "step", GREY)?;
         let (forces, rest) = rest.split_vertically(480);
         let (heights, work) = rest.split_vertically(200);
-        let top_n = figure::highest(&[&pressed[0], &pressed[1], &f2]);
+        let top_n = figure::highest(&[&pressed[0], &pressed[1], &sheared, &f1, &f2, &needed]);
         let axes = |y| Axes { x: "", y };
         let mut chart = panel(
             &forces,

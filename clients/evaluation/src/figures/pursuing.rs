@@ -253,7 +253,7 @@ fn forces<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
             ("F_2", RED, true),
         ];
         legend(area, 22, &entries)?;
-        let top_n = figure::highest(&[&pressed[0], &pressed[1], &f2]);
+        let top_n = figure::highest(&[&pressed[0], &pressed[1], &sheared, &f1, &f2]);
         let mut chart = panel(
             area,
             view.x.clone(),

@@ -55,6 +55,7 @@ impl Scenario for Assembly {
             assembly.tilt_rad.to_degrees(),
             2,
         ));
+        figures.push(Figure::took(seen));
         figures.push(Figure::hidden("cap_closed", cap.cap_closed != 0));
         figures.push(Figure::hidden(
             "bottle_stands",
@@ -62,6 +63,7 @@ impl Scenario for Assembly {
         ));
         Judged {
             figures,
+            cause: None,
             as_expected: assembly.failure.is_none(),
             outcome: assembly
                 .failure

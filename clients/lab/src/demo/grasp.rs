@@ -7,7 +7,7 @@ use atas_evaluation::Task;
 use atas_evaluation::judge::{Load, Outcome};
 use robot_model::VIRTUAL_FINGERS;
 use serde_json::Value;
-use shm_schemas::{GoalRequest, GraspFigures, WorldTruth};
+use shm_schemas::{Cause, GoalRequest, GraspFigures, WorldTruth};
 use sim_backend::Object;
 
 use super::Setting;
@@ -55,22 +55,31 @@ impl Scenario for Grasp {
         let hand = self.set.hand();
         let load = Load::of(self.object(), &Settings::default().grasp);
         let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
-        let slip_m = seen.attempt.slip_m[hand][..self.set.fingers]
-            .iter()
-            .copied()
-            .fold(0.0, f64::max);
-        let lifted_m = seen.truth.objects[0].lifted_m;
+        let object = &seen.truth.objects[0];
         let mut figures = vec![
             Figure::new("needed N", "needed_n", load.needed_n, 2),
             Figure::hidden("crush_n", finite(load.crush_n)),
             Figure::hidden("feasible", load.is_feasible()),
         ];
         figures.extend(gripped(seen.progress.figures(), self.set.fingers));
-        figures.push(Figure::new("slip mm", "slip_mm", slip_m * 1e3, 2));
-        figures.push(Figure::new("lifted mm", "lifted_mm", lifted_m * 1e3, 1));
+        figures.push(Figure::new(
+            "slip mm",
+            "slip_mm",
+            object.slip_in_hand_m * 1e3,
+            2,
+        ));
+        figures.push(Figure::new(
+            "lifted mm",
+            "lifted_mm",
+            object.lifted_m * 1e3,
+            1,
+        ));
+        // Every grasp takes much the same, and its table has no room.
+        figures.push(Figure::hidden("took_s", seen.progress.took_s()));
         Judged {
             figures,
             outcome: outcome.name().to_owned(),
+            cause: refused_for(outcome),
             should: if load.is_feasible() {
                 "held"
             } else {
@@ -78,6 +87,14 @@ impl Scenario for Grasp {
             },
             as_expected: outcome.is_expected(load.is_feasible()),
         }
+    }
+}
+
+/// Why an object was refused, if it was.
+pub(super) fn refused_for(outcome: Outcome) -> Option<Cause> {
+    match outcome {
+        Outcome::Refused(cause) => Some(cause),
+        _ => None,
     }
 }
 

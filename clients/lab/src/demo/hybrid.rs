@@ -65,7 +65,7 @@ fn print(trial: &HybridTrial, hash: &str, output: &mut Output) -> anyhow::Result
     }
     output.table(lines)?;
     for (index, robot) in (1..).zip(&trial.robots) {
-        output.line(format!("robot {index}: {}", story(robot)))?;
+        output.line(format!("robot {index}: {}", account(robot)))?;
     }
     output.line(format!(
         "seed {}, table {hash}, {} s simulated",
@@ -85,7 +85,7 @@ fn say(name: &str) -> &'static str {
     }
 }
 
-fn story(robot: &RobotTrial) -> String {
+fn account(robot: &RobotTrial) -> String {
     let mut text = match (&robot.failure, robot.off_goal_m) {
         (Some(failure), _) => format!("{}: {failure}", robot.object),
         (None, Some(off_m)) => format!(

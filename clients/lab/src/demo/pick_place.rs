@@ -9,7 +9,7 @@ use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Object;
 
 use super::Setting;
-use super::grasp::gripped;
+use super::grasp::{gripped, refused_for};
 use super::scenario::{Figure, Judged, Scenario};
 use super::seen::Seen;
 
@@ -80,6 +80,7 @@ impl Scenario for PickPlace {
                 placing.released_above_m * 1e3,
                 2,
             ),
+            Figure::took(seen),
         ]);
         let word = match &placing.failure {
             Some(_) if refused => "refused".to_owned(),
@@ -89,6 +90,7 @@ impl Scenario for PickPlace {
         Judged {
             figures,
             outcome: word,
+            cause: refused_for(outcome).filter(|_| refused),
             should: if feasible { "placed" } else { "refused" },
             as_expected: refused || (feasible && placing.failure.is_none()),
         }

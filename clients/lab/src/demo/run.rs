@@ -64,7 +64,7 @@ fn watch(
     };
     let (progress, cancelled) = pursuit.run(&scenario.goal(), |progress| {
         processes.check()?;
-        observer.look(progress)?;
+        observer.look()?;
         live.show(
             progress,
             Some(&observer.status),
@@ -94,7 +94,6 @@ struct Observer {
     statuses: Subscriber<Status>,
     first: Option<(WorldTruth, Status)>,
     now: WorldTruth,
-    attempt: WorldTruth,
     status: Status,
     /// The hand that acts.
     hand: Hand,
@@ -109,21 +108,17 @@ impl Observer {
             statuses: bus.subscriber(service::STATUS)?,
             first: None,
             now: WorldTruth::default(),
-            attempt: WorldTruth::default(),
             status: Status::default(),
             hand,
             turns: Turns::default(),
         })
     }
 
-    fn look(&mut self, progress: &GoalProgress) -> anyhow::Result<()> {
+    fn look(&mut self) -> anyhow::Result<()> {
         self.truths.newest(&mut self.now)?;
         self.statuses.newest(&mut self.status)?;
         if self.now.object_count > 0 && self.status.pid > 0 {
             self.first.get_or_insert((self.now, self.status));
-        }
-        if !progress.lets_go() {
-            self.attempt = self.now;
         }
         self.turns.look(&self.now, self.hand.0 as usize);
         Ok(())
@@ -139,7 +134,7 @@ impl Observer {
                 "could not judge the outcome because truth and status of the goal's last tick did not come within \
                  {SETTLED_WITHIN:?}"
             );
-            self.look(progress)?;
+            self.look()?;
             std::thread::sleep(POLL);
         }
         Ok(())
@@ -154,7 +149,6 @@ impl Observer {
             progress,
             start: first,
             truth: self.now,
-            attempt: self.attempt,
             turns: self.turns.count,
         }
     }

@@ -2,7 +2,7 @@
 
 use atas_console::number;
 use serde_json::Value;
-use shm_schemas::{GoalRequest, WorldTruth};
+use shm_schemas::{Cause, GoalRequest, WorldTruth};
 
 use super::seen::Seen;
 
@@ -25,8 +25,10 @@ pub(super) trait Scenario {
 pub(super) struct Judged {
     /// What was measured, in the order of the table's columns.
     pub(super) figures: Vec<Figure>,
-    /// What became of it, for tables.
+    /// What became of it.
     pub(super) outcome: String,
+    /// Why the hand refused it, if it did.
+    pub(super) cause: Option<Cause>,
     /// What should become of it.
     pub(super) should: &'static str,
     /// Whether it did.
@@ -59,6 +61,11 @@ impl Figure {
             key,
             value: finite(value),
         }
+    }
+
+    /// How long the goal took.
+    pub(super) fn took(seen: &Seen) -> Self {
+        Self::new("took s", "took_s", seen.progress.took_s(), 1)
     }
 
     /// A count.

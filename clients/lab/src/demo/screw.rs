@@ -46,8 +46,11 @@ impl Scenario for Screw {
 
     fn judge(&self, seen: &Seen) -> Judged {
         let screwing = Screwing::of(seen.progress.last(), &seen.truth);
+        let mut figures = turning(seen, screwing.tightness);
+        figures.push(Figure::took(seen));
         Judged {
-            figures: turning(seen, screwing.tightness),
+            figures,
+            cause: None,
             as_expected: screwing.failure.is_none(),
             outcome: screwing.failure.unwrap_or_else(|| "tight".to_owned()),
             should: "tight",

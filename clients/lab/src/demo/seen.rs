@@ -12,8 +12,6 @@ pub(super) struct Seen {
     pub(super) start: WorldTruth,
     /// The truth at the end.
     pub(super) truth: WorldTruth,
-    /// The truth when the hand last tried, before it backed out of a refused object.
-    pub(super) attempt: WorldTruth,
     /// Turns of a cap.
     pub(super) turns: u32,
     pub(super) punctuality: Punctuality,

@@ -1,6 +1,7 @@
 //! The results of a demo.
 
-use atas_console::{Ended, Exit, Output, table};
+use atas_console::{Ended, Exit, Output, table, whole};
+use comfy_table::{Cell, Table};
 use serde_json::{Map, Value};
 
 use super::punctuality::Punctuality;
@@ -13,7 +14,6 @@ pub(super) struct Row {
     judged: Judged,
     /// Why it did not succeed; empty if it did.
     reason: String,
-    took_s: f64,
     punctuality: Punctuality,
 }
 
@@ -28,7 +28,6 @@ impl Row {
             name: name.to_owned(),
             judged,
             reason,
-            took_s: seen.progress.took_s(),
             punctuality: seen.punctuality,
         }
     }
@@ -42,11 +41,19 @@ impl Row {
         value.insert("outcome".into(), self.judged.outcome.as_str().into());
         value.insert("as_expected".into(), self.judged.as_expected.into());
         value.insert("reason".into(), self.reason.as_str().into());
-        value.insert("took_s".into(), self.took_s.into());
         if let Value::Object(punctuality) = self.punctuality.value() {
             value.extend(punctuality);
         }
         value.into()
+    }
+
+    /// Of what the hand refused also why, in a few words.
+    fn outcome(&self) -> String {
+        let outcome = &self.judged.outcome;
+        match self.judged.cause {
+            Some(cause) => format!("{outcome}: {}", whole(&cause.name().replace('-', " "))),
+            None => outcome.clone(),
+        }
     }
 }
 
@@ -62,31 +69,34 @@ pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Re
             &serde_json::json!({ "task": task, "as_expected": as_expected, "objects": objects }),
         );
     }
-    let heads = first.judged.figures.iter().filter_map(|figure| figure.head);
-    let header: Vec<&str> = ["object"]
-        .into_iter()
-        .chain(heads)
-        .chain(["took s", "outcome", "reason"])
-        .collect();
-    let mut lines = table(&header);
-    for row in rows {
-        let shown = row
-            .judged
-            .figures
-            .iter()
-            .filter(|figure| figure.head.is_some());
-        let mut cells: Vec<comfy_table::Cell> = vec![row.name.as_str().into()];
-        cells.extend(shown.map(|figure| figure.text.as_str().into()));
-        cells.push(format!("{:.1}", row.took_s).into());
-        cells.push(output.verdict(&row.judged.outcome, row.judged.as_expected.into()));
-        cells.push(row.reason.as_str().into());
-        lines.add_row(cells);
+    output.table(lines(first, rows, output))?;
+    for row in rows.iter().filter(|row| !row.reason.is_empty()) {
+        output.line(format_args!("{}: {}", row.name, row.reason))?;
     }
-    output.line(lines)?;
     match Punctuality::sum(rows.iter().map(|row| row.punctuality)).sentence() {
         Some(sentence) => output.line(sentence),
         None => Ok(()),
     }
+}
+
+/// The table. Why something did not succeed is a sentence, and stands below.
+fn lines(first: &Row, rows: &[Row], output: &Output) -> Table {
+    let heads = first.judged.figures.iter().filter_map(|figure| figure.head);
+    let header: Vec<&str> = ["object"]
+        .into_iter()
+        .chain(heads)
+        .chain(["outcome"])
+        .collect();
+    let mut lines = table(&header);
+    for row in rows {
+        let figures = row.judged.figures.iter();
+        let shown = figures.filter(|figure| figure.head.is_some());
+        let mut cells: Vec<Cell> = vec![row.name.as_str().into()];
+        cells.extend(shown.map(|figure| figure.text.as_str().into()));
+        cells.push(output.verdict(&row.outcome(), row.judged.as_expected.into()));
+        lines.add_row(cells);
+    }
+    lines
 }
 
 /// An error that names what did not end as physics says it should.

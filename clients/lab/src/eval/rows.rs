@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use atas_console::{Ended, Exit};
 use atas_evaluation::TrialRow;
+use atas_process::file_name::suffix;
 
 /// A file of rows, made before the trials begin: a long evaluation shall not end with a wrong path.
 pub(super) struct File {
@@ -27,9 +28,9 @@ enum Kind {
 impl File {
     /// Makes the file; its suffix says how rows are written.
     pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
-        let kind = match path.extension().and_then(|suffix| suffix.to_str()) {
-            Some("csv") => Kind::Csv,
-            Some("jsonl") => Kind::Jsonl,
+        let kind = match suffix(path).as_str() {
+            "csv" => Kind::Csv,
+            "jsonl" => Kind::Jsonl,
             _ => {
                 let sentence = format!(
                     "could not write rows to {} because its suffix says no format, needs .csv or .jsonl; rename it",

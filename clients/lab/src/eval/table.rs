@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use atas_console::{Mood, Output, table};
+use atas_console::{Mood, Output, table, whole};
 use atas_evaluation::{Noise, Physics, Report, Tally};
 use comfy_table::Cell;
 
@@ -75,7 +75,7 @@ fn counts(physics: &Physics) -> [Cell; 5] {
     let (feasible, infeasible) = (&physics.feasible, &physics.infeasible);
     let of = |count: u64, trials: u64| match trials {
         0 => "-".to_owned(),
-        trials => format!("{count} of {trials}"),
+        trials => whole(&format!("{count} of {trials}")),
     };
     [
         of(feasible.held, feasible.trials).into(),
@@ -89,7 +89,7 @@ fn counts(physics: &Physics) -> [Cell; 5] {
 /// Median and largest of a measure.
 fn figure(tally: &Tally, name: &str) -> Cell {
     match (tally.medians.get(name), tally.largest.get(name)) {
-        (Some(median), Some(largest)) => format!("{median:.2} to {largest:.2}").into(),
+        (Some(median), Some(largest)) => whole(&format!("{median:.2} to {largest:.2}")).into(),
         _ => "-".into(),
     }
 }

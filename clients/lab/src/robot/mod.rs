@@ -176,7 +176,10 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
             reach::STEP_M * 1e3,
             reach::entry(&reach.space)
         ))?,
-        (None, None) => output.line("reaches nothing about where it rests: see `rest_deg`, `down` and `home_m`")?,
+        (None, None) => output.line(format_args!(
+            "reaches nothing about where it rests: {}; see `rest_deg`, `down` and `home_m`",
+            reach::why_nothing(hand)
+        ))?,
     }
     let able = hand.abilities();
     let turn = if able.turns_by_wrist {

@@ -11,6 +11,8 @@ pub(super) const STEP_M: f64 = 0.02;
 const STEPS_MAX: i32 = 20;
 /// Narrowest opening that is tried, m.
 const NARROW_M: f64 = 0.02;
+/// Openings between that of rest and the widest that are tried (ours).
+const OPENINGS: u32 = 8;
 /// Distance that the lowest dome keeps from the table, m (ours: half what the two-hand arm keeps).
 const TABLE_M: f64 = 0.005;
 
@@ -40,6 +42,8 @@ impl Reach {
         if !grid.reaches([0, 0, 0]) {
             return None;
         }
+        // What stands on the table comes first.
+        while grid.grow(&mut bounds, 2, 0) {}
         let mut grows = true;
         while grows {
             grows = false;
@@ -51,16 +55,54 @@ impl Reach {
         }
         let home_m = hand.home_m();
         let range = |axis: usize| bounds[axis].map(|step| home_m[axis] + f64::from(step) * STEP_M);
-        let opening_m = [NARROW_M.min(hand.home_opening_m()), hand.home_opening_m()];
-        Some(Self {
-            space: Workspace {
-                x_m: range(0),
-                y_m: range(1),
-                z_m: range(2),
-                opening_m,
-            },
-        })
+        let mut space = Workspace {
+            x_m: range(0),
+            y_m: range(1),
+            z_m: range(2),
+            opening_m: [NARROW_M.min(hand.home_opening_m()), hand.home_opening_m()],
+        };
+        space.opening_m[1] = widest_m(hand, &space);
+        Some(Self { space })
     }
+}
+
+/// Why a hand reaches nothing about where it rests.
+pub(super) fn why_nothing(hand: &HandModel) -> String {
+    let home_m = hand.home_m();
+    let frame = GraspFrame::from_above(home_m, hand.home_yaw_rad(), hand.home_opening_m());
+    match hand.posture_for(&frame) {
+        Err(unreachable) => unreachable.to_string(),
+        Ok(_) => format!(
+            "its fingertips are too near to the table at {:.3} m, or cannot close to {:.0} mm there",
+            home_m.z,
+            NARROW_M * 1e3
+        ),
+    }
+}
+
+/// How far the hand opens in every corner of a box: as far as where it rests, or not so far.
+fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
+    let mut corners = Vec::new();
+    for x in space.x_m {
+        for y in space.y_m {
+            corners.extend(space.z_m.map(|z| Vector3::new(x, y, z)));
+        }
+    }
+    let opens = |opening_m: f64| corners.iter().all(|at| has_posture(hand, *at, opening_m));
+    let [_, rests_m] = space.opening_m;
+    let step_m = (hand.widest_m() - rests_m) / f64::from(OPENINGS);
+    (0..=OPENINGS)
+        .rev()
+        .map(|step| rests_m + f64::from(step) * step_m)
+        .find(|opening_m| opens(*opening_m))
+        .unwrap_or(rests_m)
+}
+
+/// Whether a grasp from above has a posture there, with the closing axis of where the hand rests.
+fn has_posture(hand: &HandModel, centre_m: Vector3<f64>, opening_m: f64) -> bool {
+    let yaw_rad = hand.closing_yaw_rad(&centre_m, hand.home_yaw_rad());
+    let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
+    hand.posture_for(&frame).is_ok()
 }
 
 impl Grid<'_> {
@@ -90,16 +132,11 @@ impl Grid<'_> {
         }
         let [x, y, z] = at.map(|step| f64::from(step) * STEP_M);
         let centre_m = self.hand.home_m() + Vector3::new(x, y, z);
-        let yaw_rad = self
-            .hand
-            .closing_yaw_rad(&centre_m, self.hand.home_yaw_rad());
         let open_m = self.hand.home_opening_m();
-        let has_posture = |opening_m: f64| {
-            let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
-            self.hand.posture_for(&frame).is_ok()
-        };
-        let reached =
-            centre_m.z >= self.lowest_m && has_posture(open_m) && has_posture(NARROW_M.min(open_m));
+        let reached = centre_m.z >= self.lowest_m
+            && [open_m, NARROW_M.min(open_m)]
+                .into_iter()
+                .all(|opening_m| has_posture(self.hand, centre_m, opening_m));
         self.known.insert(at, reached);
         reached
     }

@@ -104,6 +104,7 @@ pub struct Messages<O> {
     cdr: Cdr,
     picture_ns: u64,
     next_picture_ns: u64,
+    next_transforms_ns: u64,
     next_cloud_ns: [u64; 2],
     /// Joint positions that the transforms follow from, rad.
     q_rad: Vec<f64>,
@@ -179,6 +180,7 @@ impl<O: Outlet> Messages<O> {
             cdr: Cdr::new(),
             picture_ns: (1e9 / pictures_hz) as u64,
             next_picture_ns: 0,
+            next_transforms_ns: 0,
             next_cloud_ns: [0; 2],
             q_rad: Vec::new(),
             has_description: false,
@@ -215,7 +217,9 @@ impl<O: Outlet> Messages<O> {
                     self.frame(hand, frame)?;
                 }
             }
-            if is_picture && !self.q_rad.is_empty() {
+            // Rows without joints take nothing from the pace: live, only the newest of some rows has them.
+            if unix_ns >= self.next_transforms_ns && !self.q_rad.is_empty() {
+                self.next_transforms_ns = unix_ns.saturating_add(self.picture_ns);
                 self.transforms(unix_ns)?;
             }
         }

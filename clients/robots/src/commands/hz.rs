@@ -19,7 +19,7 @@ const SECOND_NS: u64 = 1_000_000_000;
 /// Prints rates once a second.
 pub(super) fn run(bus: &BusName, seconds: Option<u64>, format: Format) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
-    let node = Bus::open(bus, "robot-listener", Realtime::No).map_err(Failure::Bus)?;
+    let node = Bus::join(bus, "robot-listener", Realtime::No).map_err(Failure::Bus)?;
     let mut states = node
         .subscriber::<JointState>(JOINT_STATE)
         .map_err(Failure::Bus)?;

@@ -7,7 +7,7 @@ mod hz;
 mod manual;
 mod probe;
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -18,11 +18,18 @@ use crate::cli::{Format, Verb};
 use crate::drivers::{DRIVERS, LimitKind};
 use crate::failure::Failure;
 
-/// Does what was said.
+/// Does what was said. A reader that has seen enough, as in `atas-robot list | head -1`, ends it in order.
 ///
 /// # Errors
 /// Everything that [`Failure`] names.
 pub fn run(verb: Verb) -> Result<(), Failure> {
+    match obey(verb) {
+        Err(Failure::Output(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        ended => ended,
+    }
+}
+
+fn obey(verb: Verb) -> Result<(), Failure> {
     match verb {
         Verb::Run { map, bus, wait } => drive::run(&map, &bus, wait),
         Verb::List { format } => list(format),

@@ -1,7 +1,11 @@
 //! The other subcommands, as a person or a script uses them.
 
+use std::fs::File;
+use std::process::{Command, Stdio};
+
 use atas_robots::map::file::MapFile;
 use serde_json::Value;
+use shm_bus::{Bus, FreshBus};
 
 use crate::rig::{HAND, Program, Rig, STEP_RAD, middle_rad, play, two_hands, wait_until};
 
@@ -71,6 +75,18 @@ fn hz_tells_the_rate_of_the_states() {
         last["period_ms"]["mean"].as_f64() > Some(0.0)
             && last["age_ms"]["max"].as_f64() > Some(0.0)
     );
+}
+
+#[test]
+fn hz_tells_of_a_bus_that_nobody_made_and_makes_none() {
+    for more in [&[][..], &["--seconds", "1", "--format", "json"]] {
+        let bus = FreshBus::new("typo");
+        let mut hz = Program::start(&[&["hz", "--bus", bus.as_str()], more].concat());
+        assert_eq!(hz.finish(), Some(6), "{}", hz.log());
+        assert!(hz.log().contains("could not find the bus"), "{}", hz.log());
+        assert_eq!(hz.printed(), "");
+        assert!(Bus::find(&bus).is_err());
+    }
 }
 
 #[test]
@@ -197,4 +213,44 @@ fn completions_and_pages_are_made() {
     let mut man = Program::start(&["man", folder.path().to_str().unwrap()]);
     assert_eq!(man.finish(), Some(0));
     assert!(folder.path().join("atas-robot-run.1").exists());
+}
+
+/// As in `atas-robot list | head -1`.
+#[test]
+fn a_closed_pipe_is_no_failure_and_a_full_disk_is_one() {
+    for line in ["list", "list --format json", "completions zsh", "--help"] {
+        let told = |sink: Stdio| {
+            let output = Command::new(env!("CARGO_BIN_EXE_atas-robot"))
+                .args(line.split_whitespace())
+                .stdout(sink)
+                .output()
+                .unwrap();
+            let stderr = String::from_utf8(output.stderr).unwrap();
+            (output.status.code(), stderr)
+        };
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        assert_eq!(told(writer.into()), (Some(0), String::new()), "{line}");
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let (code, stderr) = told(full.into());
+        assert_eq!(code, Some(1), "{line}: {stderr}");
+        assert!(stderr.contains("could not write to standard output"));
+    }
+}
+
+#[test]
+fn errors_are_json_where_results_are() {
+    for (line, exit) in [
+        ("probe /dev/none --format json", 4),
+        ("hz --format=json --seconds soon", 2),
+        ("emulate no.toml --out no.json --format json", 2),
+        ("emulate no.toml --out out.toml --format json", 3),
+    ] {
+        let mut program = Program::start(&line.split(' ').collect::<Vec<_>>());
+        assert_eq!(program.finish(), Some(exit), "{line}");
+        let error: Value = serde_json::from_str(&program.log())
+            .unwrap_or_else(|e| panic!("{line}: {e}: {}", program.log()));
+        assert_eq!(error["exit"], exit, "{line}: {error}");
+        assert!(error["error"].is_string(), "{line}: {error}");
+    }
 }

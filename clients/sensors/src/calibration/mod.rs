@@ -201,6 +201,13 @@ impl Calibration {
         force_n
     }
 
+    /// The same for values whose zero has just been taken: the silence of then is no longer in them.
+    #[must_use]
+    pub fn of_zeroed(mut self) -> Self {
+        self.zero.fill(0.0);
+        self
+    }
+
     /// The terms of one element, with the silence taken out.
     fn terms(&self, element: usize, values: &[f64]) -> [f64; 3 * AXES] {
         let value = |axis: usize| {

@@ -17,7 +17,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 const SECOND_NS: u64 = 1_000_000_000;
 
 fn subscribe(at: &Listen) -> Result<Subscriber<HandFrame>, Failure> {
-    let node = Bus::open(&at.bus, "sensor-listener", Realtime::No).map_err(Failure::Bus)?;
+    let node = Bus::join(&at.bus, "sensor-listener", Realtime::No).map_err(Failure::Bus)?;
     let service = HAND_FRAME[usize::from(at.hand != Hand::LEFT)];
     node.subscriber(service).map_err(Failure::Bus)
 }

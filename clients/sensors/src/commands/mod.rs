@@ -6,7 +6,7 @@ mod probe;
 mod read;
 mod replay;
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -19,11 +19,18 @@ use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::wire::{SENSORS, named};
 
-/// Does what was said.
+/// Does what was said. A reader that has seen enough, as in `atas-sensor list | head -1`, ends it in order.
 ///
 /// # Errors
 /// Everything that [`Failure`] names.
 pub fn run(matches: &ArgMatches) -> Result<(), Failure> {
+    match obey(matches) {
+        Err(Failure::Table(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        ended => ended,
+    }
+}
+
+fn obey(matches: &ArgMatches) -> Result<(), Failure> {
     if let Some((name, arguments)) = matches.subcommand()
         && let Some(sensor) = named(name)
     {
@@ -73,7 +80,7 @@ fn list(format: Format) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One line on standard output. A reader that is gone ends the command in order.
+/// One line on standard output.
 fn print(line: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     writeln!(out, "{line}")

@@ -20,7 +20,7 @@ use ebts::results::{Summary, write_trials};
 use ebts::run::Record;
 use ebts::workers::pool;
 
-use super::options::EngineArgs;
+use super::options::{EngineArgs, csv_file, svg_file};
 use super::report;
 use super::{Format, answer};
 
@@ -100,7 +100,7 @@ pub(crate) struct ExportArgs {
     folder: PathBuf,
     /// CSV file to write, one row per trial: points, delivery, and per agent its frames of pushing, whether it circles, is
     /// trapped, keeps out [default: trials.csv in the folder].
-    #[arg(long)]
+    #[arg(long, value_name = "FILE.csv", value_parser = csv_file)]
     out: Option<PathBuf>,
 }
 
@@ -129,7 +129,7 @@ pub(crate) struct FindArgs {
     #[arg(long, default_value_t = 5)]
     most: usize,
     /// Figure to write, the clearest example of each case [default: fig17.svg in the folder].
-    #[arg(long)]
+    #[arg(long, value_name = "FILE.svg", value_parser = svg_file)]
     out: Option<PathBuf>,
 }
 

@@ -19,7 +19,7 @@ use ebts::scoring::Scoring;
 use ebts::table_file::TableFile;
 use ebts::workers::Workers;
 
-use super::options::{EngineArgs, EvolutionArgs};
+use super::options::{EngineArgs, EvolutionArgs, csv_file, toml_file};
 use super::progress::style;
 use super::{Format, answer, course, grasp, stop_flag};
 
@@ -47,13 +47,13 @@ pub(crate) struct EvolveArgs {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
     /// The table file to write; while the run goes on, its checkpoint lies beside it.
-    #[arg(long, default_value = "table.toml")]
+    #[arg(long, value_name = "FILE.toml", default_value = "table.toml", value_parser = toml_file)]
     out: PathBuf,
     /// Continue the interrupted run of this --out; all other settings come from its checkpoint.
     #[arg(long)]
     resume: bool,
     /// CSV file with best, mean and worst fitness and the diversity of every generation; with --resume, from there on.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.csv", value_parser = csv_file)]
     history: Option<PathBuf>,
     /// Replace a table file or a checkpoint that is there already.
     #[arg(long, conflicts_with = "resume")]

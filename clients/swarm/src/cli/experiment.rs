@@ -47,6 +47,13 @@ pub(crate) struct ExperimentArgs {
     out: Option<PathBuf>,
 }
 
+impl ExperimentArgs {
+    /// Whether it is of grasps: its runs are joined in another way.
+    pub(super) fn is_of_grasps(&self) -> bool {
+        matches!(self.task, Some(Task::Grasp(_)))
+    }
+}
+
 /// Which runs.
 #[derive(Debug, Args)]
 pub(super) struct RunsArgs {

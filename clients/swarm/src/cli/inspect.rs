@@ -18,6 +18,7 @@ use ebts::table::behaviour;
 use ebts::table_file::TableFile;
 use field::{Engine, SENSORS, run_trial};
 
+use super::options::html_file;
 use super::{Format, answer, course, grasp};
 
 #[derive(Debug, Args)]
@@ -308,7 +309,7 @@ pub(crate) struct ReplayArgs {
     /// Table file.
     table: PathBuf,
     /// Web page to write [default: beside the table].
-    #[arg(long)]
+    #[arg(long, value_name = "FILE.html", value_parser = html_file)]
     out: Option<PathBuf>,
 }
 

@@ -5,6 +5,7 @@ mod analyse;
 mod course;
 mod evolve;
 mod experiment;
+mod fields;
 mod grasp;
 mod inspect;
 mod manual;
@@ -24,10 +25,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use atas_process::end;
-use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 
 use ebts::error::{Error, Result};
+
+pub(crate) use fields::command;
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -100,6 +103,13 @@ pub(crate) enum Command {
     Man(manual::ManArgs),
 }
 
+impl Arguments {
+    /// Whether results and errors are for programs.
+    pub(crate) fn is_json(&self) -> bool {
+        self.format == Format::Json
+    }
+}
+
 pub(crate) fn run(arguments: Arguments) -> Result<()> {
     let format = arguments.format;
     match arguments.command {
@@ -120,8 +130,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Command::Show(args) => inspect::show(args, format),
         Command::Agents(args) => agents::agents(args, format),
         Command::Replay(args) => inspect::replay(args, format),
-        Command::Completions(args) => manual::completions(args, &mut Arguments::command()),
-        Command::Man(args) => manual::pages(args, Arguments::command(), format),
+        Command::Completions(args) => manual::completions(args, &mut command()),
+        Command::Man(args) => manual::pages(args, command(), format),
     }
 }
 
@@ -146,12 +156,6 @@ fn print(text: &[u8]) -> Result<()> {
         }
         _ => Ok(()),
     }
-}
-
-/// Prints an error to standard error.
-pub(crate) fn complain(error: &Error) {
-    // With standard error gone there is nobody left to tell; the exit code still says it.
-    let _ = writeln!(std::io::stderr(), "ebts: {error}");
 }
 
 /// Refuses to write over a file that nobody said may go.

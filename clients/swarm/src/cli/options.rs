@@ -1,9 +1,10 @@
 //! Options that several commands share.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use atas_process::file_name::ending_in;
 use clap::{Args, ValueEnum};
 
 use ebts::condition::Sharing;
@@ -15,6 +16,26 @@ use ebts::islands::IslandSettings;
 use ebts::sensors::SensorOrder;
 use ebts::workers::Workers;
 use field::{Engine, FitnessRule, Model, Preset};
+
+/// A table file to write.
+pub(super) fn toml_file(text: &str) -> std::result::Result<PathBuf, String> {
+    ending_in(text, &["toml"])
+}
+
+/// A file of rows to write.
+pub(super) fn csv_file(text: &str) -> std::result::Result<PathBuf, String> {
+    ending_in(text, &["csv"])
+}
+
+/// A figure to write.
+pub(super) fn svg_file(text: &str) -> std::result::Result<PathBuf, String> {
+    ending_in(text, &["svg"])
+}
+
+/// A web page to write.
+pub(super) fn html_file(text: &str) -> std::result::Result<PathBuf, String> {
+    ending_in(text, &["html"])
+}
 
 /// The field, the scoring and the genetic algorithm.
 #[derive(Debug, Args)]

@@ -2,7 +2,7 @@
 //!
 //! Only text is written: the shards, their checkpoints and the merge are those of `ebts experiment` and `ebts merge`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
 use serde::Serialize;
@@ -24,6 +24,9 @@ pub(crate) struct SlurmArgs {
     /// Parts, one array task each.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
+    /// Tasks that run at the same time, at most.
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    at_once: u32,
     /// Threads of a task.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
@@ -58,17 +61,21 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         .canonicalize()
         .map_err(Error::io("find folder", &args.out))?;
     let program = std::env::current_exe().map_err(Error::io("find program", &args.out))?;
-    let words = args.experiment.iter().map(String::as_str);
-    let command: Vec<String> = [&*program.to_string_lossy(), "experiment"]
-        .into_iter()
-        .chain(words)
-        .map(quoted)
-        .collect();
+    let words = args.experiment.iter().map(|word| from_anywhere(word));
+    let command: Vec<String> = [
+        program.to_string_lossy().into_owned(),
+        "experiment".to_owned(),
+    ]
+    .into_iter()
+    .chain(words)
+    .map(|word| quoted(&word))
+    .collect();
     let parts = Parts {
         command: command.join(" "),
         merge: format!("{} merge", command[0]),
         out: quoted(&out.to_string_lossy()),
         shards: args.shards,
+        at_once: args.at_once.min(args.shards),
         threads: args.threads,
     };
     let mut scripts = Vec::new();
@@ -114,8 +121,23 @@ fn check(experiment: &[String]) -> Result<usize> {
         let said = error.to_string();
         refuse(said.lines().next().unwrap_or_default().to_owned())
     })?;
+    if parsed.args.is_of_grasps() {
+        return Err(refuse("grasp has no shards that merge".to_owned()));
+    }
     let runs = parsed.args.runs;
     Ok(runs.plan(runs.evolution.preset()?)?.jobs().len())
+}
+
+/// A word with the files that it names named from the root: `own.toml`, `--preset=own.toml`.
+fn from_anywhere(word: &str) -> String {
+    let (option, value) = match word.split_once('=') {
+        Some((option, value)) if option.starts_with("--") => (format!("{option}="), value),
+        _ => (String::new(), word),
+    };
+    match Path::new(value).canonicalize() {
+        Ok(path) if path.is_file() => format!("{option}{}", path.display()),
+        _ => word.to_owned(),
+    }
 }
 
 /// A word as a shell reads it back.
@@ -133,6 +155,7 @@ struct Parts {
     merge: String,
     out: String,
     shards: u32,
+    at_once: u32,
     threads: u32,
 }
 
@@ -152,19 +175,22 @@ impl Parts {
         )
     }
 
-    /// Slurm warns a minute before it takes the node away; the shard then saves what is under way, and is queued again.
+    /// Slurm warns a minute before the time limit, and before it takes the node away where the cluster is set up to; the shard
+    /// then saves what is under way, and this one task is queued again. The number of the job alone may mean the whole array.
     fn array(&self) -> String {
         let Self {
             out,
             shards,
+            at_once,
             threads,
             ..
         } = self;
         format!(
-            "#!/usr/bin/env bash\n#SBATCH --job-name=ebts\n#SBATCH --array=1-{shards}\n#SBATCH --cpus-per-task={threads}\n\
+            "#!/usr/bin/env bash\n#SBATCH --job-name=ebts\n#SBATCH --array=1-{shards}%{at_once}\n#SBATCH --cpus-per-task={threads}\n\
              #SBATCH --requeue\n#SBATCH --open-mode=append\n#SBATCH --signal=B:TERM@60\n\
              bash {out}/shard.sh \"$SLURM_ARRAY_TASK_ID\" &\nshard=$!\n\
-             stop() {{ kill -TERM \"$shard\"; wait \"$shard\"; scontrol requeue \"$SLURM_JOB_ID\"; exit 0; }}\n\
+             stop() {{\n    kill -TERM \"$shard\"\n    wait \"$shard\"\n    \
+             scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\" && exit 0\n    exit 1\n}}\n\
              trap stop TERM\nwait \"$shard\"\n"
         )
     }
@@ -180,14 +206,20 @@ impl Parts {
         let out = &self.out;
         format!(
             "#!/usr/bin/env bash\nset -eu\narray=$(sbatch --parsable {out}/array.sbatch)\n\
-             sbatch --dependency=afterok:\"$array\" {out}/merge.sbatch\n"
+             sbatch --kill-on-invalid-dep=yes --dependency=afterok:\"$array\" {out}/merge.sbatch\n"
         )
     }
 
     fn parallel(&self) -> String {
-        let Self { out, shards, .. } = self;
+        let Self {
+            out,
+            shards,
+            threads,
+            ..
+        } = self;
         format!(
-            "#!/usr/bin/env bash\nset -eu\nseq {shards} | parallel --joblog {out}/parallel.log bash {out}/shard.sh {{}}\n\
+            "#!/usr/bin/env bash\nset -eu\njobs=$(( ($(nproc) + {threads} - 1) / {threads} ))\n\
+             seq {shards} | parallel --jobs \"$jobs\" --joblog {out}/parallel.log bash {out}/shard.sh {{}}\n\
              bash {out}/merge.sbatch\n"
         )
     }
@@ -197,13 +229,14 @@ impl Parts {
         let Self {
             out,
             shards,
+            at_once,
             threads,
             ..
         } = self;
         let script = format!("exec bash {out}/shard.sh $((JOB_COMPLETION_INDEX + 1))");
         format!(
             "apiVersion: batch/v1\nkind: Job\nmetadata:\n  name: ebts\nspec:\n  completionMode: Indexed\n  completions: {shards}\n  \
-             parallelism: {shards}\n  backoffLimitPerIndex: 6\n  template:\n    spec:\n      restartPolicy: Never\n      containers:\n        \
+             parallelism: {at_once}\n  backoffLimitPerIndex: 6\n  template:\n    spec:\n      restartPolicy: Never\n      containers:\n        \
              - name: ebts\n          image: ebts # an image with this program and the folder mounted at the same place\n          \
              command: [bash, -c, {script:?}]\n          resources:\n            requests:\n              cpu: {threads}\n"
         )
@@ -228,6 +261,40 @@ mod tests {
     }
 
     #[test]
+    fn a_warned_task_is_queued_again_alone_and_says_if_it_was_not() {
+        let parts = Parts {
+            command: "ebts experiment fig14".to_owned(),
+            merge: "ebts merge".to_owned(),
+            out: "/shared/big".to_owned(),
+            shards: 2000,
+            at_once: 50,
+            threads: 4,
+        };
+        let check =
+            |text: String, wanted: &str| assert!(text.contains(wanted), "{wanted}:\n{text}");
+        check(parts.array(), "--array=1-2000%50\n");
+        let queued = "scontrol requeue \"${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}\" && exit 0\n    exit 1\n";
+        check(parts.array(), queued);
+        check(parts.submit(), "--kill-on-invalid-dep=yes");
+        check(parts.parallel(), "($(nproc) + 4 - 1) / 4");
+        check(parts.kubernetes(), "parallelism: 50\n");
+    }
+
+    #[test]
+    fn files_are_found_from_every_folder() {
+        let here = std::env::current_dir().expect("a folder");
+        let file = here.join("Cargo.toml").display().to_string();
+        assert_eq!(from_anywhere("Cargo.toml"), file);
+        assert_eq!(
+            from_anywhere("--preset=Cargo.toml"),
+            format!("--preset={file}")
+        );
+        for word in ["R3", "--preset=R3", "--seeds", "src"] {
+            assert_eq!(from_anywhere(word), word);
+        }
+    }
+
+    #[test]
     fn what_is_no_experiment_is_refused_here() {
         let check = |text: &str| {
             let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
@@ -236,6 +303,7 @@ mod tests {
         assert_eq!(check("fig14 --seeds 10 --agents 2,3"), Ok(20));
         for (text, expected) in [
             ("fig15", "fig15"),
+            ("grasp", "grasp has no shards that merge"),
             ("fig14 --out x", "--out was given"),
             ("fig14 --shard=1/2", "--shard=1/2 was given"),
             ("fig14 --preset R9", "neither a preset nor a file"),

@@ -5,7 +5,7 @@
 
 use sim_backend::course::{Layout, Responses};
 
-use super::rehearse::{Driven, FRAMES_MAX, rehearse};
+use super::offline::{Driven, FRAMES_MAX, run_offline};
 use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
 
@@ -47,7 +47,7 @@ impl Training {
     pub fn points(&self, group: usize, table: Responses) -> (f32, u32) {
         let (mut sum, mut rows_read) = (0.0, 0);
         for layout in &self.groups[group] {
-            let (driven, rows) = rehearse(layout, table);
+            let (driven, rows) = run_offline(layout, table);
             let robots = driven.len() as f32;
             sum += driven.iter().map(points).sum::<f32>() / robots;
             rows_read |= rows;
@@ -89,7 +89,7 @@ pub fn held_out(table: Responses, robots: usize, courses: u64) -> Result<f64> {
     for number in 0..courses {
         let seed = atas_evaluation::trial_seed("held-out course", number);
         let layout = Layout::drawn(robots, seed).map_err(Error::from_part)?;
-        let (driven, _) = rehearse(&layout, table);
+        let (driven, _) = run_offline(&layout, table);
         done += u64::from(driven.iter().all(|robot| robot.progress >= 2.0));
     }
     Ok(done as f64 / courses.max(1) as f64)

@@ -6,7 +6,7 @@ use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Light, Responses
 /// What hands usually take, frames: to grasp and lift, and to set down.
 const GRASP_FRAMES: u32 = 130;
 const SET_DOWN_FRAMES: u32 = 90;
-/// Frames after which a rehearsal ends, whatever its robots do (ours: three times what a good table takes for both ways).
+/// Frames after which an offline run ends, whatever its robots do (ours: three times what a good table takes for both ways).
 pub const FRAMES_MAX: u32 = 2400;
 
 /// What became of one robot.
@@ -21,7 +21,7 @@ pub struct Driven {
     pub frames: u32,
 }
 
-/// A robot in rehearsal.
+/// A robot in an offline run.
 #[derive(Default)]
 struct Rover {
     coordinator: Coordinator,
@@ -36,7 +36,7 @@ struct Rover {
 
 /// Drives a table over a course; robot by robot what became of it, and the rows that were read.
 #[must_use]
-pub fn rehearse(layout: &Layout, table: Responses) -> (Vec<Driven>, u32) {
+pub fn run_offline(layout: &Layout, table: Responses) -> (Vec<Driven>, u32) {
     let mut course = Course::new(layout, None);
     let mut rovers: Vec<Rover> = (0..course.robots()).map(|_| Rover::default()).collect();
     let mut rows_read = 0;

@@ -68,6 +68,93 @@ fn completions_manual_pages_and_help_are_there() {
         let help = run(folder, &format!("{command} --help"));
         assert!(help.contains("Example"), "{command}: {help}");
         assert!(help.contains("--format"), "{command}: {help}");
+        assert!(help.contains("With --format json:"), "{command}: {help}");
+    }
+}
+
+/// The keys of a value and of everything in it.
+fn all_keys(value: &Value) -> BTreeSet<&str> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(all_keys).collect(),
+        Value::Object(values) => {
+            let below = values.values().flat_map(all_keys);
+            values.keys().map(String::as_str).chain(below).collect()
+        }
+        _ => BTreeSet::new(),
+    }
+}
+
+/// The keys of a value, or of the first in a list.
+fn outermost_keys(value: &Value) -> BTreeSet<&str> {
+    keys(value.get(0).unwrap_or(value))
+}
+
+#[test]
+fn every_help_names_the_fields_of_its_json() {
+    let folder = folder();
+    let folder = folder.path();
+    // Of these every field at any depth; of the others what stands first.
+    let rows = [
+        ("evolve", "--generations 3 --out t.toml"),
+        ("show", "t.toml"),
+        ("plot", "t.toml"),
+        ("replay", "t.toml"),
+        ("slurm", "--shards 2 --out big -- fig14 --seeds 4"),
+        ("man", "pages"),
+    ];
+    let first = [
+        (SMALL, "--out a"),
+        ("merge", "whole a"),
+        ("analyse", "a --random-tables 10"),
+        ("transfer", "a"),
+        ("compare", "a"),
+        ("export", "a"),
+        ("find", "a"),
+        ("preset", ""),
+        (
+            "sweep",
+            "--vary goal_radius_px=40 --seeds 1 --generations 2 --out s",
+        ),
+        (
+            "search",
+            "--vary goal_radius_px=40.0..60.0 --candidates 2 --best 1 --seeds 1 --generations 2 --verdict-seeds 2",
+        ),
+        ("evolve course", "--generations 1 --out c.toml"),
+    ];
+    let check = |(command, more): (&str, &str), depth: fn(&Value) -> BTreeSet<&str>| {
+        let verb = command.split(" --").next().unwrap_or(command);
+        let verb = verb.trim_end_matches(" fig14");
+        let help = run(folder, &format!("{verb} --help"));
+        let printed = json(folder, &format!("{command} --format json {more}"));
+        let keys = depth(&printed);
+        assert!(!keys.is_empty(), "{command}: {printed}");
+        for key in keys {
+            assert!(help.contains(key), "{command}: {key} is not in {help}");
+        }
+    };
+    rows.into_iter().for_each(|row| check(row, all_keys));
+    first.into_iter().for_each(|row| check(row, outermost_keys));
+}
+
+#[test]
+fn errors_are_json_where_results_are() {
+    let folder = folder();
+    for (arguments, code, part) in [
+        ("show missing.toml --format json", 3, "missing.toml"),
+        ("--format=json preset R9", 3, "neither a preset nor a file"),
+        ("fly --format json", 2, "unrecognized subcommand"),
+        ("evolve --out x.json --format json", 2, ".toml"),
+        (
+            "agents --table missing.toml --format json",
+            3,
+            "missing.toml",
+        ),
+    ] {
+        let said = refused(folder.path(), arguments, code);
+        let error: Value = serde_json::from_str(&said).expect("one object");
+        assert_eq!(error["exit"], code, "{arguments}: {said}");
+        let sentence = error["error"].as_str().expect("a sentence");
+        assert!(sentence.contains(part), "{arguments}: {said}");
     }
 }
 
@@ -101,9 +188,7 @@ fn closed_pipes_and_full_disks_are_no_panic() {
         let full = shell(format!("{command} > /dev/full"));
         let said = String::from_utf8_lossy(&full.stderr);
         assert!(!said.contains("panicked"), "{arguments}: {said}");
-        if arguments != "--help" {
-            assert_eq!(full.status.code(), Some(5), "{arguments}: {said}");
-        }
+        assert_eq!(full.status.code(), Some(5), "{arguments}: {said}");
     }
 }
 
@@ -187,6 +272,14 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
             "could not use engine \"abacus\"",
         ),
         ("evolve --sensors ir-left", 2, "permutation"),
+        ("evolve --out table.json", 2, "ends in .toml"),
+        ("evolve --out table", 2, "ends in .toml"),
+        ("evolve --history h.json", 2, "ends in .csv"),
+        ("evolve grasp --out table.json", 2, "ends in .toml"),
+        ("evolve course --out table.json", 2, "ends in .toml"),
+        ("export here --out trials.json", 2, "ends in .csv"),
+        ("find here --out fig17.png", 2, "ends in .svg"),
+        ("replay bad.toml --out page.pdf", 2, "ends in .html"),
         ("evolve --resume", 3, "could not read table.toml.checkpoint"),
         ("experiment fig14 --shard 4/3", 2, "needs i/n"),
         ("experiment fig15", 2, "fig15"),

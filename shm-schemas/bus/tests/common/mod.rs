@@ -106,6 +106,15 @@ impl Peer {
         rustix::process::kill_process(pid, signal).expect("the peer lives");
     }
 
+    /// Stops the process. The signal's sender may go on before every thread of it stands.
+    pub(crate) fn stop(&self) {
+        use rustix::process::{Signal, WaitOptions, waitpid};
+        self.signal(Signal::STOP);
+        let pid = rustix::process::Pid::from_child(&self.child);
+        let stands = waitpid(Some(pid), WaitOptions::UNTRACED).expect("a child");
+        assert!(stands.is_some_and(|(_, status)| status.stopped()));
+    }
+
     /// Waits until the process ends by itself, and well.
     pub(crate) fn succeed(mut self) {
         let mut said = String::new();

@@ -30,7 +30,7 @@ pub(crate) fn run<T: Lanes, const N: usize, const WALLED: bool>(
     outcomes: &mut [Outcome],
 ) {
     let mut fields = Fields::<T, N, WALLED>::new(cpu, c, obstacles);
-    let mut desk = Desk {
+    let mut lanes = LaneAllocation {
         seats: Seats::empty(),
         queue: trials,
         outcomes,
@@ -39,24 +39,24 @@ pub(crate) fn run<T: Lanes, const N: usize, const WALLED: bool>(
         live: 0,
         unmeasured: 0,
     };
-    while desk.fill(T::WIDTH, |lanes, seats| {
-        fields.admit(T::mask(cpu, lanes), seats)
+    while lanes.fill(T::WIDTH, |filled, seats| {
+        fields.admit(T::mask(cpu, filled), seats)
     }) {
         let before = fields.stance();
         for _ in 0..STRIDE {
-            fields.advance(&desk.seats);
+            fields.advance(&lanes.seats);
         }
 
-        let over = (fields.at_frame(TRIAL_FRAMES) | fields.back_at(&before)) & desk.live;
-        let executed = (fields.at_frame(EXECUTION_FRAMES) | over) & desk.unmeasured;
+        let over = (fields.at_frame(TRIAL_FRAMES) | fields.back_at(&before)) & lanes.live;
+        let executed = (fields.at_frame(EXECUTION_FRAMES) | over) & lanes.unmeasured;
         if executed | over != 0 {
-            desk.settle(executed, over, &fields.measure());
+            lanes.settle(executed, over, &fields.measure());
         }
     }
 }
 
 /// Who sits where. A set of lanes is a word with one bit per lane.
-struct Desk<'a, const N: usize> {
+struct LaneAllocation<'a, const N: usize> {
     seats: Seats<N>,
     queue: &'a [Trial],
     outcomes: &'a mut [Outcome],
@@ -70,7 +70,7 @@ struct Desk<'a, const N: usize> {
     unmeasured: u32,
 }
 
-impl<const N: usize> Desk<'_, N> {
+impl<const N: usize> LaneAllocation<'_, N> {
     /// Gives free lanes their next trials, if enough are free; says whether any trial goes on.
     #[inline(always)]
     fn fill(&mut self, width: usize, admit: impl FnOnce(u32, &Seats<N>)) -> bool {

@@ -10,12 +10,13 @@ use sim_backend::Scene;
 use sim_backend::faults::Fault;
 
 use crate::failure::Failure;
-use crate::field_host::{FieldArgs, Format};
+use crate::field_host::FieldArgs;
+use crate::output::Format;
 use crate::scene_args::SceneArgs;
 
 /// A simulated two-hand robot with tactile fingertips before a table of objects.
 #[derive(Debug, Parser)]
-#[command(name = "atas-sim", version, after_help = Failure::EXIT_CODES)]
+#[command(name = "atas-sim", version, after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -28,7 +29,7 @@ pub(crate) enum Command {
     /// Host the swarm's field: publish what its robots sense, obey `ebts agents`, say what became of every goal.
     Field(FieldArgs),
     /// List the built-in objects.
-    #[command(after_help = "Examples:\n  atas-sim objects\n  atas-sim objects --format json")]
+    #[command(after_help = OBJECTS_HELP)]
     Objects {
         /// How they are printed.
         #[arg(long, value_enum, default_value = "human")]
@@ -55,6 +56,22 @@ pub(crate) enum Command {
         folder: PathBuf,
     },
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  atas-sim run --object wood
+  atas-sim field --goal 3
+  atas-sim objects
+  atas-sim faults
+";
+
+const OBJECTS_HELP: &str = "\
+JSON, one object per line: {name, mass_kg, width_m, height_m, friction, needed_n, stiffness_n_m, crush_n}; without stiffness_n_m it \
+is rigid, without crush_n nothing crushes it.
+
+Examples:
+  atas-sim objects
+  atas-sim objects --format json";
 
 const RUN_EXAMPLES: &str = "\
 Examples:

@@ -48,11 +48,15 @@ Exit codes:
   1  the world could not be simulated any further, or the output not written; a closed pipe is no failure
   2  wrong usage: command line, object, scene, fault, robot, preset or team
   3  the bus could not be used
-Log: standard error, filtered by RUST_LOG (default info).";
+Log: standard error, filtered by RUST_LOG (default info). With --format json an error is one JSON object there: {error, exit}.";
+
+    /// The exit code of what could not be printed.
+    pub(crate) const UNWRITTEN: u8 = 1;
 
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
-            Self::World(_) | Self::Signals(_) | Self::Output(_) | Self::Manual { .. } => 1,
+            Self::Output(_) => Self::UNWRITTEN,
+            Self::World(_) | Self::Signals(_) | Self::Manual { .. } => 1,
             Self::Object(_) | Self::Scene(_) | Self::Usage(_) | Self::Robot(_) => 2,
             Self::Preset { .. } | Self::Field(_) | Self::Team(_) | Self::Swarm(_) => 2,
             Self::Bus(_) => 3,

@@ -1,6 +1,5 @@
 //! Lists and texts on standard output: the built-in objects, the faults, the errors, completions, manual pages.
 
-use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
 use clap::CommandFactory;
@@ -10,7 +9,7 @@ use sim_backend::{Errors, Object};
 
 use crate::args::Cli;
 use crate::failure::Failure;
-use crate::field_host::Format;
+use crate::output::{Format, print, write};
 
 /// What programs are told of an object; an absent value means rigid, or crushed by nothing.
 #[derive(Serialize)]
@@ -149,19 +148,4 @@ pub(crate) fn manual(folder: &Path) -> Result<(), Failure> {
             folder: folder.to_owned(),
             source,
         })
-}
-
-/// Writes lines to standard output.
-pub(crate) fn print(lines: &[String]) -> Result<(), Failure> {
-    let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
-    write(text.as_bytes())
-}
-
-/// A reader that has seen enough closes the pipe; that is no failure. A full disk is one.
-fn write(bytes: &[u8]) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(error)),
-        _ => Ok(()),
-    }
 }

@@ -10,6 +10,7 @@ mod field_host;
 mod free_run;
 mod lists;
 mod lockstep;
+mod output;
 mod scene_args;
 mod session;
 mod wait;
@@ -18,7 +19,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use atas_process::end;
+use atas_process::{command_line, end};
 use clap::Parser;
 use robot_model::RobotModel;
 use shm_bus::Bus;
@@ -28,9 +29,13 @@ use args::{Cli, Command, RunArgs};
 use failure::Failure;
 use session::Session;
 
+const PROGRAM: &str = "atas-sim";
+
 fn main() -> ExitCode {
-    let command = Cli::parse().command;
-    atas_process::run("atas-sim", || obey(command), Failure::exit_code)
+    match Cli::try_parse() {
+        Ok(Cli { command }) => atas_process::run(PROGRAM, || obey(command), Failure::exit_code),
+        Err(error) => command_line::end(PROGRAM, &error, Failure::UNWRITTEN),
+    }
 }
 
 fn obey(command: Command) -> Result<(), Failure> {
@@ -65,7 +70,8 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
 /// Says what is simulated, and where a client would grasp it.
 fn announce(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
     let pace = if args.lockstep { "lock-step" } else { "1 kHz" };
-    tracing::info!(bus = %args.bus, robot = args.robot, seed = args.seed, pace, "simulating");
+    let version = env!("CARGO_PKG_VERSION");
+    tracing::info!(version, bus = %args.bus, robot = args.robot, seed = args.seed, pace, "simulating");
     for (index, placed) in scene.objects.iter().enumerate() {
         if let Some(hint) = scene.grasp_hint(index) {
             let [x, y, z] = hint.from_m;

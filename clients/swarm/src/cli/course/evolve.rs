@@ -15,7 +15,7 @@ use ebts::evaluate::GoalPoints;
 use ebts::ga::Settings;
 use field::Responses;
 
-use super::{Format, answer, spare, stop_flag, style, unless_set};
+use super::{Format, answer, spare, stop_flag, style, toml_file, unless_set};
 
 /// Courses on which an evolved table is tried that it was not evolved on.
 pub(super) const HELD_OUT: u64 = 100;
@@ -32,7 +32,7 @@ pub(crate) struct EvolveCourseArgs {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
     /// The table file to write.
-    #[arg(long, default_value = "course.toml")]
+    #[arg(long, value_name = "FILE.toml", default_value = "course.toml", value_parser = toml_file)]
     out: PathBuf,
     /// Replace a table file that is there already.
     #[arg(long)]

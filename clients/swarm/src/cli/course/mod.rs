@@ -3,6 +3,7 @@
 mod evolve;
 mod show;
 
+use super::options::toml_file;
 use super::progress::style;
 use super::{Format, answer, spare, stop_flag, unless_set};
 

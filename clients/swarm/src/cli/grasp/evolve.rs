@@ -17,7 +17,7 @@ use ebts::grasp::course::{self, Object};
 use ebts::grasp::evolve::{Evaluator, evolve as evolve_one};
 use ebts::grasp::table_file::GraspFile;
 
-use super::{Format, answer, spare, stop_flag, style, unless_set};
+use super::{Format, answer, spare, stop_flag, style, toml_file, unless_set};
 
 /// How a grasp is evolved.
 #[derive(Debug, Args)]
@@ -39,7 +39,7 @@ pub(crate) struct EvolveGraspArgs {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
     /// The table file to write.
-    #[arg(long, default_value = "grasp.toml")]
+    #[arg(long, value_name = "FILE.toml", default_value = "grasp.toml", value_parser = toml_file)]
     out: PathBuf,
     /// Replace a table file that is there already.
     #[arg(long)]

@@ -5,6 +5,7 @@ mod evolve;
 mod experiment;
 mod show;
 
+use super::options::toml_file;
 use super::progress::style;
 use super::{Format, answer, print, spare, stop_flag, unless_set};
 

@@ -7,8 +7,8 @@ use field::{Model, Preset, TeamSize};
 use shm_bus::BusName;
 use sim_backend::swarm::{GOALS, SwarmSettings};
 
-use super::report::Format;
 use crate::failure::Failure;
+use crate::output::Format;
 
 const EXAMPLES: &str = "\
 Examples:

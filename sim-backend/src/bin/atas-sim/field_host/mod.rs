@@ -21,7 +21,6 @@ use crate::wait::Wait;
 pub(crate) use args::FieldArgs;
 use onlookers::Onlookers;
 use ports::Ports;
-pub(crate) use report::Format;
 use report::Reporter;
 
 /// Hosts the field until all trials are over or a signal comes.

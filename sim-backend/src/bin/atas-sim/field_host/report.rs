@@ -1,18 +1,9 @@
 //! What became of every goal, on standard output, as soon as it is known.
 
-use clap::ValueEnum;
 use sim_backend::swarm::TrialReport;
 
 use crate::failure::Failure;
-
-/// How results are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
-    /// For people.
-    Human,
-    /// For programs: one JSON object per line.
-    Json,
-}
+use crate::output::{Format, print};
 
 /// Prints, and sums up.
 pub(super) struct Reporter {
@@ -45,7 +36,7 @@ impl Reporter {
             Format::Human if self.trials == 0 => format!("{HEADER}\n{}", sentence(&report)),
             Format::Human => sentence(&report),
         };
-        crate::lists::print(&[line])?;
+        print(&[line])?;
         self.trials += 1;
         self.fitness += report.points[0];
         self.solved += usize::from(field::solved(report.points[0]));
@@ -63,7 +54,7 @@ impl Reporter {
             ..
         } = self;
         if self.format == Format::Human && *trials > 0 {
-            crate::lists::print(&[format!(
+            print(&[format!(
                 "fitness {fitness:.1} of {}, {solved} of {trials} goals solved, {missed_frames} frames without an answer",
                 100 * trials
             )])?;

@@ -1,0 +1,46 @@
+//! Names of files that a program makes: what a name ends in is what is written under it.
+
+use std::path::{Path, PathBuf};
+
+/// What a name ends in, in small letters: `SVG` means what `svg` means. Empty where it ends in nothing.
+#[must_use]
+pub fn suffix(path: &Path) -> String {
+    let suffix = path.extension().unwrap_or_default();
+    suffix.to_string_lossy().to_ascii_lowercase()
+}
+
+/// The name of a file to make, if it ends in one of these suffixes: nothing else is written under it.
+///
+/// # Errors
+/// What the name needs to end in.
+pub fn ending_in(text: &str, suffixes: &[&str]) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if suffixes.contains(&suffix(&path).as_str()) {
+        return Ok(path);
+    }
+    Err(format!(
+        "needs a name that ends in .{}, because that is what is written",
+        suffixes.join(", .")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_ends_as_its_content_is_in_any_case() {
+        let check = |text: &str, suffixes: &[&str], is_one: bool| {
+            assert_eq!(ending_in(text, suffixes).is_ok(), is_one, "{text}");
+        };
+        let pictures = ["svg", "png"];
+        check("x.svg", &pictures, true);
+        check("x.SVG", &pictures, true);
+        check("folder.svg/x.Png", &pictures, true);
+        check("x.svg.gz", &pictures, false);
+        check("x", &pictures, false);
+        check(".svg", &pictures, false);
+        check("x.toml", &["toml"], true);
+        check("x.json", &["toml"], false);
+    }
+}

@@ -1,0 +1,71 @@
+//! Numbers as users type them: in the unit that the command line, or a file of targets, asks for, and with it.
+
+use crate::goal::GoalRequest;
+use crate::target::GraspTarget;
+use core::fmt::{self, Display, Formatter};
+
+/// A unit, and how a number of the SI is said in it.
+#[derive(Clone, Copy, Debug)]
+struct Unit {
+    /// With the space before it, if it has one.
+    name: &'static str,
+    /// How many of them make one of the SI.
+    per_si: f64,
+    digits: usize,
+}
+
+const fn unit(name: &'static str, per_si: f64, digits: usize) -> Unit {
+    Unit {
+        name,
+        per_si,
+        digits,
+    }
+}
+
+const M: Unit = unit(" m", 1.0, 4);
+const MM: Unit = unit(" mm", 1e3, 1);
+const DEG: Unit = unit("°", 180.0 / core::f64::consts::PI, 1);
+const RAD: Unit = unit(" rad", 1.0, 4);
+const S: Unit = unit(" s", 1.0, 1);
+const N: Unit = unit(" N", 1.0, 2);
+/// Of a value that has no name.
+const NONE: Unit = unit("", 1.0, 4);
+
+/// In the order of [`GoalRequest::VALUE_NAMES`].
+const OF_GOAL: [Unit; GoalRequest::VALUE_NAMES.len()] =
+    [M, M, M, DEG, M, M, M, DEG, MM, MM, S, MM, MM, N];
+/// In the order of [`GraspTarget::VALUE_NAMES`].
+const OF_TARGET: [Unit; GraspTarget::VALUE_NAMES.len()] = [M, M, M, RAD, M];
+
+/// A number that prints in its unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Typed {
+    si: f64,
+    unit: Unit,
+}
+
+impl Display for Typed {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Unit {
+            name,
+            per_si,
+            digits,
+        } = self.unit;
+        write!(f, "{:.digits$}{name}", self.si * per_si)
+    }
+}
+
+/// A number of the goal's value with this index.
+pub(crate) fn of_goal(index: u32, si: f64) -> Typed {
+    typed(&OF_GOAL, index, si)
+}
+
+/// A number of the target's value with this index.
+pub(crate) fn of_target(index: u32, si: f64) -> Typed {
+    typed(&OF_TARGET, index, si)
+}
+
+fn typed(units: &[Unit], index: u32, si: f64) -> Typed {
+    let unit = units.get(index as usize).copied().unwrap_or(NONE);
+    Typed { si, unit }
+}

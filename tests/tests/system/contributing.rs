@@ -1,0 +1,77 @@
+//! What the contributor's guide says of the tree.
+
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+/// The attributes of the first type of a text.
+fn attributes(text: &str) -> Vec<&str> {
+    let before = text.lines().take_while(|line| !line.contains("struct "));
+    before.filter(|line| line.starts_with("#[")).collect()
+}
+
+/// The list keeps every module's memory among its own, and asks the same of each: an example that lacks it does not compile there.
+#[test]
+fn the_example_modules_have_what_the_list_asks_of_one() {
+    let listed = read("daemon/atas/src/modules/list.rs");
+    let (_, asked) = listed.split_once("with their memories.\n").expect("a type");
+    let asked: Vec<&str> = asked.lines().map(str::trim).take(2).collect();
+    assert!(asked.iter().all(|line| line.starts_with("#[")), "{asked:?}");
+    for page in ["CONTRIBUTING.md", "clients/guide/src/module.md"] {
+        let text = read(page);
+        let (_, example) = text.split_once("```rust\n").expect(page);
+        assert_eq!(attributes(example), asked, "{page}");
+    }
+}
+
+/// A path that a page names as part of the tree is there. `NAME` is whoever adds to it.
+#[test]
+fn every_file_that_contributors_are_sent_to_is_there() {
+    let text = read("CONTRIBUTING.md");
+    let folders = [
+        "daemon/",
+        "clients/",
+        "shm-schemas/",
+        "sim-backend/",
+        "tests/",
+    ];
+    let quoted = text.split('`').skip(1).step_by(2);
+    let paths = quoted.filter(|path| folders.iter().any(|folder| path.starts_with(folder)));
+    let mut seen = 0;
+    for path in paths.filter(|path| !path.contains("NAME")) {
+        assert!(root().join(path).exists(), "{path}");
+        seen += 1;
+    }
+    assert!(seen > 20, "{seen}");
+}
+
+/// What a new code must be told to, by what the schemas' own tests demand.
+#[test]
+fn contributors_are_told_which_files_are_made_from_the_schemas() {
+    let text = read("CONTRIBUTING.md");
+    let (_, of_module) = text.split_once("\n## A module\n").expect("a section");
+    let (of_module, rest) = of_module.split_once("\n## A task\n").expect("a section");
+    let (of_task, _) = rest.split_once("\n## ").expect("a section");
+    for made in [
+        "shm-schemas/atas.h",
+        "clients/protocol.md",
+        "clients/python/python/atas/codes.py",
+    ] {
+        assert!(of_module.contains(made), "{made}");
+    }
+    for place in [
+        "clients/client/src/goal.rs",
+        "arguments/goals.rs",
+        "arguments/access.rs",
+        "arguments/examples.rs",
+        "clients/cli/src/main.rs",
+    ] {
+        assert!(of_task.contains(place), "{place}");
+    }
+}
