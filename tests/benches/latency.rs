@@ -3,8 +3,7 @@
 //!
 //! `cargo bench -p system-tests --bench latency` after `cargo build --workspace`.
 //!
-//! A bound is the aim with room for a busy machine of two cores; the README states what a quiet one reaches.
-//! What could not be measured here (`null`) is told and not held.
+//! The bounds, and what becomes of a figure that is missing: `system_tests::gates`.
 
 #![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
 
@@ -16,176 +15,21 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 use system_tests::binary;
-
-/// Instructions of a tick: mean over the first 3,000 of a grasp, dev profile, rustc 1.95, callgrind 3.19 on x86-64. A robot whose
-/// joints and fingers are counted at run time costs a quarter more of them than one whose numbers the compiler knew (76,900); a second
-/// patch of each fingertip, filtered longer, from which friction is read whatever noise does to the first, costs a sixth while it is
-/// sheared, and holding the skin against the joints a twelfth.
-const INSTRUCTIONS: f64 = 107_800.0;
-
-/// One figure with its bounds.
-struct Gate {
-    name: &'static str,
-    of: fn(&Value) -> Option<f64>,
-    least: f64,
-    most: f64,
-    /// Whether it means anything without real-time scheduling.
-    realtime: bool,
-}
-
-const fn at_most(name: &'static str, of: fn(&Value) -> Option<f64>, most: f64) -> Gate {
-    Gate {
-        name,
-        of,
-        least: 0.0,
-        most,
-        realtime: false,
-    }
-}
-
-const fn realtime(gate: Gate) -> Gate {
-    Gate {
-        realtime: true,
-        ..gate
-    }
-}
-
-const fn exactly(name: &'static str, of: fn(&Value) -> Option<f64>, value: f64) -> Gate {
-    Gate {
-        least: value,
-        ..at_most(name, of, value)
-    }
-}
-
-/// What is held.
-const GATES: &[Gate] = &[
-    exactly(
-        "allocations per tick",
-        |f| f["allocs_per_tick"].as_f64(),
-        1.0,
-    ),
-    exactly(
-        "most allocations of a tick",
-        |f| f["allocs_max"].as_f64(),
-        1.0,
-    ),
-    exactly(
-        "system calls per tick, the sleep",
-        |f| f["syscalls_per_tick"].as_f64(),
-        1.0,
-    ),
-    // Another compiler or C library moves it by some percent; less is welcome.
-    at_most(
-        "instructions per tick",
-        |f| f["instructions_per_tick"].as_f64(),
-        1.1 * INSTRUCTIONS,
-    ),
-    realtime(at_most(
-        "page faults of all ticks",
-        |f| f["daemon"]["page_faults"].as_f64(),
-        0.0,
-    )),
-    // 0.99 to 1.03; 1.13 where the two cores are threads of one, so that the recorder's work slows the tick's.
-    at_most(
-        "tick body recording / not",
-        |f| f["recording"]["body_ratio"].as_f64(),
-        1.25,
-    ),
-    at_most(
-        "sensor to command / (ping-pong + body)",
-        |f| f["sensor_to_command_ratio"].as_f64(),
-        3.0,
-    ),
-    at_most(
-        "iceoryx2 / Unix socket",
-        |f| {
-            ratio(
-                &f["transports_us"]["iceoryx2"],
-                &f["transports_us"]["unix_socket"],
-            )
-        },
-        1.0,
-    ),
-    at_most(
-        "iceoryx2 / zenoh",
-        |f| {
-            ratio(
-                &f["transports_us"]["iceoryx2"],
-                &f["transports_us"]["zenoh"],
-            )
-        },
-        0.5,
-    ),
-    // 0.01 and 0.05 on a quiet machine; with less sleep before the spin it would be 1.
-    realtime(at_most(
-        "wake p50 / cyclictest",
-        |f| f["wake"]["p50_ratio"].as_f64(),
-        0.05,
-    )),
-    realtime(at_most(
-        "wake p50 / bare loop",
-        |f| f["wake"]["idle"]["to_bare_loop"]["p50"].as_f64(),
-        0.05,
-    )),
-    // A fifth is reached where both processes get their cores; a lost lock gives 1.
-    realtime(at_most(
-        "frame age p50 locked / p99 free",
-        |f| {
-            ratio(
-                &f["frame_age_us"]["locked"]["p50"],
-                &f["frame_age_us"]["free"]["p99"],
-            )
-        },
-        0.34,
-    )),
-    realtime(at_most(
-        "frame age p99 locked / free",
-        |f| {
-            ratio(
-                &f["frame_age_us"]["locked"]["p99"],
-                &f["frame_age_us"]["free"]["p99"],
-            )
-        },
-        0.9,
-    )),
-    at_most(
-        "resident memory, MiB",
-        |f| f["daemon"]["resident_mib"].as_f64(),
-        32.0,
-    ),
-];
-
-fn ratio(of: &Value, to: &Value) -> Option<f64> {
-    Some(of.as_f64()? / to.as_f64()?)
-}
+use system_tests::gates::GATES;
 
 fn main() -> ExitCode {
     let figures = measure();
     println!("{figures:#}");
     keep(&figures);
-    let is_realtime = figures["daemon"]["realtime"] == json!(true);
-    let mut failed = 0;
-    for gate in GATES {
-        let value = (gate.of)(&figures);
-        let verdict = match value {
-            None => "not measured",
-            Some(_) if gate.realtime && !is_realtime => "not held: no real-time scheduling here",
-            Some(value) if (gate.least..=gate.most).contains(&value) => "holds",
-            Some(_) => {
-                failed += 1;
-                "WORSE"
-            }
-        };
-        let value = value.map_or("–".to_owned(), |value| format!("{value:.4}"));
-        println!(
-            "{:40} {value:>12} of {:<10} {verdict}",
-            gate.name, gate.most
-        );
-    }
-    if failed == 0 {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
+    let verdicts = GATES.iter().map(|gate| (gate, gate.judge(&figures)));
+    let failed = verdicts.filter(|(gate, verdict)| {
+        println!("{}", gate.line(*verdict));
+        verdict.fails()
+    });
+    // Every gate is printed before one fails.
+    match failed.count() {
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
     }
 }
 

@@ -7,13 +7,14 @@
 
 pub mod browser;
 pub mod figures;
+pub mod gates;
 pub mod loopback;
 
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// The examples of the contributor's guide.
@@ -49,13 +50,20 @@ pub fn binary(name: &str) -> PathBuf {
     path
 }
 
-/// Several systems at once would contend for the machine's real time: each test that runs one holds this.
+/// Several systems at once would contend for the machine's real time: each test that runs one by the clock holds this.
 ///
 /// A test that failed has left nothing behind that the next one could trip over.
-pub fn alone() -> MutexGuard<'static, ()> {
-    static MACHINE: Mutex<()> = Mutex::new(());
-    MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
+pub fn alone() -> RwLockWriteGuard<'static, ()> {
+    MACHINE.write().unwrap_or_else(PoisonError::into_inner)
 }
+
+/// Systems in virtual time do each other no harm, but those by the clock would feel them: each test that runs one holds this.
+pub fn in_virtual_time() -> RwLockReadGuard<'static, ()> {
+    MACHINE.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What [`alone`] takes for itself.
+static MACHINE: RwLock<()> = RwLock::new(());
 
 /// A path beside the workspace, for the shared recordings; `None`, with a word about it, where there is none.
 #[must_use]

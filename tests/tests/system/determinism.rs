@@ -7,7 +7,7 @@ use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalRequest, GoalState, TickReport, service};
 use sim_backend::{Errors, Object, Scene};
 use std::collections::BTreeMap;
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, in_virtual_time, wait_for};
 
 const SEED: u64 = 7;
 /// In lock-step the daemon ticks this often before it takes the first goal.
@@ -104,7 +104,7 @@ fn compare(what: &str, a: &BTreeMap<u64, u32>, b: &BTreeMap<u64, u32>) {
 
 #[test]
 fn the_same_seed_gives_the_same_commands_over_the_bus_and_in_process() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let (first, second, offline) = (over_the_bus(), over_the_bus(), in_process());
     compare("two runs over the bus", &first, &second);
     compare("the bus and in process", &first, &offline);

@@ -7,7 +7,7 @@ use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
 use shm_schemas::{Cause, GoalState, JointCommand, Mode, Status, TickReport, WorldTruth, service};
 use sim_backend::{Object, Scene};
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, alone, in_virtual_time, wait_for};
 
 /// Simulated time at which faults begin, s: the object is in the hand then and being lifted.
 const FAULT_AT_S: f64 = 8.0;
@@ -105,7 +105,7 @@ fn sim_start_s() -> f64 {
 
 #[test]
 fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let check = |name: &str, fault: &str, bound: Option<u64>| {
         let ticks = ticks_to_hold(fault);
         match bound {

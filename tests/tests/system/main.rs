@@ -7,6 +7,7 @@ mod dashboard;
 mod determinism;
 mod explain;
 mod faults;
+mod features;
 mod follow;
 mod foxglove;
 mod gate;

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use robot_model::SHIPPED;
 use serde_json::Value;
 use shm_bus::FreshBus;
-use system_tests::{Process, alone, binary, wait_for};
+use system_tests::{Process, binary, in_virtual_time, wait_for};
 
 /// Exit code, last line of standard output as JSON, and standard error.
 fn atas(arguments: &str) -> (i32, Value, String) {
@@ -47,7 +47,7 @@ fn those_that_ship_are_listed_with_what_they_can_do() {
 
 #[test]
 fn each_does_in_a_demo_what_it_can() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     for robot in listed().iter().skip(1) {
         for task in robot["tasks"].as_array().expect("tasks") {
             let (task, name) = (
@@ -139,7 +139,7 @@ fn a_robot_file_of_ones_own_is_checked_and_drawn() {
 /// A robot that has only a left hand acts with that.
 #[test]
 fn a_left_hand_alone_grasps() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let folder = tempfile::tempdir().expect("a folder");
     let file = own_robot(folder.path());
     let text = std::fs::read_to_string(&file).expect("readable");

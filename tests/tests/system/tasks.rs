@@ -8,7 +8,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{ObjectTruth, WorldTruth, service};
-use system_tests::{Process, alone, binary, wait_for};
+use system_tests::{Process, alone, binary, in_virtual_time, wait_for};
 
 fn atas(arguments: &str) -> Command {
     let mut command = Command::new(binary("atas"));
@@ -86,7 +86,7 @@ impl Rig {
 
 #[test]
 fn commands_without_arguments_fit_scenes_without_arguments() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let check = |scene, command, is_done: fn(&[ObjectTruth; 4]) -> bool| {
         let rig = Rig::plain(scene);
         let (code, story, stderr) = rig.ask(command);
@@ -114,7 +114,7 @@ fn commands_without_arguments_fit_scenes_without_arguments() {
 
 #[test]
 fn what_cannot_be_done_is_refused_before_anything_moves() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let rig = Rig::plain("pick-place");
     let check = |command: &str, part: &str| {
         let (code, story, stderr) = rig.ask(command);
@@ -141,7 +141,7 @@ fn what_cannot_be_done_is_refused_before_anything_moves() {
 
 #[test]
 fn what_happens_in_a_lock_step_is_told_in_its_virtual_time() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let rig = Rig::plain("pick-place");
     let (code, _, stderr) = rig.ask("pick-place");
     assert_eq!(code, 0, "{stderr}");
@@ -164,7 +164,7 @@ fn what_happens_in_a_lock_step_is_told_in_its_virtual_time() {
 
 #[test]
 fn a_task_of_the_users_own_runs_by_its_name() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let printed = Command::new(binary("atasd")).arg("--print-tasks").output();
     let folder = tempfile::tempdir().expect("a folder");
     let config = folder.path().join("atas.toml");
@@ -183,7 +183,7 @@ fn a_task_of_the_users_own_runs_by_its_name() {
 
 #[test]
 fn demos_in_lock_step_are_judged_by_the_truth() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let check = |demo: &str, outcome: &str, figures: &[(&str, [f64; 2])]| {
         let (code, result, stderr) = run(&format!("demo {demo} --lockstep --format json"));
         assert_eq!(code, 0, "{demo}: {stderr}");
@@ -234,7 +234,7 @@ fn demos_in_lock_step_are_judged_by_the_truth() {
 
 #[test]
 fn the_same_demo_has_the_same_outcome_to_the_last_digit() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let once = || {
         let (code, result, stderr) = run("demo screw --lockstep --format json");
         assert_eq!(code, 0, "{stderr}");
@@ -300,7 +300,7 @@ fn lines(arguments: &str) -> Vec<Value> {
 
 #[test]
 fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let rig = Rig::plain("pick-place --object heavy-block");
     let (code, end, stderr) = rig.ask("pick-place");
     assert_eq!((code, &end["state"]), (4, &"refused".into()), "{stderr}");
@@ -342,7 +342,7 @@ fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
 
 #[test]
 fn any_client_can_cancel_the_goal_of_another() {
-    let _alone = alone();
+    let _shared = in_virtual_time();
     let rig = Rig::plain("pick-place");
     let (code, _, stderr) = rig.ask("cancel");
     assert!(
