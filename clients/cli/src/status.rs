@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 use atas_client::FINGERS;
-use atas_client::{POLL, Session, json, standstill, words};
+use atas_client::{POLL, Session, Stopped, json, standstill, words};
 use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
-use shm_bus::now_ns;
+use shm_bus::{BusName, Owner, now_ns};
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
 use crate::refusals::{self, refusals};
@@ -39,10 +39,7 @@ pub(crate) fn status(
         if statuses.newest(&mut status)? {
             heard = Instant::now();
         } else if heard.elapsed() > SILENCE {
-            return Err(Ended::with(
-                Exit::NoDaemon,
-                "the daemon has not reported its status for a second; it ended or hangs",
-            ));
+            return Err(Ended::with(Exit::NoDaemon, fell_silent(&arguments.bus.bus)));
         }
         if drawn.is_none_or(|drawn| drawn.elapsed() >= PICTURE) {
             output.clear()?;
@@ -79,6 +76,16 @@ fn print(
     }
     output.table(hands(status))?;
     output.table(timing(status))
+}
+
+/// Why a daemon that was heard is heard no more.
+fn fell_silent(bus: &BusName) -> String {
+    let why = match (Stopped::owner(bus), Owner::of(bus)) {
+        (Some(stopped), _) => stopped.to_string(),
+        (None, Some(owner)) => format!("{owner}, which owns the bus, hangs"),
+        (None, None) => "it ended".to_owned(),
+    };
+    format!("the daemon has not reported its status for a second: {why}")
 }
 
 fn standing_still(frozen: Duration) -> String {

@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use shm_bus::{BusError, BusName};
 
+use crate::standstill::Stopped;
+
 /// Why a daemon could not be asked, or did not answer.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
@@ -21,6 +23,14 @@ pub enum ClientError {
         bus: String,
         /// Its folder.
         folder: PathBuf,
+    },
+    /// There is a daemon, and its process is stopped.
+    #[error("could not ask on bus {bus:?} because {stopped}")]
+    Stopped {
+        /// Name of the bus.
+        bus: String,
+        /// Its owner.
+        stopped: Stopped,
     },
     /// The daemon understood and refused.
     #[error("{0}")]

@@ -6,7 +6,7 @@
 //!           ├─ Leader: a goal that opens a stream of targets, and the stream
 //!           └─ Watch: looking on
 //!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
-//!  standstill: whether the ticks still come
+//!  standstill: whether the ticks still come, and whether a daemon that says nothing is stopped
 //!  json, words, percentiles: what the bus says, for programs and for people
 //! ```
 //!
@@ -36,7 +36,7 @@ pub use leader::{Leader, Led, Wanted};
 pub use progress::GoalProgress;
 pub use pursuit::{Cancelled, Pursuit};
 pub use session::{POLL, Session};
-pub use standstill::standstill;
+pub use standstill::{Stopped, standstill};
 pub use watch::{Watch, body_ns};
 
 /// Fingers of one hand of the robot; payloads have room for more.

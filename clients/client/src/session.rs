@@ -9,7 +9,7 @@ use shm_schemas::{
     ControlOp, ControlOutcome, ControlReply, ControlRequest, Mode, Stamp, Status, Text, service,
 };
 
-use crate::ClientError;
+use crate::{ClientError, Stopped};
 
 /// How often a waiting client looks (ours: imperceptible to a person).
 pub const POLL: Duration = Duration::from_millis(5);
@@ -107,6 +107,10 @@ impl Session {
     }
 
     fn no_daemon(&self) -> ClientError {
+        if let Some(stopped) = Stopped::owner(self.bus.name()) {
+            let bus = self.bus.name().as_str().to_owned();
+            return ClientError::Stopped { bus, stopped };
+        }
         ClientError::NoDaemon {
             bus: self.bus.name().as_str().to_owned(),
             folder: self.bus.folder().to_owned(),

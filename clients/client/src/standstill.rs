@@ -1,7 +1,12 @@
-//! Whether the ticks still come: a daemon whose tick thread is frozen goes on saying what it last was.
+//! Whether the ticks still come: a daemon whose tick thread is frozen goes on saying what it last was, and one whose process is
+//! stopped says nothing.
 
+use std::fmt;
+use std::path::PathBuf;
 use std::time::Duration;
 
+use atas_process::stat::Stat;
+use shm_bus::{BusName, Owner};
 use shm_schemas::{Status, StatusFlags};
 
 /// Age of the newest snapshot from which the ticks stand still. They leave one every 20 ms; a shared machine takes a core
@@ -14,6 +19,33 @@ pub fn standstill(status: &Status, now_ns: u64) -> Option<Duration> {
     let is_virtual = status.flags & StatusFlags::LOCKSTEP != 0;
     let age = Duration::from_nanos(now_ns.saturating_sub(status.stamp.captured_ns));
     (!is_virtual && age >= FROZEN).then_some(age)
+}
+
+/// A bus's owner whose process was stopped, by Ctrl-Z, a debugger or a freezer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stopped(pub Owner);
+
+impl Stopped {
+    /// The owner of a bus, if it is stopped.
+    #[must_use]
+    pub fn owner(bus: &BusName) -> Option<Self> {
+        let owner = Owner::of(bus)?;
+        let process = PathBuf::from(format!("/proc/{}", owner.pid));
+        let is_stopped = Stat::read(&process).is_ok_and(|stat| stat.is_stopped());
+        is_stopped.then_some(Self(owner))
+    }
+}
+
+impl fmt::Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(owner) = self;
+        write!(
+            f,
+            "{owner}, which owns the bus, is stopped: it ticks no more, and the robot's last command has expired; `kill -CONT {pid}` \
+             lets it go on, `kill -KILL {pid}` ends it",
+            pid = owner.pid
+        )
+    }
 }
 
 #[cfg(test)]

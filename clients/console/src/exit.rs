@@ -44,7 +44,9 @@ Exit codes:
             return ended.exit;
         }
         match error.downcast_ref::<ClientError>() {
-            Some(ClientError::NoDaemon { .. }) => return Self::NoDaemon,
+            Some(ClientError::NoDaemon { .. } | ClientError::Stopped { .. }) => {
+                return Self::NoDaemon;
+            }
             Some(ClientError::Refused(_)) => return Self::Refused,
             Some(ClientError::Bus(error)) => return Self::of_bus(error),
             _ => {}

@@ -1,5 +1,5 @@
 //! What the processes on a bus do alike, whatever they are: how they read a command line, how they log, how they end, how a thread
-//! becomes real-time, where the system's configuration is.
+//! becomes real-time, where the system's configuration is, what the kernel says of them.
 //!
 //! ```text
 //!  tracing ─▶ log ─▶ standard error        SIGINT, SIGTERM ─▶ end ─▶ a flag        thread ─▶ scheduling ─▶ SCHED_FIFO
@@ -15,6 +15,7 @@ pub mod end;
 pub mod file_name;
 pub mod log;
 pub mod scheduling;
+pub mod stat;
 
 use std::fmt::Display;
 use std::io::{self, Write as _};

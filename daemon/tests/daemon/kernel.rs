@@ -2,8 +2,10 @@
 
 use std::fs;
 use std::io::{ErrorKind, Write as _};
+use std::path::Path;
 use std::process::Command;
 
+use atas_process::stat::Stat;
 use rustix::process::Signal;
 use shm_bus::FreshBus;
 use shm_schemas::{Mode, StatusFlags};
@@ -98,17 +100,11 @@ fn a_tick_makes_no_system_call_but_its_sleep() {
     ));
 }
 
-/// Page faults of a thread so far: fields 10 and 12 of its `stat`, minor and major.
+/// Page faults of a thread so far.
 fn page_faults(pid: u32, thread: &str) -> u64 {
-    let stat =
-        fs::read_to_string(format!("/proc/{pid}/task/{thread}/stat")).expect("the daemon lives");
-    // The name before may contain anything but ends with the last parenthesis.
-    let (_, fields) = stat.rsplit_once(')').expect("a name");
-    let field = |number: usize| fields.split_whitespace().nth(number - 3).expect("a field");
-    [10, 12]
-        .iter()
-        .map(|number| field(*number).parse::<u64>().expect("a number"))
-        .sum()
+    let folder = format!("/proc/{pid}/task/{thread}");
+    let stat = Stat::read(Path::new(&folder));
+    stat.expect("the daemon lives").page_faults
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub use fresh::FreshBus;
 pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
 pub use name::BusName;
 pub use node::Realtime;
-pub use owner::OwnerLock;
+pub use owner::{Owner, OwnerLock};
 pub use peer::Peer;
 pub use publisher::Publisher;
 pub use qos::{BORROWED, STREAMS, Stream};

@@ -68,6 +68,15 @@ impl Drop for FileLock {
 }
 
 impl FileLock {
+    /// Who holds the lock now, by the kernel's own list: asking for it could make another process miss it.
+    pub(crate) fn holder(folder: &Folder, name: &str) -> Option<Holder> {
+        let mut file = File::open(folder.path.join(name)).ok()?;
+        let holder = read(&mut file);
+        let locks = fs::read_to_string("/proc/locks").ok()?;
+        let inode = file.metadata().ok()?.ino();
+        is_listed(&locks, holder.pid, inode).then_some(holder)
+    }
+
     /// Takes the lock if nobody has it; otherwise says who has.
     pub(crate) fn try_take(
         folder: &Folder,
@@ -119,6 +128,18 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
+/// Whether `/proc/locks` (`proc_locks(5)`) says that this process has locked the whole file of this number.
+fn is_listed(locks: &str, pid: u32, inode: u64) -> bool {
+    let (pid, inode) = (pid.to_string(), inode.to_string());
+    locks.lines().any(|line| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [_, "FLOCK", _, _, by, file, ..] = words[..] else {
+            return false;
+        };
+        by == pid && file.rsplit(':').next() == Some(&inode)
+    })
+}
+
 fn read(file: &mut File) -> Holder {
     let mut text = String::new();
     // Unreadable content only makes a message less precise.
@@ -134,7 +155,21 @@ fn write(file: &File, holder: &Holder) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::Holder;
+    use super::{Holder, is_listed};
+
+    #[test]
+    fn holders_are_found_in_the_kernels_list() {
+        let locks = "1: POSIX  ADVISORY  READ  7 fe:00:42 128 128\n\
+                     2: FLOCK  ADVISORY  WRITE 70 fe:00:42 0 EOF\n\
+                     2: -> FLOCK  ADVISORY  WRITE 8 fe:00:42 0 EOF\n";
+        let check = |pid, inode, listed| {
+            assert_eq!(is_listed(locks, pid, inode), listed, "{pid} {inode}");
+        };
+        check(70, 42, true);
+        check(7, 42, false);
+        check(8, 42, false);
+        check(70, 2, false);
+    }
 
     #[test]
     fn holders_are_read_back() {

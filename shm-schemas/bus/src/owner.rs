@@ -1,10 +1,41 @@
 //! One daemon per bus.
 
+use std::fmt;
+
 use crate::clock::now_ns;
 use crate::error::BusError;
 use crate::folder::Folder;
 use crate::lock::{FileLock, OWNER_LOCK};
 use crate::name::BusName;
+
+/// The process that owns a bus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Owner {
+    /// What it took the bus as.
+    pub role: String,
+    /// Its process id.
+    pub pid: u32,
+}
+
+impl Owner {
+    /// Who owns a bus, without a lock taken or a bus joined: so also of one whose owner says nothing. `None` if nobody does, or if
+    /// it cannot be told.
+    #[must_use]
+    pub fn of(bus: &BusName) -> Option<Self> {
+        let folder = Folder::of(bus).ok()?;
+        let holder = FileLock::holder(&folder, OWNER_LOCK)?;
+        Some(Self {
+            role: holder.role,
+            pid: holder.pid,
+        })
+    }
+}
+
+impl fmt::Display for Owner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (process {})", self.role, self.pid)
+    }
+}
 
 /// The right to control the robot of one bus. Keep it as long as the daemon runs; it ends with the process.
 #[derive(Debug)]

@@ -9,9 +9,11 @@
 //! in between belongs to the ticks.
 #![expect(clippy::print_stdout, reason = "figures are its product")]
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use allocation_counter::measure;
+use atas_process::stat::Stat;
 use rustix::mm::MlockAllFlags;
 use serde_json::{Value, json};
 use shm_schemas::TickReport;
@@ -175,16 +177,8 @@ fn run(ticks: u64) -> Value {
     })
 }
 
-/// Page faults of this thread so far: fields 10 and 12 of its `stat`, minor and major.
+/// Page faults of this thread so far.
 fn page_faults() -> u64 {
-    let text = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
-    let (_, fields) = text.rsplit_once(')').unwrap_or_default();
-    let field = |number: usize| {
-        fields
-            .split_whitespace()
-            .nth(number - 3)?
-            .parse::<u64>()
-            .ok()
-    };
-    field(10).unwrap_or(0) + field(12).unwrap_or(0)
+    let thread = Stat::read(Path::new("/proc/thread-self"));
+    thread.expect("this thread lives").page_faults
 }

@@ -118,7 +118,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "shm-schemas",
         ],
     ),
-    ("atas-client", &["shm-bus", "shm-schemas"]),
+    ("atas-client", &["atas-process", "shm-bus", "shm-schemas"]),
     (
         "ebts",
         &[
@@ -146,6 +146,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "atas-core",
             "atas-evaluation",
+            "atas-process",
             "atasd",
             "robot-model",
             "shm-bus",

@@ -21,6 +21,7 @@ mod replay;
 mod restarts;
 mod robots;
 mod servos;
+mod stopped;
 mod swarm;
 mod tasks;
 mod top;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use atas_client::POLL;
 use atas_client::percentiles;
+use atas_process::stat::Stat;
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{Percentiles, StatusFlags, TickReport};
 
@@ -271,20 +272,10 @@ fn thread_cpu_s(thread: &Path) -> anyhow::Result<f64> {
     Ok(ns as f64 * 1e-9)
 }
 
-/// Page faults of a thread so far: fields 10 and 12 of its `stat`, minor and major.
+/// Page faults of a thread so far.
 fn page_faults(thread: &Path) -> anyhow::Result<u64> {
-    let text = read(&thread.join("stat"))?;
-    // The name before may contain anything but ends with the last parenthesis.
-    let (_, fields) = text.rsplit_once(')').unwrap_or_default();
-    let field = |number: usize| {
-        fields
-            .split_whitespace()
-            .nth(number - 3)?
-            .parse::<u64>()
-            .ok()
-    };
-    let sum = field(10).zip(field(12)).map(|(minor, major)| minor + major);
-    sum.with_context(|| format!("could not read page faults from {text:?}"))
+    let stat = Stat::read(thread).context("could not count the page faults of the tick thread")?;
+    Ok(stat.page_faults)
 }
 
 /// Resident memory of a process, MiB.

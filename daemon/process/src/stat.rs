@@ -1,0 +1,73 @@
+//! What the kernel says of a process or a thread in its `stat` file (`proc_pid_stat(5)`).
+
+use std::io;
+use std::path::Path;
+
+/// Of a process (`/proc/PID`) or a thread (`/proc/PID/task/TID`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stat {
+    /// `R` runs, `S` sleeps, `D` waits for a device, `Z` has ended, `T` was stopped, `t` is being traced.
+    pub state: char,
+    /// Page faults since it began, minor and major.
+    pub page_faults: u64,
+}
+
+impl Stat {
+    /// Of the process or thread whose folder this is.
+    ///
+    /// # Errors
+    /// It is gone, or the text is not as `proc_pid_stat(5)` says.
+    pub fn read(folder: &Path) -> io::Result<Self> {
+        let path = folder.join("stat");
+        let text = std::fs::read_to_string(&path)?;
+        Self::parse(&text).ok_or_else(|| {
+            let what = format!("could not read {} because it is {text:?}", path.display());
+            io::Error::new(io::ErrorKind::InvalidData, what)
+        })
+    }
+
+    /// Whether a signal or a debugger stopped it: it does nothing until it is told to go on.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        matches!(self.state, 'T' | 't')
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        // The name, field 2, may contain anything, but ends with the last parenthesis.
+        let (_, after_name) = text.rsplit_once(')')?;
+        let fields: Vec<&str> = after_name.split_whitespace().collect();
+        let field = |number: usize| fields.get(number - 3).copied();
+        let count = |number| field(number)?.parse::<u64>().ok();
+        Some(Self {
+            state: field(3)?.chars().next()?,
+            page_faults: count(10)?.checked_add(count(12)?)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_counted_from_the_end_of_the_name() {
+        let check = |text: &str, expected: Option<(char, u64)>| {
+            let stat = Stat::parse(text).map(|stat| (stat.state, stat.page_faults));
+            assert_eq!(stat, expected, "{text:?}");
+        };
+        let rest = "1 7 7 0 -1 4194560 700 90 30 4 5 6";
+        check(&format!("7 (atasd) S {rest}"), Some(('S', 730)));
+        check(&format!("7 (a) R 1 (b) T {rest}"), Some(('T', 730)));
+        check("7 (atasd) S 1 7", None);
+        check("7 (atasd", None);
+        check("", None);
+    }
+
+    #[test]
+    fn a_process_says_of_itself_that_it_runs() {
+        let own = Stat::read(Path::new("/proc/thread-self")).expect("it lives");
+        assert_eq!((own.state, own.is_stopped()), ('R', false));
+        let gone = Stat::read(Path::new("/proc/0")).expect_err("nobody");
+        assert_eq!(gone.kind(), io::ErrorKind::NotFound);
+    }
+}
