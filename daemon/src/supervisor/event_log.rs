@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use shm_schemas::{Cause, EventKind, GoalState, Mode, ModuleEvent};
+use shm_schemas::{Cause, EventKind, GoalState, Hand, Mode, ModuleEvent};
 
 use crate::link::TickRecord;
 
@@ -13,10 +13,19 @@ const QUIET: Duration = Duration::from_secs(1);
 /// Decides what is worth a line.
 #[derive(Debug, Default)]
 pub(super) struct EventLog {
-    repeated: HashMap<&'static str, Repeated>,
+    repeated: HashMap<About, Repeated>,
     bus_failures: u64,
     missed: u64,
     dropped: u64,
+}
+
+/// What a line is about: that of one hand leaves the other's its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum About {
+    Hand(Hand, Cause),
+    Missed,
+    Bus,
+    Dropped,
 }
 
 #[derive(Debug)]
@@ -49,7 +58,7 @@ impl EventLog {
                 }
             }
             EventKind::WARNING => {
-                if let Some(suppressed) = self.is_news(reason.cause.name()) {
+                if let Some(suppressed) = self.is_news(About::Hand(event.hand, reason.cause)) {
                     tracing::warn!(tick, suppressed, "{reason}");
                 }
             }
@@ -62,7 +71,7 @@ impl EventLog {
     pub(super) fn watch_record(&mut self, record: &TickRecord) {
         let missed = record.report.missed_ticks;
         if missed > self.missed
-            && let Some(suppressed) = self.is_news("missed")
+            && let Some(suppressed) = self.is_news(About::Missed)
         {
             tracing::warn!(
                 tick = record.report.tick,
@@ -73,7 +82,7 @@ impl EventLog {
         }
         self.missed = missed;
         if record.bus_failures > self.bus_failures
-            && let Some(suppressed) = self.is_news("bus")
+            && let Some(suppressed) = self.is_news(About::Bus)
         {
             tracing::error!(
                 failures = record.bus_failures,
@@ -86,7 +95,7 @@ impl EventLog {
 
     pub(super) fn watch_dropped(&mut self, dropped: u64) {
         if dropped > self.dropped
-            && let Some(suppressed) = self.is_news("dropped")
+            && let Some(suppressed) = self.is_news(About::Dropped)
         {
             tracing::warn!(
                 dropped,
@@ -98,9 +107,9 @@ impl EventLog {
     }
 
     /// How many lines about this were left out, if it is time for another one.
-    fn is_news(&mut self, about: &'static str) -> Option<u64> {
+    fn is_news(&mut self, about: About) -> Option<u64> {
         let now = Instant::now();
-        match self.repeated.get_mut(about) {
+        match self.repeated.get_mut(&about) {
             Some(repeated) if now.duration_since(repeated.since) < QUIET => {
                 repeated.suppressed += 1;
                 None
@@ -127,8 +136,11 @@ mod tests {
     #[test]
     fn repetitions_are_counted_not_written() {
         let mut event_log = EventLog::default();
-        assert_eq!(event_log.is_news("a"), Some(0));
-        assert_eq!(event_log.is_news("a"), None);
-        assert_eq!(event_log.is_news("b"), Some(0));
+        let held = |hand| About::Hand(hand, Cause::GRIP_FOUND);
+        assert_eq!(event_log.is_news(held(Hand::LEFT)), Some(0));
+        assert_eq!(event_log.is_news(held(Hand::LEFT)), None);
+        assert_eq!(event_log.is_news(About::Missed), Some(0));
+        // A restart with both hands holding something tells of both.
+        assert_eq!(event_log.is_news(held(Hand::RIGHT)), Some(0));
     }
 }
