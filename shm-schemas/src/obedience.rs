@@ -13,8 +13,9 @@ use crate::stamp::Stamp;
 const VALIDITY_MAX_NS: u64 = 100_000_000;
 /// Share of a joint's top speed that a command may ask for (ours: the top speed and what rounding adds).
 const SPEED_SHARE: f64 = 1.05;
-/// Time over which a command may make up for lost ones, s, at top speed (ours: eight commands, as the daemon's gate allows).
-const STEP_S: f64 = 0.008;
+/// What a step may be wider than the top speed times the time for which the last command was followed, s of top speed: the one margin
+/// (ours: eight commands, as the daemon's gate allows).
+const MARGIN_S: f64 = 0.008;
 
 /// What the joints follow. Beyond the robot's own joints both are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,20 +114,22 @@ impl Obedience {
         stamp.writer_epoch == newest.stamp.writer_epoch && (1..=u64::MAX / 2).contains(&ahead)
     }
 
-    /// Whether the joints can be there in time, and need not move faster than they can.
+    /// Whether the joints can be there in time, and need not move faster than they can. Whoever ordered the last command could be on
+    /// the way for as long as it was valid; then the joints stood still, and whoever goes on begins there.
     fn is_reachable(&self, orders: &Orders, now_ns: u64) -> bool {
-        let (from_rad, since_ns) = self
-            .newest
-            .as_ref()
-            .map_or((&self.start_rad, now_ns), |(newest, then_ns)| {
-                (&newest.orders.position_rad, *then_ns)
-            });
-        let since_s = now_ns.saturating_sub(since_ns).min(VALIDITY_MAX_NS) as f64 * 1e-9;
+        let start = (&self.start_rad, 0);
+        let (from_rad, followed_ns) = self.newest.as_ref().map_or(start, |(newest, then_ns)| {
+            let until_ns = now_ns.min(newest.valid_until_ns);
+            (
+                &newest.orders.position_rad,
+                until_ns.saturating_sub(*then_ns),
+            )
+        });
+        let within_s = MARGIN_S + followed_ns as f64 * 1e-9;
         (0..self.joints).all(|joint| {
             let top_rad_s = SPEED_SHARE * self.speed_max_rad_s[joint];
             let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
-            step_rad <= top_rad_s * (STEP_S + since_s)
-                && orders.velocity_rad_s[joint].abs() <= top_rad_s
+            step_rad <= top_rad_s * within_s && orders.velocity_rad_s[joint].abs() <= top_rad_s
         })
     }
 

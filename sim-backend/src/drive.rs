@@ -187,6 +187,33 @@ mod tests {
         check(true, |c| c.stamp.sequence = 3, 6);
     }
 
+    /// Regression: after a silence a command could step by a tenth of a second at top speed, 0.34 rad of the built-in robot.
+    #[test]
+    fn no_silence_lets_a_command_step_further_than_its_validity_and_one_margin() {
+        // What eight commands' margin, and the 5 ms for which the last command was valid, are at top speed.
+        let (top_rad_s, valid_ms, margin_ms) = (3.0, 5, 8);
+        let widest_rad = 1.05 * top_rad_s * 1e-3 * (valid_ms + margin_ms) as f64;
+        let obeyed = |step_rad: f64, after_ms: u64| {
+            let still = RobotVector::zeros(JOINTS);
+            let mut drive = Drive::holding(still, RobotVector::repeat(JOINTS, top_rad_s));
+            let ordered =
+                |position_rad: f64, ms: u64| command(position_rad, (ms + valid_ms) * MS_NS);
+            drive.orders(Some(&ordered(0.0, 0)), 0);
+            let mut second = ordered(step_rad, after_ms);
+            second.stamp.sequence = 1;
+            second.seal();
+            drive.orders(Some(&second), after_ms * MS_NS);
+            let then = (1..4).map(|ms| drive.orders(None, (after_ms + ms) * MS_NS));
+            then.last().expect("some").position_rad[0] == step_rad
+        };
+        for after_ms in [5, 20, 100, 10_000] {
+            assert!(obeyed(0.99 * widest_rad, after_ms), "{after_ms} ms");
+            assert!(!obeyed(1.01 * widest_rad, after_ms), "{after_ms} ms");
+        }
+        // Before that, time counts: what a joint cannot have reached yet is refused.
+        assert!(!obeyed(0.99 * widest_rad, 1));
+    }
+
     #[test]
     fn what_is_obeyed_is_told() {
         let (mut drive, mut state) = (drive(), JointState::default());
