@@ -167,20 +167,20 @@ impl Reason {
             Cause::TOO_HEAVY => {
                 write!(
                     f,
-                    "needs more than {value:.2} N, and the fingers may press with {limit:.2} N at most (`grasp.f2_max_n`): object too heavy"
+                    "{value:.2} N do not hold it, and the fingers may press with {limit:.2} N at most (`grasp.f2_max_n`): object too heavy"
                 )
             }
             Cause::TOO_SOFT => {
                 write!(
                     f,
-                    "needs more than {value:.2} N, and an object of this stiffness bears {limit:.2} N (F_2): too heavy to be \
+                    "{value:.2} N do not hold it, and an object of this stiffness bears {limit:.2} N (F_2): too heavy to be \
                      held without crushing it"
                 )
             }
             Cause::ABOVE_MAX_FORCE => {
                 write!(
                     f,
-                    "needs more than {value:.2} N, and the goal allows {limit:.2} N (`--max-force`)"
+                    "{value:.2} N do not hold it, and the goal allows {limit:.2} N (`--max-force`)"
                 )
             }
             Cause::LOST_OBJECT => write!(

@@ -169,7 +169,7 @@ mod tests {
                 running("leave"),
                 (GoalState::REFUSED, "leave", heavy),
             ],
-            "lift: needs more than 8.00 N, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy (module 3, \
+            "lift: 8.00 N do not hold it, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy (module 3, \
              force limit)",
         );
         check(

@@ -267,7 +267,8 @@ fn tables_fit_eighty_columns_and_break_no_range() {
         &[
             "refused:",
             "too heavy ",
-            "\nheavy-block: lift: needs more than ",
+            "\nheavy-block: lift: ",
+            " N do not hold it, and ",
         ],
     );
     demo("pick-place --object wood", &["took", "placed"]);
