@@ -25,6 +25,7 @@ impl Report {
     /// The figures as JSON; `null` is what was not measured.
     pub(super) fn json(&self, plan: &Plan<'_>) -> Value {
         let locked = || self.idle.iter().map(|repeat| &repeat.locked);
+        let age = |measured: &Measured| percentiles::of(measured.frame_age_ns.clone());
         let of_locked = |value: fn(&Measured) -> f64| median(locked().map(value).collect());
         let of_answer = |value: fn(&Repeat) -> f64| median(self.idle.iter().map(value).collect());
         let ticks = self.counts.ticks.as_ref();
@@ -50,7 +51,8 @@ impl Report {
                 "after_body_us": ticks.map(|ticks| ticks.recording_us),
             },
             "frame_age_us": {
-                "locked": over(locked().map(|m| percentiles::of(m.frame_age_ns.clone()))),
+                "locked": over(locked().map(age)),
+                "loaded": over(self.loaded.iter().map(|repeat| age(&repeat.locked))),
                 "free": self.free_frame_age(),
             },
             "sensor_to_command_ratio": of_answer(|repeat| repeat.answer.ratio()),

@@ -46,6 +46,11 @@ fn durations(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
     let mut rows = table(&["µs", "p50", "p99", "p99.9", "max"]);
     let ages = &figures["frame_age_us"];
     rows.add_row(row("frame age, phase-locked".into(), &ages["locked"], 1));
+    rows.add_row(row(
+        "frame age, phase-locked, under load".into(),
+        &ages["loaded"],
+        1,
+    ));
     rows.add_row(row("frame age, free-running".into(), &ages["free"], 1));
     let answers = &figures["sensor_to_command_us"];
     rows.add_row(row(
