@@ -59,7 +59,7 @@ pub struct Supervisor {
     telemetry: Telemetry,
     event_log: EventLog,
     flight: FlightRecorder,
-    recording: Option<RecordStream>,
+    recording: RecordStream,
     manager: ServiceManager,
     signals: Signals,
     resting_ticks: u32,
@@ -95,16 +95,13 @@ impl Supervisor {
         let state_directory = std::env::var_os("STATE_DIRECTORY");
         let recording = &state.config.recording;
         let flight_folder = recording.flight_folder(state_directory.as_deref());
-        let records = recording.stream;
         Ok(Self {
             goals: GoalService::open(&bus, &state)?,
             controls: ControlService::open(&bus)?,
             telemetry: Telemetry::open(&bus)?,
             event_log: EventLog::default(),
             flight: FlightRecorder::new(flight_folder)?,
-            recording: records
-                .then(|| RecordStream::open(&bus, &state))
-                .transpose()?,
+            recording: RecordStream::open(&bus, &state)?,
             manager: ServiceManager::from_environment(),
             resting_ticks: 0,
             bus,
@@ -196,9 +193,7 @@ impl Supervisor {
             self.event_log.write_event(&event);
             self.flight.watch(&event);
         }
-        if let (Some(recording), Some(input_log)) = (&self.recording, self.link.input_log()) {
-            recording.publish(input_log);
-        }
+        self.recording.publish(self.link.input_log());
         self.event_log.watch_dropped(self.link.dropped());
     }
 

@@ -1,7 +1,8 @@
 //! What a recorder needs so that a run can be replayed bit for bit: how it began, and what every tick took in.
 //!
-//! The daemon publishes these only when it was started with recording switched on, because a replay begins with the
-//! controller's first tick. A recorder that joins later misses the beginning, sees that by the sequence, and must say so.
+//! The header is always published: whoever shows the robot needs it, too. What the ticks took in is only published when the daemon was
+//! started with recording switched on, because a replay begins with the controller's first tick. A recorder that joins later
+//! misses the beginning, sees that by the sequence, and must say so.
 
 use crate::capacity::{ELEMENTS, HANDS, JOINTS, LEVELS, SENSOR_BITS, SETTINGS, STEPS, TABLE_WORDS};
 use crate::code::code;

@@ -2,10 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use atas_client::FINGERS;
-use atas_client::{POLL, Session, Stopped, json, standstill, words};
+use atas_client::{POLL, Run, Session, Stopped, json, standstill, words};
 use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
 use shm_bus::{BusName, Owner, now_ns};
+use shm_schemas::capacity::HANDS;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
 use crate::refusals::{self, refusals};
@@ -24,11 +24,13 @@ pub(crate) fn status(
     let session = Session::existing(&arguments.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
     let mut before = status;
+    let mut run = Run::of(session.bus(), &status)?;
     if !arguments.watch {
         refusals::look_again(&mut statuses, &mut status)?;
         let refusals = refusals(&session, &status)?;
         let frozen = standstill(&status, now_ns());
-        print([&before, &status], &refusals, frozen, output)?;
+        let fingers = run.fingers(&status);
+        print([&before, &status], fingers, &refusals, frozen, output)?;
         return frozen.map_or(Ok(()), |frozen| {
             Err(Ended::with(Exit::Failed, standing_still(frozen)))
         });
@@ -45,7 +47,9 @@ pub(crate) fn status(
             output.clear()?;
             let frozen = standstill(&status, now_ns());
             let refusals = refusals(&session, &status)?;
-            print([&before, &status], &refusals, frozen, output)?;
+            run.look(session.bus(), &status)?;
+            let fingers = run.fingers(&status);
+            print([&before, &status], fingers, &refusals, frozen, output)?;
             drawn = Some(Instant::now());
             before = status;
         }
@@ -54,9 +58,10 @@ pub(crate) fn status(
     Ok(())
 }
 
-/// Prints the newer of two statuses.
+/// Prints the newer of two statuses, of hands with so many fingers.
 fn print(
     [before, status]: [&Status; 2],
+    fingers: [usize; HANDS],
     refusals: &[String],
     frozen: Option<Duration>,
     output: &mut Output,
@@ -74,7 +79,7 @@ fn print(
     for refusal in refusals {
         output.line(refusal)?;
     }
-    output.table(hands(status))?;
+    output.table(hands(status, fingers))?;
     output.table(timing(status))
 }
 
@@ -157,20 +162,23 @@ fn flags(flags: u32) -> String {
     set.map(|(_, text)| format!(", {text}")).collect()
 }
 
-fn hands(status: &Status) -> comfy_table::Table {
+/// What comes in. A hand that is not there has no line.
+fn hands(status: &Status, fingers: [usize; HANDS]) -> comfy_table::Table {
     let mut rows = table(&[
         "hand", "frames", "lost", "bad", "age ms", "F_n N", "F_t N", "touches", "modules",
     ]);
-    for (hand, sensor) in Hand::BOTH.iter().zip(&status.hands) {
+    let sensors = Hand::BOTH.iter().zip(&status.hands).zip(fingers);
+    for ((hand, sensor), fingers) in sensors.filter(|(_, fingers)| *fingers > 0) {
+        let touches = sensor.touches[..fingers].iter().map(u64::to_string);
         rows.add_row([
             hand.to_string(),
             sensor.frames.to_string(),
             sensor.lost.to_string(),
             refusals::refused(sensor).to_string(),
             age_ms(sensor.age_ns),
-            forces(&sensor.normal_n),
-            forces(&sensor.tangential_n),
-            format!("{} {}", sensor.touches[0], sensor.touches[1]),
+            forces(&sensor.normal_n[..fingers]),
+            forces(&sensor.tangential_n[..fingers]),
+            touches.collect::<Vec<_>>().join(" "),
             modules(sensor.modules_active),
         ]);
     }
@@ -221,7 +229,7 @@ fn age_ms(age_ns: u64) -> String {
 }
 
 fn forces(force_n: &[f32]) -> String {
-    let shown: Vec<String> = force_n[..FINGERS]
+    let shown: Vec<String> = force_n
         .iter()
         .map(|force_n| number((*force_n).into(), 2))
         .collect();
@@ -252,6 +260,18 @@ mod tests {
         assert!(told(&status).contains(expected), "{}", told(&status));
         let none = told(&Status::default());
         assert!(none.contains("no goal yet"), "{none}");
+    }
+
+    #[test]
+    fn every_finger_of_the_hands_that_are_there_has_its_force() {
+        let mut status = Status::default();
+        status.hands[1].normal_n = [0.25, 1.5, 2.75, 0.0];
+        status.hands[1].touches = [1, 2, 3, 0];
+        let table = hands(&status, [0, 3]).to_string();
+        for part in ["right", "0.25 1.50 2.75 ", " 1 2 3 "] {
+            assert!(table.contains(part), "{part}: {table}");
+        }
+        assert!(!table.contains("left"), "{table}");
     }
 
     #[test]

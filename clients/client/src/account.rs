@@ -16,6 +16,9 @@ const ANSWERING: [ModuleId; 8] = [
     ModuleId::SLIP_REACTION,
 ];
 
+/// First step of the task that only lets go, as the controller's table names it; a test compares.
+const OPEN: &str = "open";
+
 /// One goal, told.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Account {
@@ -29,6 +32,15 @@ pub struct Account {
     pub steps: Vec<Step>,
     /// What decided, in order.
     pub moments: Vec<Moment>,
+}
+
+impl Account {
+    /// From the first to the last event, s.
+    #[must_use]
+    pub fn took_s(&self) -> f64 {
+        let [first_ns, last_ns] = self.span_ns;
+        last_ns.saturating_sub(first_ns) as f64 * 1e-9
+    }
 }
 
 /// A step of one hand.
@@ -61,22 +73,37 @@ pub fn begins(event: &ModuleEvent) -> bool {
     event.kind == EventKind::GOAL && event.text.as_str() == GoalState::RUNNING.name()
 }
 
-/// The events of the last goal, from its first step to its end; empty if none began.
+/// The events of each goal, from its first step to its end, oldest first.
 #[must_use]
-pub fn last_goal(events: &[ModuleEvent]) -> &[ModuleEvent] {
-    let Some(runs) = events.iter().rposition(begins) else {
-        return &[];
-    };
+pub fn goals(events: &[ModuleEvent]) -> Vec<&[ModuleEvent]> {
+    let runs = (0..events.len()).filter(|at| begins(&events[*at]));
+    runs.map(|runs| goal(events, runs)).collect()
+}
+
+/// The events of the goal that runs with the event at this place.
+fn goal(events: &[ModuleEvent], runs: usize) -> &[ModuleEvent] {
     // Its first step is announced when it is accepted: before it runs, and after any goal before it.
     let before = events[..runs].iter().rev();
     let mut before = before.take_while(|event| event.kind != EventKind::GOAL);
     let first = before.find(|event| event.kind == EventKind::STEP);
     let first = first.unwrap_or(&events[runs]).tick;
     let begin = events.partition_point(|event| event.tick < first);
-    let ends = |event: &ModuleEvent| event.kind == EventKind::GOAL && !begins(event);
-    let end = events[runs..].iter().position(ends);
-    let end = end.map_or(events.len(), |after| runs + after + 1);
-    &events[begin.min(runs)..end]
+    let ends = |event: &ModuleEvent| event.kind == EventKind::GOAL;
+    let after = &events[runs + 1..];
+    // One whose end nobody heard has ended before the next begins.
+    let end = match after.iter().position(ends) {
+        Some(end) if begins(&after[end]) => end,
+        Some(end) => end + 1,
+        None => after.len(),
+    };
+    &events[begin.min(runs)..runs + 1 + end]
+}
+
+/// Whether a goal only lets go of what was held, by its events: it begins by opening.
+#[must_use]
+pub fn only_lets_go(goal: &[ModuleEvent]) -> bool {
+    let mut steps = goal.iter().filter(|event| event.kind == EventKind::STEP);
+    steps.next().is_some_and(|step| step.text.as_str() == OPEN)
 }
 
 /// Tells a goal by its events, oldest first; `None` if there are none.
@@ -197,8 +224,12 @@ mod tests {
             },
             at(80, EventKind::MODE, ""),
         ];
-        let goal = last_goal(&events);
-        assert_eq!(goal.len(), 8);
+        let all = goals(&events);
+        assert_eq!(
+            all.iter().map(|goal| goal.len()).collect::<Vec<_>>(),
+            [2, 8]
+        );
+        let goal = all[1];
         let account = tell(goal).expect("told");
         assert_eq!(
             (account.state.as_str(), account.reason.value),
@@ -217,13 +248,35 @@ mod tests {
             .collect();
         // The beginning, its step, the slip in it, the next step, two slips in that, the end.
         assert_eq!(told, [(10, 1), (10, 1), (30, 1), (40, 1), (50, 2), (70, 1)]);
-        assert_eq!(tell(last_goal(&[])), None);
+        assert_eq!((goals(&[]).len(), tell(&[])), (0, None));
         // The first step is announced when a goal is accepted, a tick before it runs.
         let mut accepted = events[..2].to_vec();
         accepted.push(at(9, EventKind::STEP, "reach"));
         accepted.extend(&events[2..]);
-        let account = tell(last_goal(&accepted)).expect("told");
+        let all = goals(&accepted);
+        let account = tell(all[1]).expect("told");
         assert_eq!(account.steps[0].name, "reach");
         assert_eq!(account.state, "failed");
+    }
+
+    #[test]
+    fn a_goal_that_begins_by_opening_only_lets_go() {
+        let events = [
+            at(9, EventKind::STEP, "reach"),
+            at(10, EventKind::GOAL, "running"),
+            at(20, EventKind::STEP, "open"),
+            at(30, EventKind::GOAL, "failed"),
+            at(39, EventKind::STEP, "open"),
+            at(40, EventKind::GOAL, "running"),
+            at(50, EventKind::STEP, "leave"),
+            // Its end was lost.
+            at(59, EventKind::STEP, "reach"),
+            at(60, EventKind::GOAL, "running"),
+        ];
+        let told: Vec<_> = goals(&events)
+            .into_iter()
+            .map(|goal| (goal[0].tick, only_lets_go(goal)))
+            .collect();
+        assert_eq!(told, [(9, false), (39, true), (59, false)]);
     }
 }

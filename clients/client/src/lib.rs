@@ -4,7 +4,8 @@
 //!  Session ─┬─ watch_status, control: one answer
 //!           ├─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
 //!           ├─ Leader: a goal that opens a stream of targets, and the stream
-//!           └─ Watch: looking on
+//!           ├─ Watch: looking on
+//!           └─ Run: which robot, which sensors
 //!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
 //!  standstill: whether the ticks still come, and whether a daemon that says nothing is stopped
 //!  json, words, percentiles: what the bus says, for programs and for people
@@ -25,6 +26,7 @@ mod leader;
 pub mod percentiles;
 mod progress;
 mod pursuit;
+mod run;
 pub mod scenes;
 mod session;
 mod standstill;
@@ -35,9 +37,7 @@ pub use error::ClientError;
 pub use leader::{Leader, Led, Wanted};
 pub use progress::GoalProgress;
 pub use pursuit::{Cancelled, Pursuit};
+pub use run::Run;
 pub use session::{POLL, Session};
 pub use standstill::{Stopped, standstill};
 pub use watch::{Watch, body_ns};
-
-/// Fingers of one hand of the robot; payloads have room for more.
-pub const FINGERS: usize = 2;

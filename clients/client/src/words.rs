@@ -1,8 +1,7 @@
 //! The bus's words for people.
 
+use shm_schemas::capacity::FINGERS;
 use shm_schemas::{EventKind, FingerReport, HandReport, ModuleEvent, ModuleId, Status};
-
-use crate::FINGERS;
 
 /// The active or last goal, and why it ended if it did not succeed.
 #[must_use]
@@ -73,28 +72,20 @@ fn by(module: ModuleId) -> String {
     }
 }
 
-/// The readings of the tick in which a module was switched.
+/// The readings of the tick in which a module was switched, of a hand with so many fingers.
 #[must_use]
-pub fn evidence(module: ModuleId, hand: &HandReport) -> String {
-    let fingers = &hand.fingers[..FINGERS];
+pub fn evidence(module: ModuleId, hand: &HandReport, fingers: usize) -> String {
+    let fingers = &hand.fingers[..fingers.clamp(1, FINGERS)];
     let largest = |value: fn(&FingerReport) -> f32| {
         fingers.iter().map(value).fold(f32::NEG_INFINITY, f32::max)
     };
     let n = |value: f32| number(value, 2);
-    let pressed = || {
-        fingers
-            .iter()
-            .map(|f| n(f.normal_n))
-            .collect::<Vec<_>>()
-            .join(" and ")
+    let each = |value: fn(&FingerReport) -> f32| {
+        let values: Vec<String> = fingers.iter().map(|f| n(value(f))).collect();
+        listed(&values)
     };
-    let sheared = || {
-        fingers
-            .iter()
-            .map(|f| n(f.tangential_n))
-            .collect::<Vec<_>>()
-            .join(" and ")
-    };
+    let pressed = || each(|f| f.normal_n);
+    let sheared = || each(|f| f.tangential_n);
     match module {
         ModuleId::FIRST_TOUCH => format!("F_n {} N, F_1 {} N", pressed(), n(hand.f1_n)),
         ModuleId::FORCE_LIMIT => format!("F_n {} N, F_2 {} N", pressed(), n(hand.f2_n)),
@@ -118,6 +109,15 @@ pub fn evidence(module: ModuleId, hand: &HandReport) -> String {
             )
         }
         _ => format!("F_n {} N, F_t {} N", pressed(), sheared()),
+    }
+}
+
+/// Words as a sentence lists them.
+fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 
@@ -200,7 +200,7 @@ mod tests {
         hand.fingers[0].normal_n = 0.3;
         hand.fingers[1].utilisation = 1.02;
         hand.fingers[1].tangential_increment_n = 0.0712;
-        let check = |module, expected| assert_eq!(evidence(module, &hand), expected);
+        let check = |module, expected| assert_eq!(evidence(module, &hand, 2), expected);
         check(ModuleId::FIRST_TOUCH, "F_n 0.30 and 0.00 N, F_1 0.12 N");
         check(ModuleId::FORCE_LIMIT, "F_n 0.30 and 0.00 N, F_2 8.00 N");
         check(ModuleId::SLIP, "S 1.02, dF_t 0.071 N, F_n 0.30 and 0.00 N");
@@ -209,5 +209,10 @@ mod tests {
             "F_n 0.30 and 0.00 N, stiffness 1512 N/m, F_2 8.00 N",
         );
         check(ModuleId::CARRY, "F_n 0.30 and 0.00 N, F_t 0.00 and 0.00 N");
+        hand.fingers[2].normal_n = 0.5;
+        let of_three = evidence(ModuleId::FORCE_LIMIT, &hand, 3);
+        assert_eq!(of_three, "F_n 0.30, 0.00 and 0.50 N, F_2 8.00 N");
+        let of_one = evidence(ModuleId::FORCE_LIMIT, &hand, 1);
+        assert_eq!(of_one, "F_n 0.30 N, F_2 8.00 N");
     }
 }

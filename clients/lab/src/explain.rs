@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Session, json};
-use atas_console::Output;
 use atas_console::arguments::Explain;
-use atas_evaluation::figures::{self, Course};
+use atas_console::{Output, number, table};
+use atas_evaluation::figures::{self, Choice, Course, Goal, Goals};
 use serde_json::{Value, json};
 use shm_bus::BusName;
 use shm_schemas::service;
@@ -19,10 +19,20 @@ const PAST: Duration = Duration::from_millis(300);
 /// `atas explain`.
 pub(crate) fn explain(arguments: &Explain, output: &mut Output) -> anyhow::Result<()> {
     let files = &arguments.files;
-    let course = if *files == [Path::new(Explain::LAST)] {
-        remembered(&arguments.bus.bus)?
+    let choice = Choice::said(arguments.goal.as_deref());
+    let is_live = *files == [Path::new(Explain::LAST)];
+    if arguments.list {
+        let goals = if is_live {
+            remembered(&arguments.bus.bus)?
+        } else {
+            Goals::recorded(&plot::name(&files[0]), files)?
+        };
+        return list(&goals, output);
+    }
+    let course = if is_live {
+        Course::remembered("running daemon", &remembered(&arguments.bus.bus)?, &choice)?
     } else {
-        Course::recorded(&plot::name(&files[0]), files)?
+        Course::recorded(&plot::name(&files[0]), files, &choice)?
     };
     if let Some(out) = &arguments.out {
         picture::write(out, &figures::explained(&course)?)?;
@@ -37,16 +47,53 @@ pub(crate) fn explain(arguments: &Explain, output: &mut Output) -> anyhow::Resul
     drawn.map_or(Ok(()), |drawn| output.line(format_args!("wrote {drawn}")))
 }
 
-fn remembered(bus: &BusName) -> anyhow::Result<Course> {
+fn remembered(bus: &BusName) -> anyhow::Result<Goals> {
     let session = Session::existing(bus)?;
     let mut stream = session.bus().subscriber(service::MODULE_EVENT)?;
-    session.watch_status()?;
+    let (mut statuses, mut status) = session.watch_status()?;
     let (mut events, begin) = (Vec::new(), Instant::now());
     while begin.elapsed() < PAST {
         stream.drain(usize::MAX, |event| events.push(*event))?;
+        statuses.newest(&mut status)?;
         std::thread::sleep(POLL);
     }
-    Course::remembered("the last goal", &events)
+    Ok(Goals::remembered("the running daemon", events, &status))
+}
+
+/// The goals of a run, a line each.
+fn list(goals: &Goals, output: &mut Output) -> anyhow::Result<()> {
+    let goals = goals.list();
+    if output.is_json() {
+        let goals: Vec<Value> = goals.iter().map(listed).collect();
+        return output.json(&json!({ "goals": goals }));
+    }
+    let mut rows = table(&["goal", "task", "hand", "from s", "took s", "state", "why"]);
+    for goal in &goals {
+        let account = &goal.account;
+        let why = account.reason.is_some().then(|| account.reason.to_string());
+        rows.add_row([
+            goal.number.to_string(),
+            goal.task.unwrap_or("–").to_owned(),
+            goal.hand.to_string(),
+            number(goal.from_s, 2),
+            number(account.took_s(), 2),
+            account.state.clone(),
+            why.unwrap_or_default(),
+        ]);
+    }
+    output.table(rows)
+}
+
+fn listed(goal: &Goal<'_>) -> Value {
+    json!({
+        "goal": goal.number,
+        "task": goal.task,
+        "hand": goal.hand.name(),
+        "from_s": goal.from_s,
+        "took_s": goal.account.took_s(),
+        "state": goal.account.state,
+        "reason": json::reason(&goal.account.reason),
+    })
 }
 
 fn told(course: &Course) -> String {
@@ -57,7 +104,8 @@ fn told(course: &Course) -> String {
         String::new()
     };
     let mut lines = vec![format!(
-        "the goal {} after {:.2} s{because}",
+        "{}: {} after {:.2} s{because}",
+        course.title(),
         account.state,
         course.took_s()
     )];
@@ -95,6 +143,8 @@ fn as_json(course: &Course) -> Value {
         value
     });
     json!({
+        "goal": course.number,
+        "task": course.task,
         "state": account.state,
         "reason": json::reason(&account.reason),
         "took_s": course.took_s(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use atas_console::arguments::{Drawn, Plot, PlotRecorded};
 use atas_console::{Ended, Exit, Output};
 use atas_evaluation::Task;
-use atas_evaluation::figures::{self, Course};
+use atas_evaluation::figures::{self, Choice, Course};
 use serde_json::json;
 use sim_backend::{Object, ObjectError};
 
@@ -50,7 +50,8 @@ fn run_offline(plot: &Plot) -> anyhow::Result<(String, &PathBuf)> {
 
 fn overlaid(arguments: &PlotRecorded) -> anyhow::Result<String> {
     let runs = atas_recording::runs(&arguments.files)?.into_iter();
-    let courses = runs.map(|files| Course::recorded(&name(&files[0]), &files));
+    let choice = Choice::said(arguments.goal.as_deref());
+    let courses = runs.map(|files| Course::recorded(&name(&files[0]), &files, &choice));
     let courses = courses.collect::<anyhow::Result<Vec<Course>>>()?;
     figures::overlay(&courses, arguments.from.as_deref())
 }

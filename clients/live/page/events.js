@@ -42,9 +42,11 @@ function severity({ kind, mode, text }) {
 }
 
 export class Faults {
-  constructor(list, canvas) {
+  /** `fingers` says how many each hand has. */
+  constructor(list, canvas, fingers) {
     this.list = list;
     this.canvas = canvas;
+    this.fingers = fingers;
     this.show([]);
   }
 
@@ -78,7 +80,7 @@ export class Faults {
     if (!t.length) return;
     const x = (ms) => 34 + (1 - ms / t[0]) * (width - 44);
     const rows = [
-      { top: 14, bottom: height * 0.55, label: "N", lines: hands.flatMap((hand) => hand.normal_n), tints: ["a", "b", "c", "f"] },
+      { top: 14, bottom: height * 0.55, label: "N", lines: hands.flatMap((hand, side) => hand.normal_n.slice(0, this.fingers()[side])), tints: ["a", "b", "c", "f"] },
       { top: height * 0.62, bottom: height - 16, label: "late µs", lines: [late], tints: ["e"] },
     ];
     for (const { top, bottom, label, lines, tints } of rows) {

@@ -15,19 +15,10 @@ export class Fingers {
     this.scale = scale;
     this.layouts = scene.layouts;
     this.full = LEAST;
-    this.tips = HANDS.map((hand) => [0, 1].map((finger) => {
-      const figure = document.createElement("figure");
-      const name = `${hand} finger ${finger + 1}`;
-      figure.innerHTML = `<figcaption>${name} <span><b id="${hand}-${finger + 1}-normal">–</b> N pressed, ` +
-        `<b id="${hand}-${finger + 1}-tangential">–</b> N sheared, S <b id="${hand}-${finger + 1}-utilisation">–</b></span></figcaption>`;
-      const canvas = document.createElement("canvas");
-      canvas.setAttribute("role", "img");
-      canvas.setAttribute("aria-label", `Pressure and shear on the elements of ${name}`);
-      figure.prepend(canvas);
-      parent.append(figure);
-      const text = (what) => document.getElementById(`${hand}-${finger + 1}-${what}`);
-      return { canvas, normal: text("normal"), tangential: text("tangential"), utilisation: text("utilisation") };
-    }));
+    const most = Math.max(2, ...scene.fingers);
+    parent.replaceChildren();
+    parent.dataset.columns = most;
+    this.tips = HANDS.map((hand, side) => [...Array(scene.fingers[side]).keys()].map((finger) => tip(parent, hand, finger + 1)));
   }
 
   /** Writes the numbers: all of one picture at once. */
@@ -37,7 +28,7 @@ export class Fingers {
       tip.tangential.textContent = number(finger.tangential_n, 2);
       tip.utilisation.textContent = number(finger.utilisation, 2);
     });
-    this.scale.textContent = `full colour: ${number(this.full, 2)} N on one element; arrows: shear`;
+    this.scale.textContent = `brightest: ${number(this.full, 2)} N on one element; arrows: shear; S: how much of its friction a finger uses, 1 slides`;
   }
 
   draw(picture) {
@@ -50,7 +41,10 @@ export class Fingers {
   }
 
   each(picture, act) {
-    this.tips.forEach((tips, hand) => tips.forEach((tip, finger) => act(tip, picture.hands[hand].fingers[finger], hand)));
+    this.tips.forEach((tips, hand) => tips.forEach((tip, finger) => {
+      const felt = picture.hands[hand].fingers[finger];
+      if (felt) act(tip, felt, hand);
+    }));
   }
 
   drawTip(canvas, elements, layout) {
@@ -89,6 +83,21 @@ export class Fingers {
       arrow(context, from, [from[0] + shear[1] * by, from[1] + shear[0] * by], 3.5);
     });
   }
+}
+
+/** A fingertip's place on the page. */
+function tip(parent, hand, finger) {
+  const figure = document.createElement("figure");
+  const name = `${hand} finger ${finger}`;
+  const number = (what) => `<b id="${hand}-${finger}-${what}">–</b>`;
+  figure.innerHTML = `<figcaption>${name} <span>F_n ${number("normal")} N, F_t ${number("tangential")} N, S ${number("utilisation")}</span></figcaption>`;
+  const canvas = document.createElement("canvas");
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", `Pressure and shear on the elements of ${name}`);
+  figure.prepend(canvas);
+  parent.append(figure);
+  const text = (what) => document.getElementById(`${hand}-${finger}-${what}`);
+  return { canvas, normal: text("normal"), tangential: text("tangential"), utilisation: text("utilisation") };
 }
 
 /** The force on each fingertip as a whole, in its own frame, N. */

@@ -18,12 +18,11 @@ const by = (id) => document.getElementById(id);
 
 class Page {
   constructor(scene) {
-    this.scene = scene;
-    this.robot = new Robot(by("robot"), scene);
-    this.fingers = new Fingers(by("skin"), by("skin-scale"), scene);
-    this.traces = new Traces(by("traces"), scene);
+    this.robot = new Robot(by("robot"));
+    this.traces = new Traces(by("traces"), by("traces-legend"));
+    this.show(scene);
     this.eventLines = new Events(by("events"));
-    this.faultList = new Faults(by("faults"), by("flight"));
+    this.faultList = new Faults(by("faults"), by("flight"), () => this.scene.fingers);
     this.timing = new Timing(by("histogram"), by("services"));
     this.arenaView = new Arena();
     this.frames = 0;
@@ -34,8 +33,29 @@ class Page {
     requestAnimationFrame(() => this.draw());
   }
 
+  /** Another robot runs, or it is only now known which. */
+  show(scene) {
+    this.scene = scene;
+    this.robot.take(scene);
+    this.fingers = new Fingers(by("skin"), by("skin-scale"), scene);
+    this.traces.take(scene);
+    by("robot-name").textContent = (scene.robot ?? "").replace(/^.*\/|\.toml$/g, "");
+    by("robot-note").textContent = scene.note;
+    by("robot-note").hidden = !scene.note;
+    this.newest = this.drawn = this.told = this.traced = null;
+  }
+
+  /** What the server says of the robot: shown if it is news. */
+  named(scene) {
+    const { recording, bus } = this.scene;
+    const said = JSON.stringify(scene);
+    if (said !== this.said) this.show({ ...scene, recording, bus });
+    this.said = said;
+  }
+
   /** What was before the page opened. */
-  past({ moments, events, status, faults }) {
+  past({ scene, moments, events, status, faults }) {
+    if (scene) this.named(scene);
     // Times count from the daemon's start, or from the beginning of the recording.
     if (this.scene.recording) this.origin = moments[0][0];
     else if (status?.alive) this.origin = status.started_ns * 1e-9;
@@ -166,7 +186,9 @@ async function begin() {
     live(page);
     return;
   }
-  by("controls").hidden = true;
+  // A recording cannot be stopped, and says nothing of the services' rates.
+  by("controls").hidden = by("timing").hidden = true;
+  by("main").classList.add("recorded");
   const recording = await (await fetch("/recording.json")).json();
   by("where").textContent = recording.name;
   by("goal").textContent = recording.events.filter((event) => event.kind === "goal").at(-1)?.sentence ?? "";

@@ -7,16 +7,35 @@ const SIDES = 12;
 const LIGHT = unit([0.4, -0.5, 0.9]);
 /** Length of the arrow of a newton, m. */
 const PER_NEWTON = 0.03;
+/** Distance of the camera, m: at least, and over the size of the robot. */
+const NEAREST = 0.5;
+const AROUND = 1.4;
 const TABLE = { from: [0.05, -0.45], to: [0.65, 0.45], step: 0.1 };
 
 export class Robot {
-  constructor(canvas, scene) {
+  constructor(canvas) {
     this.canvas = canvas;
-    this.scene = scene;
     this.camera = new Camera();
+    this.listen();
+  }
+
+  /** The robot that is drawn; without links, nothing is. */
+  take(scene) {
+    this.scene = scene;
+    this.joints = this.forces = null;
+    this.isFramed = false;
     this.shapes = scene.limbs.flatMap((limb, index) => limb.shapes.map((shape) => ({ index, ...shape, mesh: mesh(shape.form) })));
     this.tips = scene.tips.map((hand) => hand.map((name) => scene.limbs.findIndex((limb) => limb.name === name)));
-    this.listen();
+    this.draw();
+  }
+
+  /** Looks at the whole robot, as it stands when it is first seen. */
+  frame(places) {
+    this.isFramed = true;
+    const points = places.map(({ xyz }) => xyz);
+    const ends = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...points.map((point) => point[axis]))));
+    this.camera.at = scale(add(...ends), 0.5);
+    this.camera.distance = Math.max(NEAREST, AROUND * length(sub(ends[1], ends[0])));
   }
 
   listen() {
@@ -28,7 +47,7 @@ export class Robot {
       this.draw();
     };
     const zoomed = (by) => {
-      camera.distance = Math.min(3, Math.max(0.35, camera.distance * by));
+      camera.distance = Math.min(6, Math.max(0.25, camera.distance * by));
       this.draw();
     };
     canvas.addEventListener("pointerdown", (event) => {
@@ -68,12 +87,17 @@ export class Robot {
     const colours = palette();
     this.camera.aim(width, height);
     this.drawTable(context, colours);
-    if (!this.joints?.length) {
+    const missing = !this.scene.limbs.length ? "" : !this.joints?.length ? "no joint state yet" : null;
+    if (missing !== null) {
       context.fillStyle = colours.soft;
-      context.fillText("no joint state yet", 12, 20);
+      context.fillText(missing, 12, 20);
       return;
     }
     const places = placed(this.scene.limbs, this.joints);
+    if (!this.isFramed) {
+      this.frame(places);
+      return this.draw();
+    }
     const faces = this.shapes.flatMap((shape) => this.faces(shape, then(places[shape.index], shape.at)));
     faces.sort((a, b) => b.depth - a.depth);
     for (const face of faces) paint(context, face);

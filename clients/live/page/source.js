@@ -8,7 +8,8 @@ export function live(page) {
   const socket = new WebSocket(`ws://${location.host}/feed`);
   socket.addEventListener("message", ({ data }) => {
     const [[kind, value]] = Object.entries(JSON.parse(data));
-    page[kind]?.(value);
+    if (kind === "scene") page.named(value);
+    else page[kind]?.(value);
   });
   socket.addEventListener("close", () => {
     page.status({ alive: false, why: "the server is gone; start `atas dashboard` again" });

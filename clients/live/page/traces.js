@@ -8,29 +8,59 @@ const WINDOW = 20;
 const LEFT = 118;
 const RIGHT = 8;
 const LANE = 15;
-/** Numbers of a moment per hand: f1, f2, modules, then F_n and F_t of each finger. */
-const PER_HAND = 7;
-const LINES = [
-  { of: (m) => m[0], colour: "d", dash: [5, 4], width: 1.5 },
-  { of: (m) => m[1], colour: "e", dash: [5, 4], width: 1.5 },
-  { of: (m) => (m[4] + m[6]) / 2, colour: "c", dash: [], width: 1.8 },
-  { of: (m) => m[3], colour: "a", dash: [], width: 2.6 },
-  { of: (m) => m[5], colour: "b", dash: [], width: 1.4 },
+/** Fingers that a moment has room for, and its numbers per hand: f1, f2, modules, then F_n and F_t of each finger. */
+const FINGERS = 4;
+const PER_HAND = 3 + 2 * FINGERS;
+const LIMITS = [
+  { of: (m) => m[0], name: "F_1", colour: "d", dash: [5, 4], width: 1.5 },
+  { of: (m) => m[1], name: "F_2", colour: "e", dash: [5, 4], width: 1.5 },
 ];
+/** Colours and widths of the fingers: later ones lie on earlier ones, thinner. */
+const TINTS = ["a", "b", "f", "ink"];
+const WIDTHS = [2.8, 1.6, 1.4, 1.2];
+
+const normals = (m, fingers) => [...Array(fingers).keys()].map((finger) => m[3 + 2 * finger]);
+
+/** The lines of a hand with so many fingers. */
+function linesOf(fingers) {
+  const each = [...Array(fingers).keys()];
+  const mean = (m) => each.reduce((sum, finger) => sum + m[4 + 2 * finger], 0) / fingers;
+  return [
+    ...LIMITS,
+    { of: mean, name: "F_t mean", colour: "c", dash: [], width: 1.8 },
+    ...each.map((finger) => ({ of: (m) => m[3 + 2 * finger], name: `F_n finger ${finger + 1}`, colour: TINTS[finger], dash: [], width: WIDTHS[finger] })),
+  ];
+}
 
 export class Traces {
-  constructor(parent, scene) {
-    this.modules = scene.modules;
+  constructor(parent, legend) {
+    this.parent = parent;
+    this.legend = legend;
     this.moments = [];
     this.steps = [];
     this.origin = 0;
-    this.canvases = HANDS.map((hand) => {
+  }
+
+  /** A panel for each hand that is there. */
+  take(scene) {
+    this.modules = scene.modules;
+    this.parent.replaceChildren();
+    const there = HANDS.map((_, hand) => hand).filter((hand) => scene.fingers[hand] > 0);
+    this.panels = there.map((hand) => {
       const canvas = document.createElement("canvas");
       canvas.setAttribute("role", "img");
-      canvas.setAttribute("aria-label", `Forces and active modules of the ${hand} hand over the last ${WINDOW} seconds`);
-      parent.append(canvas);
-      return canvas;
+      canvas.setAttribute("aria-label", `Forces and active modules of the ${HANDS[hand]} hand over the last ${WINDOW} seconds`);
+      this.parent.append(canvas);
+      return { canvas, hand, fingers: scene.fingers[hand], lines: linesOf(scene.fingers[hand]) };
     });
+    const most = Math.max(0, ...scene.fingers);
+    this.legend.replaceChildren(...(most ? linesOf(most) : []).map(({ name, colour, dash }) => {
+      const entry = document.createElement("span");
+      const mark = document.createElement("i");
+      mark.className = `${colour}${dash.length ? " dash" : ""}`;
+      entry.append(mark, name);
+      return entry;
+    }));
   }
 
   /** All that is known so far. */
@@ -43,7 +73,10 @@ export class Traces {
   add(picture) {
     const last = this.moments.at(-1);
     if (last && picture.t_s <= last[0]) this.moments = [];
-    const hand = ({ f1_n, f2_n, modules, fingers }) => [f1_n, f2_n, modules, ...fingers.flatMap((f) => [f.normal_n, f.tangential_n])];
+    const hand = ({ f1_n, f2_n, modules, fingers }) => {
+      const felt = fingers.flatMap((f) => [f.normal_n, f.tangential_n]);
+      return [f1_n, f2_n, modules, ...felt, ...Array(2 * FINGERS - felt.length).fill(0)];
+    };
     this.moments.push([picture.t_s, ...picture.hands.flatMap(hand)]);
     if (this.moments.length > 4000) this.moments.splice(0, 1000);
   }
@@ -60,10 +93,10 @@ export class Traces {
     const first = lowerBound(this.moments, shown.from);
     const last = lowerBound(this.moments, until + 1e-6);
     const moments = this.moments.slice(Math.max(0, first - 1), last);
-    this.canvases.forEach((canvas, hand) => this.drawHand(canvas, hand, moments, shown));
+    for (const panel of this.panels) this.drawHand(panel, moments, shown);
   }
 
-  drawHand(canvas, hand, moments, shown) {
+  drawHand({ canvas, hand, fingers, lines }, moments, shown) {
     const { context, width, height } = begin(canvas);
     const colours = palette();
     const of = (moment) => moment.slice(1 + hand * PER_HAND, 1 + (hand + 1) * PER_HAND);
@@ -71,7 +104,7 @@ export class Traces {
     const lanes = this.lanes(samples);
     const bottom = height - 16 - LANE * Math.max(lanes.length, 1);
     const x = (t) => LEFT + ((t - shown.from) / (shown.until - shown.from)) * (width - LEFT - RIGHT);
-    const highest = samples.reduce((most, [, m]) => Math.max(most, m[1] < 100 ? m[1] : 0, m[3], m[5]), 0.5) * 1.12;
+    const highest = samples.reduce((most, [, m]) => Math.max(most, m[1] < 100 ? m[1] : 0, ...normals(m, fingers)), 0.5) * 1.12;
     const y = (n) => bottom - 6 - (n / highest) * (bottom - 26);
     this.drawGrid(context, colours, { hand, width, bottom, height, highest, x, y, shown });
     context.save();
@@ -79,7 +112,7 @@ export class Traces {
     context.rect(LEFT, 0, width - LEFT - RIGHT, height);
     context.clip();
     this.drawSteps(context, colours, hand, x, bottom, shown);
-    for (const line of LINES) {
+    for (const line of lines) {
       context.strokeStyle = colours[line.colour];
       context.lineWidth = line.width;
       context.setLineDash(line.dash);
@@ -113,7 +146,10 @@ export class Traces {
       context.fillText(String(Math.round(n * 10) / 10), LEFT - 26, y(n) + 4);
     }
     for (let ago = 0; ago <= WINDOW; ago += 5) {
-      const label = shown.isLive ? (ago ? `−${ago} s` : "now") : `${(shown.until - this.origin - ago).toFixed(0)} s`;
+      const at = shown.until - this.origin - ago;
+      // Before a recording began there was nothing.
+      if (!shown.isLive && at < 0) break;
+      const label = shown.isLive ? (ago ? `−${ago} s` : "now") : `${at.toFixed(1)} s`;
       context.fillText(label, Math.min(x(shown.until - ago), width - RIGHT - 34), height - 4);
     }
   }

@@ -4,9 +4,8 @@ use std::collections::VecDeque;
 
 use atas_client::{body_ns, words};
 use serde_json::{Value, json};
+use shm_schemas::capacity::FINGERS;
 use shm_schemas::{EventKind, Mode, ModuleEvent, TickReport};
-
-use crate::picture::FINGERS;
 
 /// Ticks before a fault that are kept: as many as the daemon's own flight recorder keeps.
 const TICKS: usize = 256;

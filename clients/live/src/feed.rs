@@ -7,11 +7,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use axum::extract::ws::Utf8Bytes;
 use serde_json::{Value, json};
 use shm_schemas::TickReport;
-use shm_schemas::capacity::HANDS;
+use shm_schemas::capacity::{FINGERS, HANDS};
 use tokio::sync::broadcast;
 
 use crate::faults::Faults;
-use crate::picture::FINGERS;
 
 /// Messages that may wait for a page; one that falls further behind begins anew. Ours: three seconds.
 const WAITING: usize = 256;
@@ -34,13 +33,15 @@ pub(crate) struct Feed {
 pub(crate) struct Past {
     moments: VecDeque<Moment>,
     events: VecDeque<Value>,
+    /// The robot that is shown.
+    pub(crate) scene: Value,
     /// Newest status and histograms; what is wrong where there is none.
     pub(crate) status: Value,
     /// Faults and the ticks before them.
     pub(crate) faults: Faults,
 }
 
-/// One moment of the traces: time, then per hand the thresholds, the modules, F_n and F_t of each finger.
+/// One moment of the traces: time, then per hand the thresholds, the modules, F_n and F_t of each finger that there could be.
 type Moment = [f64; 1 + HANDS * PER_HAND];
 const PER_HAND: usize = 3 + 2 * FINGERS;
 
@@ -115,6 +116,7 @@ impl Past {
     fn told(&self) -> Value {
         json!({
             "past": {
+                "scene": self.scene,
                 "moments": self.moments.iter().map(|m| &m[..]).collect::<Vec<_>>(),
                 "events": self.events,
                 "status": self.status,

@@ -15,11 +15,12 @@ use atas_recording::{MessageType, Messages, Outlet, Row, RowInputs, Subject};
 use foxglove::{Context, PartialMetadata, RawChannel, Schema};
 use robot_model::RobotFiles;
 use serde_json::json;
-use shm_schemas::capacity::{FINGERS, HANDS};
-use shm_schemas::{JointCommand, ModuleEvent, TickReport, View};
+use shm_bus::BusError;
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{JointCommand, ModuleEvent, Status, TickReport, View};
 
 use crate::rounds::rounds;
-use crate::skins::Skins;
+use crate::shown::Showing;
 
 /// Pause between two times that the robot is described: whoever connects later sees it, too.
 const DESCRIBE: Duration = Duration::from_secs(1);
@@ -37,14 +38,14 @@ pub(crate) fn foxglove(
     if arguments.print_layout {
         return output.bytes(LAYOUT.as_bytes());
     }
-    let robot = RobotFiles::find(&arguments.robot)?;
-    let skins = Skins::of(&robot)?;
+    let told = arguments.robot.as_deref().map(RobotFiles::find);
+    let told = told.transpose()?;
     let context = Context::new();
     let server = context.websocket_server().name("atas");
     let server = server.bind("127.0.0.1", arguments.port).start_blocking();
     let server = server.with_context(|| crate::server::port_taken(arguments.port))?;
     announce(server.port(), output)?;
-    let begin = |watch, _: &Session| Ok((watch, Teller::new(&robot, &skins, &context)));
+    let begin = |watch, _: &Session| Ok((watch, Teller::new(told.as_ref(), &context)));
     rounds(
         &arguments.bus.bus,
         interrupt.flag(),
@@ -71,6 +72,7 @@ fn announce(port: u16, output: &mut Output) -> anyhow::Result<()> {
 fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow::Result<()> {
     let (mut reports, mut events) = (Vec::new(), Vec::new());
     watch.look(|report| reports.push(*report), |event| events.push(*event))?;
+    teller.learn(&watch.status, session)?;
     teller.tell(&watch.view, reports, &events)?;
     if !watch.is_alive() && watch.status.pid != 0 {
         // A successor may stand on a bus made anew.
@@ -84,29 +86,35 @@ fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow
     Ok(())
 }
 
-/// What the fingertips are: layout hash and fingers of each hand.
-type Felt = [(u64, usize); HANDS];
+/// Layout hash of each hand's frames.
+type Hashes = [u64; HANDS];
 
 /// From what the bus says to messages.
 struct Teller<'a> {
-    robot: &'a RobotFiles,
-    skins: &'a Skins,
+    showing: Showing<'a>,
     context: &'a Arc<Context>,
-    felt: Felt,
+    hashes: Hashes,
     messages: Option<Messages<Channels>>,
     described: Instant,
 }
 
 impl<'a> Teller<'a> {
-    fn new(robot: &'a RobotFiles, skins: &'a Skins, context: &'a Arc<Context>) -> Self {
+    fn new(told: Option<&'a RobotFiles>, context: &'a Arc<Context>) -> Self {
         Self {
-            robot,
-            skins,
+            showing: Showing::new(told),
             context,
-            felt: Felt::default(),
+            hashes: Hashes::default(),
             messages: None,
             described: Instant::now(),
         }
+    }
+
+    /// Takes in which robot runs.
+    fn learn(&mut self, status: &Status, session: &Session) -> Result<(), BusError> {
+        if self.showing.look(session.bus(), status)? {
+            self.messages = None;
+        }
+        Ok(())
     }
 
     fn tell(
@@ -115,17 +123,17 @@ impl<'a> Teller<'a> {
         reports: Vec<TickReport>,
         events: &[ModuleEvent],
     ) -> anyhow::Result<()> {
-        let felt: Felt = view
-            .frames
-            .each_ref()
-            .map(|f| (f.layout_hash, (f.finger_count as usize).min(FINGERS)));
-        if self.messages.is_none() || felt != self.felt {
-            self.felt = felt;
+        let Some(shown) = self.showing.shown() else {
+            return Ok(());
+        };
+        let hashes = view.frames.each_ref().map(|frame| frame.layout_hash);
+        if self.messages.is_none() || hashes != self.hashes {
+            self.hashes = hashes;
             let layouts = array::from_fn(|hand| {
-                let known = self.skins.named(hand, felt[hand].0);
-                known.unwrap_or_else(|| self.skins.0[hand])
+                let known = shown.layout(hand, hashes[hand]);
+                known.unwrap_or_else(|| shown.layouts[hand])
             });
-            let subject = Subject::live(self.robot.clone(), layouts, felt.map(|(_, n)| n))?;
+            let subject = Subject::live(shown.robot.clone(), layouts, shown.fingers)?;
             let channels = Channels {
                 context: Arc::clone(self.context),
                 open: Vec::new(),
@@ -159,6 +167,7 @@ fn rows(view: &View, reports: Vec<TickReport>, events: &[ModuleEvent]) -> Vec<Ro
         newest.inputs = Some(Box::new(RowInputs {
             frames: std::array::from_fn(frame),
             joints: (view.has_joints != 0).then_some(view.joints),
+            goal: None,
             command: JointCommand::default(),
         }));
         newest.events = events.to_vec();

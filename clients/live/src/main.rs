@@ -7,7 +7,7 @@
 //!  page ─▶ server ─ guard ─▶ control ─▶ bus                    stop and recover, with a token
 //! ```
 //!
-//! * **In:** the streams of the daemon's non-real-time side, or a recording; a robot's URDF. **Out:** a page, or messages, on 127.0.0.1.
+//! * **In:** the streams of the daemon's non-real-time side, or a recording; the files of the robot that runs. **Out:** a page, or messages, on 127.0.0.1.
 //! * **Invariants:** an observer: nothing here is a peer of the 1 kHz loop. Only this machine is served, only pages of this
 //!   server are answered, nothing is fetched from elsewhere. Whoever has no token changes nothing. A page that does not read
 //!   costs a bounded amount of memory.
@@ -26,7 +26,7 @@ mod rounds;
 mod scene;
 mod server;
 mod shelf;
-mod skins;
+mod shown;
 
 use std::process::ExitCode;
 

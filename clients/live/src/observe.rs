@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use atas_client::histogram::EDGES_NS;
 use atas_client::{ClientError, Session, Watch, json, standstill, words};
+use robot_model::RobotFiles;
 use serde_json::{Value, json};
 use shm_bus::{BusName, now_ns};
 use shm_schemas::capacity::HANDS;
@@ -16,17 +17,23 @@ use crate::arena::Arena;
 use crate::feed::Feed;
 use crate::picture::Picture;
 use crate::rounds::rounds;
-use crate::skins::Skins;
+use crate::scene::scene;
+use crate::shown::Showing;
 
 /// Pictures between two statuses: five statuses a second, which people can read.
 const STATUS_EVERY: u64 = 12;
 
-/// Looks at the bus until `stop` is set.
-pub(crate) fn observe(bus: &BusName, feed: &Arc<Feed>, skins: &Skins, stop: &AtomicBool) {
+/// Looks at the bus until `stop` is set. `told` is the robot that a user named.
+pub(crate) fn observe(
+    bus: &BusName,
+    feed: &Arc<Feed>,
+    told: Option<&RobotFiles>,
+    stop: &AtomicBool,
+) {
     rounds(
         bus,
         stop,
-        |watch, session| Observer::new(watch, session, skins),
+        |watch, session| Observer::new(watch, session, told),
         |observer, session| observer.look(session, feed),
         |error: &ClientError| gone(feed, &error.to_string()),
     );
@@ -41,8 +48,8 @@ fn gone(feed: &Feed, why: &str) {
 
 /// What is known from one look to the next.
 struct Observer<'a> {
-    skins: &'a Skins,
     watch: Watch,
+    showing: Showing<'a>,
     arena: Arena,
     looks: u64,
     /// Process of the daemon.
@@ -56,10 +63,14 @@ struct Observer<'a> {
 }
 
 impl<'a> Observer<'a> {
-    fn new(watch: Watch, session: &Session, skins: &'a Skins) -> Result<Self, ClientError> {
+    fn new(
+        watch: Watch,
+        session: &Session,
+        told: Option<&'a RobotFiles>,
+    ) -> Result<Self, ClientError> {
         Ok(Self {
-            skins,
             watch,
+            showing: Showing::new(told),
             arena: Arena::join(session)?,
             looks: 0,
             pid: 0,
@@ -77,10 +88,11 @@ impl<'a> Observer<'a> {
             self.pid = self.watch.status.pid;
             feed.past().forget();
         }
+        let is_other = self.tell_scene(session, feed)?;
         self.tell_events(feed, &reports, &events);
-        // A page that opens while time stands still is shown where it stands.
+        // A page that opens, or draws another robot, while time stands still is shown where it stands.
         let before = std::mem::replace(&mut self.begun, feed.begun());
-        let anew = before != self.begun;
+        let anew = before != self.begun || is_other;
         self.tell_picture(feed, !reports.is_empty(), anew);
         self.arena.look(session, feed, anew)?;
         if self.looks.is_multiple_of(STATUS_EVERY) {
@@ -92,6 +104,23 @@ impl<'a> Observer<'a> {
         Ok(())
     }
 
+    /// Tells which robot runs, when that is known or another one does; whether it did.
+    fn tell_scene(&mut self, session: &Session, feed: &Feed) -> Result<bool, ClientError> {
+        let is_news = self.showing.look(session.bus(), &self.watch.status)?;
+        let Some(shown) = self.showing.shown().filter(|_| is_news) else {
+            return Ok(false);
+        };
+        match scene(shown) {
+            Ok(scene) => {
+                feed.past().scene = scene.clone();
+                feed.tell("scene", &scene);
+            }
+            Err(error) => tracing::warn!("could not draw the robot: {error}"),
+        }
+        self.layouts = [(0, 0); HANDS];
+        Ok(true)
+    }
+
     fn tell_picture(&mut self, feed: &Feed, is_new: bool, anew: bool) {
         if is_new {
             self.has_report = true;
@@ -100,10 +129,14 @@ impl<'a> Observer<'a> {
         if !self.has_report || !(is_new || anew) || feed.pages() == 0 {
             return;
         }
+        // Without it nobody knows how many fingers there are.
+        let Some(shown) = self.showing.shown() else {
+            return;
+        };
         for (hand, known) in self.layouts.iter_mut().enumerate() {
             let hash = self.watch.view.frames[hand].layout_hash;
             if known.0 != hash {
-                let layout = self.skins.named(hand, hash);
+                let layout = shown.layout(hand, hash);
                 *known = (hash, layout.map_or(0, |layout| layout.count));
             }
         }
@@ -115,18 +148,21 @@ impl<'a> Observer<'a> {
             &self.watch.report,
             std::array::from_fn(frame),
             joints,
+            shown.fingers,
             counts,
         );
         feed.tell("picture", &picture);
     }
 
     fn tell_events(&self, feed: &Feed, reports: &[TickReport], events: &[ModuleEvent]) {
+        let fingers = self.showing.shown().map(|shown| shown.fingers);
+        let fingers = fingers.unwrap_or_default();
         let mut past = feed.past();
         reports.iter().for_each(|report| past.faults.note(report));
         let mut told = Vec::new();
         let mut has_fault = false;
         for event in events {
-            let value = described(event, past.faults.report_of(event.tick));
+            let value = described(event, past.faults.report_of(event.tick), fingers);
             past.happened(value.clone());
             told.push(value);
             has_fault |= past.faults.watch(event);
@@ -161,15 +197,19 @@ impl<'a> Observer<'a> {
     }
 }
 
-/// An event with its sentence and, where a module was switched, what the hand felt then.
-pub(crate) fn described(event: &ModuleEvent, at: Option<&TickReport>) -> Value {
+/// An event with its sentence and, where a module was switched, what the fingers of the hand felt then.
+pub(crate) fn described(
+    event: &ModuleEvent,
+    at: Option<&TickReport>,
+    fingers: [usize; HANDS],
+) -> Value {
     let mut value = json::event(event);
     value["t_s"] = (event.stamp.captured_ns as f64 * 1e-9).into();
     value["sentence"] = words::event(event).trim().into();
     let is_switch = matches!(event.kind, EventKind::MODULE_ON | EventKind::MODULE_OFF);
     if is_switch && let (Some(at), Some(hand)) = (at, event.hand.index()) {
         value["module_id"] = event.module.0.into();
-        value["evidence"] = words::evidence(event.module, &at.hands[hand]).into();
+        value["evidence"] = words::evidence(event.module, &at.hands[hand], fingers[hand]).into();
     }
     value
 }

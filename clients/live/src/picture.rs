@@ -4,9 +4,6 @@ use serde::Serialize;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, HandReport, JointState, TickReport};
 
-/// Fingers of one hand of the robot; payloads have room for more.
-pub(crate) use atas_client::FINGERS;
-
 /// One moment. Not-a-numbers are `null`.
 #[derive(Debug, Serialize)]
 pub(crate) struct Picture {
@@ -34,7 +31,8 @@ pub(crate) struct HandPicture {
     modules: u32,
     /// Age of the newest frame, ms; `null` before the first.
     age_ms: Option<f32>,
-    fingers: [FingerPicture; FINGERS],
+    /// Those that feel.
+    fingers: Vec<FingerPicture>,
 }
 
 /// One finger.
@@ -51,15 +49,18 @@ pub(crate) struct FingerPicture {
 }
 
 impl Picture {
-    /// The moment of a report, with the newest frames and joints known then.
+    /// The moment of a report, with the newest frames and joints known then, of hands with so many fingers of so many elements.
     pub(crate) fn of(
         report: &TickReport,
         frames: [Option<&HandFrame>; HANDS],
         joints: Option<&JointState>,
-        element_counts: [usize; HANDS],
+        fingers: [usize; HANDS],
+        elements: [usize; HANDS],
     ) -> Self {
-        let hand =
-            |hand: usize| hand_picture(&report.hands[hand], frames[hand], element_counts[hand]);
+        let hand = |hand: usize| {
+            let counts = [fingers[hand], elements[hand]];
+            hand_picture(&report.hands[hand], frames[hand], counts)
+        };
         let positions = joints.map_or(&[][..], |joints| {
             let count = (joints.joint_count as usize).min(joints.position_rad.len());
             &joints.position_rad[..count]
@@ -75,7 +76,12 @@ impl Picture {
     }
 }
 
-fn hand_picture(report: &HandReport, frame: Option<&HandFrame>, elements: usize) -> HandPicture {
+fn hand_picture(
+    report: &HandReport,
+    frame: Option<&HandFrame>,
+    [fingers, elements]: [usize; 2],
+) -> HandPicture {
+    let felt = report.fingers.iter().take(fingers).enumerate();
     HandPicture {
         f1_n: rounded(report.f1_n),
         f2_n: rounded(report.f2_n),
@@ -83,9 +89,8 @@ fn hand_picture(report: &HandReport, frame: Option<&HandFrame>, elements: usize)
         modules: report.modules_active,
         age_ms: (report.frame_age_ns != u64::MAX)
             .then(|| rounded((report.frame_age_ns as f64 * 1e-6) as f32)),
-        fingers: std::array::from_fn(|finger| {
-            let felt = &report.fingers[finger];
-            FingerPicture {
+        fingers: felt
+            .map(|(finger, felt)| FingerPicture {
                 normal_n: rounded(felt.normal_n),
                 tangential_n: rounded(felt.tangential_n),
                 tangential_increment_n: rounded(felt.tangential_increment_n),
@@ -93,8 +98,8 @@ fn hand_picture(report: &HandReport, frame: Option<&HandFrame>, elements: usize)
                 friction: rounded(felt.friction),
                 closing_m_s: felt.closing_m_s,
                 elements: frame.map_or_else(Vec::new, |frame| picked(frame, finger, elements)),
-            }
-        }),
+            })
+            .collect(),
     }
 }
 
@@ -124,7 +129,7 @@ mod tests {
         let mut frame = HandFrame::default();
         frame.valid_mask[0] = 0b101;
         frame.force_n[0][2] = [0.5, -0.25, 1e-9];
-        let picture = Picture::of(&report, [None, Some(&frame)], None, [41, 3]);
+        let picture = Picture::of(&report, [None, Some(&frame)], None, [2, 3], [41, 3]);
         let text = serde_json::to_string(&picture).expect("JSON");
         let check = |part: &str| assert!(text.contains(part), "{part} in {text}");
         check(r#""q_rad":[]"#);
@@ -134,8 +139,10 @@ mod tests {
         check(r#""elements":[[0.0,0.0,0.0],null,[0.5,-0.25,0.0]]"#);
         assert_eq!(
             text.matches(r#""elements":[]"#).count(),
-            FINGERS,
+            2,
             "a hand without a frame"
         );
+        let fingers = picture.hands.each_ref().map(|hand| hand.fingers.len());
+        assert_eq!(fingers, [2, 3], "every finger that there is");
     }
 }

@@ -1,20 +1,36 @@
-//! What does not change while a page is open: the robot's links and where the elements of its fingertips sit.
+//! What a page needs to know of a robot: its links, its fingers, and where the elements of its fingertips sit.
 
 use robot_model::{Form, Limb, ModelError, Placement, RobotFiles, Shape, Side};
 use serde_json::{Value, json};
 use shm_schemas::{Layout, ModuleId};
 
+use crate::shown::Shown;
+
 /// A robot, its skin and its modules.
-pub(crate) fn scene(files: &RobotFiles, layouts: &[Layout; 2]) -> Result<Value, ModelError> {
+pub(crate) fn scene(shown: &Shown) -> Result<Value, ModelError> {
+    let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
+    let mut scene = json!({
+        "robot": shown.robot.as_ref().map(|robot| &robot.name),
+        "note": shown.note,
+        "fingers": shown.fingers,
+        "limbs": [],
+        "tips": [[], []],
+        "layouts": shown.layouts.each_ref().map(layout),
+        "modules": modules.map(|id| json!({ "id": id.0, "name": id.name() })).collect::<Vec<_>>(),
+    });
+    if let Some(robot) = &shown.robot {
+        links(robot, &mut scene)?;
+    }
+    Ok(scene)
+}
+
+/// What there is to be drawn.
+fn links(files: &RobotFiles, scene: &mut Value) -> Result<(), ModelError> {
     let (skeleton, robot) = (files.skeleton()?, files.load()?);
     let tips = Side::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
-    let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
-    Ok(json!({
-        "limbs": skeleton.limbs().iter().map(limb).collect::<Vec<_>>(),
-        "tips": tips,
-        "layouts": layouts.each_ref().map(layout),
-        "modules": modules.map(|id| json!({ "id": id.0, "name": id.name() })).collect::<Vec<_>>(),
-    }))
+    scene["limbs"] = skeleton.limbs().iter().map(limb).collect();
+    scene["tips"] = json!(tips);
+    Ok(())
 }
 
 fn limb(limb: &Limb) -> Value {

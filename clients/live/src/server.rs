@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context;
+use atas_client::Run;
 use atas_console::arguments::Dashboard;
 use atas_console::{Interrupt, Output};
 use axum::Router;
@@ -16,8 +17,9 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use robot_model::RobotFiles;
-use serde_json::{Value, json};
+use serde_json::json;
 use shm_bus::BusName;
+use shm_schemas::Status;
 use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 
@@ -28,7 +30,7 @@ use crate::observe::observe;
 use crate::page::ASSETS;
 use crate::scene;
 use crate::shelf::Shelf;
-use crate::skins::Skins;
+use crate::shown::Shown;
 
 /// How often the server looks whether it shall end.
 const LOOK: Duration = Duration::from_millis(50);
@@ -45,7 +47,6 @@ struct Server {
     guard: Guard,
     bus: BusName,
     feed: Arc<Feed>,
-    scene: Value,
     shelf: Option<Shelf>,
 }
 
@@ -59,12 +60,11 @@ pub(crate) fn dashboard(
         [] => None,
         files => Some(Shelf::read(files)?),
     };
-    let robot = RobotFiles::find(&arguments.robot)?;
-    let skins = Skins::of(&robot)?;
-    let scene = match &shelf {
-        Some(shelf) => shelf.scene.clone(),
-        None => scene::scene(&robot, &skins.0)?,
-    };
+    let told = arguments.robot.as_deref().map(RobotFiles::find);
+    let told = told.transpose()?;
+    let feed = Arc::<Feed>::default();
+    let unheard = Shown::of(told.as_ref(), &Run::default(), &Status::default());
+    feed.past().scene = scene::scene(&unheard)?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
         .enable_time()
@@ -75,14 +75,13 @@ pub(crate) fn dashboard(
     let server = Arc::new(Server {
         guard: Guard::new(address.port()).context("could not draw a token")?,
         bus: arguments.bus.bus.clone(),
-        feed: Arc::default(),
-        scene,
+        feed,
         shelf,
     });
     announce(&server, address.port(), output)?;
     std::thread::scope(|threads| {
         if server.shelf.is_none() {
-            threads.spawn(|| observe(&server.bus, &server.feed, &skins, interrupt.flag()));
+            threads.spawn(|| observe(&server.bus, &server.feed, told.as_ref(), interrupt.flag()));
         }
         runtime.block_on(serve(Arc::clone(&server), listener, interrupt, output))
     })
@@ -182,7 +181,10 @@ fn as_json(text: String) -> Response {
 }
 
 async fn scene_of(State(server): State<Arc<Server>>) -> Response {
-    let mut scene = server.scene.clone();
+    let mut scene = match &server.shelf {
+        Some(shelf) => shelf.scene.clone(),
+        None => server.feed.past().scene.clone(),
+    };
     scene["recording"] = server.shelf.is_some().into();
     scene["bus"] = server.bus.as_str().into();
     as_json(scene.to_string())

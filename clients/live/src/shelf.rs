@@ -2,17 +2,21 @@
 //!
 //! A bounded number of pictures is kept, as many a second as that allows, whatever the length of the recording.
 
+use std::array;
 use std::path::PathBuf;
 
 use anyhow::Context;
 use atas_recording::{Row, Rows, origin};
+use robot_model::Side;
 use serde_json::{Value, json};
-use shm_schemas::{HandFrame, JointState, Layout, TickReport};
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{HandFrame, JointState, TickReport};
 
 use crate::faults::Faults;
 use crate::feed::moment;
 use crate::observe::described;
 use crate::picture::Picture;
+use crate::shown::Shown;
 
 /// Pictures that are kept, some 6 KiB each (ours: 40 MiB; 100 s at 60 a second).
 const PICTURES: usize = 6000;
@@ -27,6 +31,8 @@ pub(crate) struct Shelf {
     moments: Vec<Vec<f64>>,
     events: Vec<Value>,
     period_s: f64,
+    /// Fingers of each hand that feel.
+    fingers: [usize; HANDS],
     /// Faults and the ticks before them.
     pub(crate) faults: Faults,
     /// The robot and its skin.
@@ -42,17 +48,16 @@ impl Shelf {
     pub(crate) fn read(files: &[PathBuf]) -> anyhow::Result<Self> {
         let seconds = length_s(files)?;
         let rows = Rows::open(files)?;
-        let robot = origin::robot(rows.header(), rows.robot())?;
-        let layouts = origin::layouts(rows.header());
-        let counts = layouts.each_ref().map(|layout: &Layout| layout.count);
+        let shown = shown(&rows)?;
+        let counts = shown.layouts.each_ref().map(|layout| layout.count);
         let mut shelf = Self {
             pictures: Vec::new(),
             moments: Vec::new(),
             events: Vec::new(),
             period_s: (seconds / PICTURES as f64).max(1.0 / RATE_HZ),
             faults: Faults::default(),
-            scene: crate::scene::scene(&robot, &layouts)
-                .context("could not load the recorded robot")?,
+            fingers: shown.fingers,
+            scene: crate::scene::scene(&shown).context("could not load the recorded robot")?,
             name: files[0].display().to_string(),
         };
         let mut now = Now::default();
@@ -78,7 +83,8 @@ impl Shelf {
 
     fn keep(&mut self, report: &TickReport, now: &Now, counts: [usize; 2]) -> anyhow::Result<()> {
         let frames = now.frames.each_ref().map(Option::as_ref);
-        let picture = Picture::of(report, frames, now.joints.as_ref(), counts);
+        let joints = now.joints.as_ref();
+        let picture = Picture::of(report, frames, joints, self.fingers, counts);
         self.pictures.push(serde_json::to_string(&picture)?);
         self.moments.push(moment(report).to_vec());
         Ok(())
@@ -91,7 +97,7 @@ impl Shelf {
         }
         for event in &row.events {
             if self.events.len() < EVENTS {
-                self.events.push(described(event, report));
+                self.events.push(described(event, report, self.fingers));
             }
             self.faults.watch(event);
         }
@@ -115,6 +121,20 @@ impl Shelf {
         let found = self.pictures.get(from..end).unwrap_or_default();
         format!("[{}]", found.join(","))
     }
+}
+
+/// The recorded robot: its hands that are there, with the fingers that carried sensors.
+fn shown(rows: &Rows) -> anyhow::Result<Shown> {
+    let robot = origin::robot(rows.header(), rows.robot())?;
+    let known = robot.load().context("could not load the recorded robot")?;
+    let sensed = origin::fingers(rows.header());
+    let is_there = Side::BOTH.map(|side| known.hand(side).is_present());
+    Ok(Shown {
+        robot: Some(robot),
+        note: String::new(),
+        layouts: origin::layouts(rows.header()),
+        fingers: array::from_fn(|hand| if is_there[hand] { sensed[hand] } else { 0 }),
+    })
 }
 
 /// What was last known of hands and joints.

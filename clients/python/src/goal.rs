@@ -145,6 +145,6 @@ pub(crate) fn described<'py>(
     told.set_item("stiffness_n_m", figures.stiffness_n_m)?;
     told.set_item("friction", figures.friction)?;
     told.set_item("lifted_m", figures.lifted_m)?;
-    told.set_item("normal_n", &figures.normal_n[..atas_client::FINGERS])?;
+    told.set_item("normal_n", figures.normal_n)?;
     Ok(told)
 }

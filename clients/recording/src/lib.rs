@@ -31,6 +31,7 @@ mod recorder;
 mod rotation;
 mod rows;
 mod runs;
+mod schema;
 mod writer;
 
 pub use check::{Contents, check, repair};

@@ -105,7 +105,7 @@ fn write_message(
         }
         Message::Sensor(status) => recording.writer().write(&*status),
         Message::Status(status) => {
-            *silent += u32::from(!recording.has_run());
+            *silent += u32::from(!recording.has_inputs());
             if *silent == SILENT_STATUSES {
                 tracing::warn!(
                     "the daemon does not publish what it takes in: this recording cannot be replayed; \

@@ -103,9 +103,9 @@ impl Recording {
         &mut self.writer
     }
 
-    /// Whether a daemon introduced itself.
-    pub(super) fn has_run(&self) -> bool {
-        self.run.is_some()
+    /// Whether the daemon of this run says what its ticks take in.
+    pub(super) fn has_inputs(&self) -> bool {
+        self.next_sequence.is_some()
     }
 
     /// A daemon began a run: another file, unless this is the first.

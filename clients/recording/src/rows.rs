@@ -13,8 +13,8 @@ use mcap::records::Metadata;
 use robot_model::RobotFiles;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
-    HandFrame, JointCommand, JointState, ModuleEvent, RunHeader, Status, StatusFlags, TickInputs,
-    TickReport,
+    GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, OrderKind, RunHeader, Status,
+    StatusFlags, TickInputs, TickReport,
 };
 
 use crate::clock::Clock;
@@ -47,6 +47,8 @@ pub struct RowInputs {
     pub frames: [Option<HandFrame>; HANDS],
     /// The joint state, if one came.
     pub joints: Option<JointState>,
+    /// The goal that was asked for, if one was.
+    pub goal: Option<GoalRequest>,
     /// The command.
     pub command: JointCommand,
 }
@@ -91,7 +93,7 @@ impl Rows {
         Ok(rows)
     }
 
-    /// How the run began; `None` if the daemon ran without `--record-stream`.
+    /// How the run began; `None` if nobody said so.
     #[must_use]
     pub fn header(&self) -> Option<&RunHeader> {
         self.header.as_deref()
@@ -182,6 +184,9 @@ impl Row {
         }
         if part.has_joints != 0 {
             inputs.joints = Some(part.joints);
+        }
+        if part.order.kind == OrderKind::START {
+            inputs.goal = Some(part.order.goal);
         }
         inputs.command = part.command;
     }

@@ -13,6 +13,7 @@ use shm_schemas::Stamp;
 
 use super::follower;
 use super::payloads::{POD, Recorded};
+use super::schema::schema;
 
 /// Bytes that are compressed together (ours: a tenth of a second at 1 kHz).
 const CHUNK_BYTES: u64 = 1 << 20;
@@ -61,7 +62,7 @@ impl Writer {
 
     /// Writes a payload as its bytes.
     pub(super) fn write<T: Recorded>(&mut self, payload: &T) -> anyhow::Result<()> {
-        let schema = || (T::TYPE_NAME, T::schema().into_bytes());
+        let schema = || (T::TYPE_NAME, schema(T::SCHEMA).into_bytes());
         let channel = self.channel(T::TOPIC, POD, POD, schema)?;
         self.message(channel, payload.stamp(), payload.as_bytes())
     }

@@ -1,35 +1,42 @@
-//! Publishes what a recorder needs: how the run began, and what every tick took in.
+//! Publishes how the run began, for whoever shows or records it, and where recording is switched on what every tick took in.
 
-use robot_model::RobotFiles;
+use std::borrow::Cow;
+
+use robot_model::{RobotFiles, shipped_names};
 use shm_bus::{Bus, BusError, Publisher};
 use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
 
 use super::SupervisorState;
 use crate::input_log::LogReader;
 
-/// The publishers, open only while recording is switched on.
+/// The publishers.
 #[derive(Debug)]
 pub(super) struct RecordStream {
     headers: Publisher<RunHeader>,
-    inputs: Publisher<TickInputs>,
+    /// Open only while recording is switched on.
+    inputs: Option<Publisher<TickInputs>>,
 }
 
 impl RecordStream {
     /// Opens the streams and publishes the header.
     pub(super) fn open(bus: &Bus, state: &SupervisorState) -> Result<Self, BusError> {
+        let records = state.config.recording.stream;
+        let inputs = records.then(|| bus.publisher(service::TICK_INPUTS));
         let stream = Self {
             headers: bus.publisher(service::RUN_HEADER)?,
-            inputs: bus.publisher(service::TICK_INPUTS)?,
+            inputs: inputs.transpose()?,
         };
         stream.headers.send(&header(state))?;
         Ok(stream)
     }
 
-    /// Publishes the parts that wait, and lets recorders that came late have the header.
-    pub(super) fn publish(&self, input_log: &mut LogReader) {
-        while let Some(part) = input_log.next_part() {
-            super::telemetry::report_failure(self.inputs.send(&part));
-            input_log.give_back(part);
+    /// Publishes the parts that wait, and lets readers that came late have the header.
+    pub(super) fn publish(&self, input_log: Option<&mut LogReader>) {
+        if let (Some(inputs), Some(input_log)) = (&self.inputs, input_log) {
+            while let Some(part) = input_log.next_part() {
+                super::telemetry::report_failure(inputs.send(&part));
+                input_log.give_back(part);
+            }
         }
         super::telemetry::report_failure(self.headers.connect_readers());
     }
@@ -44,7 +51,7 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     };
     header.version = Text::new(env!("CARGO_PKG_VERSION"));
     header.config_hash = state.config_hash;
-    header.robot = Text::new(&config.robot.model);
+    header.robot = Text::new(&robot(&config.robot.model));
     // 0 for a robot whose files have gone since the start.
     header.robot_hash = RobotFiles::find(&config.robot.model).map_or(0, |files| files.hash());
     header.rate_hz = config.realtime.rate_hz;
@@ -52,4 +59,15 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     header.config = Text::new(&config.text());
     atas_core::record::write_origin(&mut header, &state.robot, &state.wiring, &config.settings());
     header
+}
+
+/// The robot as other processes find it: by its name, or by the whole path of its robot file, since they may run in other folders.
+fn robot(model: &str) -> Cow<'_, str> {
+    if shipped_names().any(|name| name == model) {
+        return Cow::Borrowed(model);
+    }
+    let whole = std::path::absolute(model);
+    whole.map_or(Cow::Borrowed(model), |path| {
+        Cow::Owned(path.display().to_string())
+    })
 }

@@ -365,7 +365,7 @@ fn a_recording_is_scrubbed_by_keyboard() {
 #[test]
 fn other_sites_and_whoever_has_no_token_change_nothing() {
     let bus = FreshBus::new("guard");
-    let server = serve(&["--bus", bus.as_str()]);
+    let server = serve(&["--bus", bus.as_str(), "--robot", "two-hand-arm"]);
     let (_, port, token) = address(&server);
     let origin = format!("http://127.0.0.1:{port}");
     let bearer = format!("Bearer {token}");

@@ -8,6 +8,7 @@ mod determinism;
 mod explain;
 mod faults;
 mod features;
+mod fingers;
 mod follow;
 mod foxglove;
 mod gate;

@@ -1,7 +1,7 @@
 //! `atas top`: the running system on one screen of a terminal, 80 × 24 or larger, also over ssh.
 //!
 //! ```text
-//!  Watch (status, reports, view, events) ─▶ Seen ─▶ screen ─▶ terminal
+//!  Watch (status, reports, view, events), Run (robot) ─▶ Seen ─▶ screen ─▶ terminal
 //! ```
 //!
 //! * **Invariants:** what a colour says, a word or a mark says too. `NO_COLOR` leaves the colours out. The terminal is given
@@ -37,7 +37,7 @@ pub(crate) fn top(bus: &BusArgument, interrupt: &Interrupt) -> anyhow::Result<()
     let mut seen = Seen::new(Watch::join(&session)?, session.bus().name().as_str());
     let colours = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut terminal = ratatui::try_init().context("could not prepare the terminal")?;
-    let shown = show(&mut terminal, &mut seen, colours, interrupt);
+    let shown = show(&mut terminal, &mut seen, &session, colours, interrupt);
     let restored = ratatui::try_restore().context("could not give the terminal back");
     shown.and(restored)
 }
@@ -45,11 +45,12 @@ pub(crate) fn top(bus: &BusArgument, interrupt: &Interrupt) -> anyhow::Result<()
 fn show(
     terminal: &mut ratatui::DefaultTerminal,
     seen: &mut Seen,
+    session: &Session,
     colours: bool,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
     while !interrupt.is_set() {
-        seen.look()?;
+        seen.look(session)?;
         terminal
             .draw(|frame| screen::draw(frame, seen, colours))
             .context("could not draw on the terminal")?;

@@ -4,6 +4,9 @@ mod hand;
 mod lanes;
 mod timing;
 
+use std::path::Path;
+use std::rc::Rc;
+
 use atas_client::{standstill, words};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -11,6 +14,7 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 use shm_bus::now_ns;
+use shm_schemas::capacity::FINGERS;
 use shm_schemas::{Mode, StatusFlags};
 
 use super::seen::Seen;
@@ -37,12 +41,9 @@ impl Look {
         }
     }
 
-    fn first(self) -> Style {
-        self.tint(32)
-    }
-
-    fn second(self) -> Style {
-        self.tint(74)
+    fn finger(self, finger: usize) -> Style {
+        const TINTS: [u8; FINGERS] = [32, 74, 36, 175];
+        self.tint(TINTS[finger % FINGERS])
     }
 
     fn limit(self) -> Style {
@@ -79,20 +80,22 @@ pub(super) fn draw(frame: &mut Frame<'_>, seen: &Seen, colours: bool) {
     let heights = [2, 10, 4 + more / 2, 4, 4 + more - more / 2].map(Constraint::Length);
     let [head, hands, work, timing, events] = Layout::vertical(heights).areas(area);
     header(frame, head, seen, look);
-    for (index, area) in halves(hands).into_iter().enumerate() {
-        hand::draw(frame, area, seen, index, look);
+    let there = seen.hands();
+    for ((index, fingers), area) in there.iter().zip(shares(hands, there.len()).iter()) {
+        hand::draw(frame, *area, seen, (*index, *fingers), look);
     }
-    for (index, area) in halves(work).into_iter().enumerate() {
-        lanes::draw(frame, area, seen, index, look);
+    for ((index, _), area) in there.iter().zip(shares(work, there.len()).iter()) {
+        lanes::draw(frame, *area, seen, *index, look);
     }
     timing::draw(frame, timing, seen, look);
     happened(frame, events, seen, look);
 }
 
-fn halves(area: Rect) -> [Rect; 2] {
-    Layout::horizontal([Constraint::Fill(1); 2])
+/// So many areas of the same width.
+fn shares(area: Rect, count: usize) -> Rc<[Rect]> {
+    Layout::horizontal(vec![Constraint::Fill(1); count])
         .spacing(2)
-        .areas(area)
+        .split(area)
 }
 
 fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
@@ -110,8 +113,9 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
     let flag = |flag, word| if status.flags & flag != 0 { word } else { "" };
     let first = Line::from(vec![
         Span::raw(format!(
-            "atas top · bus {} · atasd {} ({}) · {} Hz{}{} · ",
+            "atas top · bus {}{} · atasd {} ({}) · {} Hz{}{} · ",
             seen.bus,
+            robot(seen),
             status.version,
             status.pid,
             status.rate_hz,
@@ -140,6 +144,15 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
         Line::raw(words::goal(status))
     };
     frame.render_widget(Paragraph::new(vec![first, second]), area);
+}
+
+/// What the robot is called, if that is known.
+fn robot(seen: &Seen) -> String {
+    seen.run.header().map_or_else(String::new, |header| {
+        let name = Path::new(header.robot.as_str());
+        let short = name.file_stem().unwrap_or_default().to_string_lossy();
+        format!(" · {short}")
+    })
 }
 
 fn happened(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use atas_client::{Watch, words};
+use atas_client::{Run, Session, Watch, words};
 use shm_bus::BusError;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{EventKind, Mode, ModuleEvent, ModuleId, Status};
@@ -20,6 +20,7 @@ const RATES: Duration = Duration::from_secs(1);
 /// What the screen shows.
 pub(super) struct Seen {
     pub(super) watch: Watch,
+    pub(super) run: Run,
     pub(super) bus: String,
     /// Per hand and column, newest last, the modules that were active in it.
     pub(super) lanes: [VecDeque<u32>; HANDS],
@@ -75,6 +76,7 @@ impl Seen {
     pub(super) fn new(watch: Watch, bus: &str) -> Self {
         Self {
             watch,
+            run: Run::default(),
             bus: bus.to_owned(),
             lanes: std::array::from_fn(|_| VecDeque::from([0])),
             events: VecDeque::new(),
@@ -84,7 +86,7 @@ impl Seen {
     }
 
     /// Takes in what has come since the last look.
-    pub(super) fn look(&mut self) -> Result<(), BusError> {
+    pub(super) fn look(&mut self, session: &Session) -> Result<(), BusError> {
         let mut active = [0; HANDS];
         let mut events = Vec::new();
         self.watch.look(
@@ -95,6 +97,7 @@ impl Seen {
             },
             |event| events.push(*event),
         )?;
+        self.run.look(session.bus(), &self.watch.status)?;
         for (hand, bit) in events.iter().filter_map(switched_on) {
             active[hand] |= bit;
         }
@@ -124,6 +127,18 @@ impl Seen {
         let at_s = event.stamp.captured_ns.saturating_sub(started_ns) as f64 * 1e-9;
         self.events
             .push_back((at_s, words::event(event), is_fault(event)));
+    }
+
+    /// The hands that are there, each with its fingers: both where none is known yet.
+    pub(super) fn hands(&self) -> Vec<(usize, usize)> {
+        let fingers = self.run.fingers(&self.watch.status);
+        let hands = fingers.into_iter().enumerate();
+        let there: Vec<_> = hands.clone().filter(|(_, fingers)| *fingers > 0).collect();
+        if there.is_empty() {
+            hands.collect()
+        } else {
+            there
+        }
     }
 
     /// Modules that were active in the last columns, of this hand.

@@ -1,4 +1,5 @@
-//! The bus's words as JSON, SI units, names instead of codes. Keys are a contract with scripts: they are only added to.
+//! The bus's words as JSON, SI units, names instead of codes. Keys are a contract with scripts: they are only added to. Lists of
+//! fingers have as many as payloads have room for, zeros where a hand has none.
 
 mod streams;
 
@@ -10,7 +11,7 @@ use shm_schemas::{
     StatusFlags,
 };
 
-use crate::{FINGERS, GoalProgress};
+use crate::GoalProgress;
 
 /// Why, or `null`.
 #[must_use]
@@ -30,8 +31,8 @@ pub fn reason(reason: &Reason) -> Value {
 
 fn figures(figures: &GraspFigures) -> Value {
     json!({
-        "normal_n": figures.normal_n[..FINGERS],
-        "tangential_n": figures.tangential_n[..FINGERS],
+        "normal_n": figures.normal_n,
+        "tangential_n": figures.tangential_n,
         "f1_n": figures.f1_n,
         "f2_n": figures.f2_n,
         "stiffness_n_m": figures.stiffness_n_m,

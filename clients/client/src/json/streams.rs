@@ -49,7 +49,7 @@ fn hand(hand: &HandReport) -> Value {
         "f2_n": hand.f2_n,
         "stiffness_n_m": hand.stiffness_n_m,
         "centre_m": hand.centre_m,
-        "fingers": hand.fingers[..crate::FINGERS].iter().map(finger).collect::<Vec<_>>(),
+        "fingers": hand.fingers.iter().map(finger).collect::<Vec<_>>(),
     })
 }
 
@@ -146,8 +146,8 @@ pub fn truth(truth: &WorldTruth) -> Value {
         "missed_ticks": truth.missed_ticks,
         "expired_commands": truth.expired_commands,
         "objects": objects.map(object).collect::<Vec<_>>(),
-        "slip_m": truth.slip_m.map(|hand| hand[..crate::FINGERS].to_vec()),
-        "normal_n": truth.normal_n.map(|hand| hand[..crate::FINGERS].to_vec()),
+        "slip_m": truth.slip_m,
+        "normal_n": truth.normal_n,
     });
     stamped(&truth.stamp, value)
 }

@@ -70,13 +70,17 @@ impl Command {
                 Some(_) => Access::Caller,
                 None => Access::Owner(&options.bus.bus, FILES),
             },
-            Self::Explain(Explain { files, out, bus }) => {
-                match (*files == [Path::new(Explain::LAST)], out) {
-                    (true, None) => observe(&bus.bus),
-                    (true, Some(_)) => Access::Owner(&bus.bus, FILES),
-                    (false, _) => Access::Caller,
-                }
-            }
+            Self::Explain(Explain {
+                files,
+                goal: _,
+                list: _,
+                out,
+                bus,
+            }) => match (*files == [Path::new(Explain::LAST)], out) {
+                (true, None) => observe(&bus.bus),
+                (true, Some(_)) => Access::Owner(&bus.bus, FILES),
+                (false, _) => Access::Caller,
+            },
             Self::Dashboard(Dashboard { recording, bus, .. }) if recording.is_empty() => {
                 Access::Owner(&bus.bus, PORT)
             }

@@ -15,9 +15,9 @@ pub struct Dashboard {
     /// Port on this machine; 0 for any that is free
     #[arg(long, value_name = "PORT", default_value_t = 8470)]
     pub port: u16,
-    /// The robot that is drawn, as the daemon was told; a recording knows its own
-    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
-    pub robot: String,
+    /// The robot that is drawn [default: the one that the daemon says it runs]; a recording knows its own
+    #[arg(long, value_name = "NAME|FILE")]
+    pub robot: Option<String>,
     /// Which daemon
     #[command(flatten)]
     pub bus: BusArgument,
@@ -29,9 +29,9 @@ pub struct Foxglove {
     /// Port on this machine; 0 for any that is free
     #[arg(long, value_name = "PORT", default_value_t = 8765)]
     pub port: u16,
-    /// The robot that is described, as the daemon was told
-    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
-    pub robot: String,
+    /// The robot that is described [default: the one that the daemon says it runs]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub robot: Option<String>,
     /// Print a layout to import, and end
     #[arg(long)]
     pub print_layout: bool,

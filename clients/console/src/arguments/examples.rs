@@ -208,6 +208,7 @@ const HELPS: &[Help] = &[
         "plot",
         &[
             "atas plot run.mcap --out run.svg",
+            "atas plot run.mcap --goal pick-place --out placing.svg",
             "atas plot monday.mcap tuesday.mcap --from lift --out both.pdf",
         ],
         "one object: file",
@@ -369,9 +370,11 @@ const HELPS: &[Help] = &[
         &[
             "atas explain run.mcap",
             "atas explain run.mcap --out why.png",
+            "atas explain run.mcap --list",
+            "atas explain run.mcap --goal -2",
             "atas explain last",
         ],
-        "one object: state, reason, took_s, steps, moments, picture",
+        "one object: goal, task, state, reason, took_s, steps, moments, picture; with --list goals[{goal, task, hand, from_s, took_s, state, reason}]",
     ),
     Help(
         "export",

@@ -60,6 +60,13 @@ pub struct Explain {
     /// The files of one run, in order; or `last`: the last goal of a running daemon
     #[arg(required = true, value_name = "FILE|last")]
     pub files: Vec<PathBuf>,
+    /// Which goal: its number, negative from the end, or a task's name for the last one of it [default: the last that is not a
+    /// mere release]
+    #[arg(long, value_name = "N|TASK", allow_hyphen_values = true)]
+    pub goal: Option<String>,
+    /// List the goals instead, with their numbers
+    #[arg(long, conflicts_with_all = ["goal", "out"])]
+    pub list: bool,
     /// Draw it, too, with the moments that decided; what the picture is, its ending says
     #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
     pub out: Option<PathBuf>,

@@ -12,6 +12,9 @@ pub struct PlotRecorded {
     /// Recordings, up to seven runs; files that go on with a run belong to it
     #[arg(required = true, value_name = "RECORDING")]
     pub files: Vec<PathBuf>,
+    /// Which goal of each run: its number, negative from the end, or a task's name [default: the last that is not a mere release]
+    #[arg(long, value_name = "N|TASK", allow_hyphen_values = true)]
+    pub goal: Option<String>,
     /// Begin where the goal first enters this step, so that several runs lie over each other [default: where it begins]
     #[arg(long, value_name = "STEP")]
     pub from: Option<String>,

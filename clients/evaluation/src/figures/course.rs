@@ -3,72 +3,85 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use anyhow::Context;
 use atas_client::account::{self, Account, Moment};
 use atas_client::words;
 use atas_recording::Rows;
 use robot_model::Side;
-use shm_schemas::{EventKind, HandReport, ModuleEvent, ModuleId, TickReport};
+use shm_schemas::capacity::{FINGERS, HANDS};
+use shm_schemas::{EventKind, FingerReport, HandReport, ModuleEvent, ModuleId, TickReport};
 
+use super::goals::{Choice, Goals};
 use super::phases::Step;
 
-/// The last goal of a run.
+/// A goal of a run.
 #[derive(Debug)]
 pub struct Course {
     /// What the run is called in a legend.
     pub name: String,
+    /// Its number in the run; the first is 1.
+    pub number: usize,
+    /// Name of its task, if that is known.
+    pub task: Option<String>,
     /// How it went.
     pub account: Account,
     events: Vec<ModuleEvent>,
     /// Reports of the goal's ticks, in order; empty where only events are known.
     reports: Vec<TickReport>,
+    /// Fingers of each hand that feel.
+    fingers: [usize; HANDS],
 }
 
 impl Course {
     /// From the files of one run, in order.
     ///
     /// # Errors
-    /// A file cannot be read to its end, or no goal began in them.
-    pub fn recorded(name: &str, files: &[PathBuf]) -> anyhow::Result<Self> {
-        let (mut events, mut reports) = (Vec::new(), Vec::new());
-        let mut pursued = false;
+    /// A file cannot be read to its end, or no such goal began in them.
+    pub fn recorded(name: &str, files: &[PathBuf], choice: &Choice) -> anyhow::Result<Self> {
+        let goals = Goals::recorded(name, files)?;
+        let mut course = Self::remembered(name, &goals, choice)?;
+        let ticks = course.events.first().zip(course.events.last());
+        let ticks = ticks.map_or(1..=0, |(first, last)| first.tick..=last.tick);
+        // Another time, because which goal is meant is only known at the end.
         for row in Rows::open(files)? {
-            let mut row = row?;
-            for event in row.events.iter().filter(|e| e.kind == EventKind::GOAL) {
-                let begins = account::begins(event);
-                if begins {
-                    reports.clear();
-                }
-                pursued = begins;
+            let row = row?;
+            if row.tick > *ticks.end() {
+                break;
             }
-            let ends = row.events.iter().any(|e| e.kind == EventKind::GOAL) && !pursued;
-            events.append(&mut row.events);
-            if pursued || ends {
-                reports.extend(row.report.map(|report| *report));
+            if ticks.contains(&row.tick) {
+                course.reports.extend(row.report.map(|report| *report));
             }
         }
-        Self::of(name, &events, reports)
+        Ok(course)
     }
 
-    /// From events alone, oldest first, as a running daemon remembers them.
+    /// From events alone.
     ///
     /// # Errors
-    /// No goal began in them.
-    pub fn remembered(name: &str, events: &[ModuleEvent]) -> anyhow::Result<Self> {
-        Self::of(name, events, Vec::new())
-    }
-
-    fn of(name: &str, events: &[ModuleEvent], reports: Vec<TickReport>) -> anyhow::Result<Self> {
-        let events = account::last_goal(events).to_vec();
-        let account = account::tell(&events).with_context(|| {
-            format!("could not find a goal in {name}: none began in what is known")
-        })?;
+    /// No such goal began in them.
+    pub fn remembered(name: &str, goals: &Goals, choice: &Choice) -> anyhow::Result<Self> {
+        let goal = goals.pick(choice)?;
         Ok(Self {
             name: name.to_owned(),
-            account,
-            events,
-            reports,
+            number: goal.number,
+            task: goal.task.map(str::to_owned),
+            events: goal.events.to_vec(),
+            account: goal.account,
+            reports: Vec::new(),
+            fingers: goals.fingers,
         })
+    }
+
+    /// The goal in words, for example `goal 2, grasp`.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let task = self.task.as_ref();
+        let task = task.map_or_else(String::new, |task| format!(", {task}"));
+        format!("goal {}{task}", self.number)
+    }
+
+    /// How many fingers of a hand feel.
+    pub(super) fn fingers(&self, side: Side) -> usize {
+        self.fingers[side.index()].clamp(1, FINGERS)
     }
 
     /// A moment in words: what happened, how often, and what the hand felt.
@@ -92,10 +105,8 @@ impl Course {
             .index()
             .filter(|_| event.kind == EventKind::MODULE_ON)?;
         let at = self.reports.binary_search_by_key(&event.tick, |r| r.tick);
-        Some(words::evidence(
-            event.module,
-            &self.reports[at.ok()?].hands[hand],
-        ))
+        let report = &self.reports[at.ok()?].hands[hand];
+        Some(words::evidence(event.module, report, self.fingers[hand]))
     }
 
     /// Whether it is known what the ticks felt.
@@ -106,7 +117,7 @@ impl Course {
     /// How long the goal took, s.
     #[must_use]
     pub fn took_s(&self) -> f64 {
-        self.since_s(self.account.span_ns[1])
+        self.account.took_s()
     }
 
     /// Since the goal began, s.
@@ -134,19 +145,20 @@ impl Course {
         entered.map(|step| self.since_s(step.captured_ns))
     }
 
-    /// A value of a hand over time, s since the goal began; at most `points` of them.
+    /// A value of a hand and its fingers over time, s since the goal began; at most `points` of them.
     pub(super) fn series(
         &self,
         side: Side,
         points: usize,
-        value: impl Fn(&HandReport) -> f32,
+        value: impl Fn(&HandReport, &[FingerReport]) -> f32,
     ) -> Vec<(f64, f64)> {
+        let fingers = self.fingers(side);
         let every = self.reports.len().div_ceil(points.max(1)).max(1);
         let values = self.reports.iter().step_by(every).map(|report| {
             let hand = &report.hands[side.index()];
             (
                 self.since_s(report.stamp.captured_ns),
-                f64::from(value(hand)),
+                f64::from(value(hand, &hand.fingers[..fingers])),
             )
         });
         values.filter(|(_, value)| value.is_finite()).collect()

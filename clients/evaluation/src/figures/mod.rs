@@ -1,6 +1,7 @@
 //! Figures of a task as SVG: what the fingertips felt, which module worked when, and what truly became of it.
 //!
-//! **In:** a task, an object, a seed ([`draw`]); or the recordings of real runs, each its [`Course`]. **Out:** one file, the
+//! **In:** a task, an object, a seed ([`draw`]); or the recordings of real runs, of each a goal
+//! ([`Goals`]) as its [`Course`]. **Out:** one file, the
 //! same bytes every time. The trace of an offline run is drawn by one file per figure; `figure` and `phases` hold what they
 //! share. Forces, thresholds and modules are the controller's own reports; heights, torques and the support's force of an
 //! offline run are the simulator's truth, which no controller sees, and which no recording has.
@@ -17,6 +18,7 @@
 mod assembling;
 mod course;
 mod figure;
+mod goals;
 mod grasping;
 mod phases;
 mod placing;
@@ -31,6 +33,7 @@ use crate::task::Task;
 use trace::Trace;
 
 pub use course::Course;
+pub use goals::{Choice, Goal, Goals};
 pub use pursuing::{explained, overlay};
 pub use residuals::residuals;
 

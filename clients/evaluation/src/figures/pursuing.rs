@@ -6,7 +6,8 @@ use std::ops::Range;
 use atas_client::account::{self, Moment};
 use plotters::element::Text;
 use plotters::style::RGBColor;
-use robot_model::{Side, VIRTUAL_FINGERS};
+use robot_model::Side;
+use shm_schemas::capacity::FINGERS;
 use shm_schemas::{EventKind, FingerReport, HandReport, ModuleId};
 
 use super::course::Course;
@@ -15,6 +16,8 @@ use super::phases::{Phases, Step};
 
 /// Colours of runs over each other, and of the fingers of one: as many as can be told apart.
 const COLOURS: [RGBColor; 7] = [BLUE, ORANGE, GREEN, PINK, SKY, RED, INK];
+/// Colours and widths of the fingers of one run. Later ones lie on earlier ones, thinner: where they agree, all are seen.
+const OF_FINGERS: [(RGBColor, u32); FINGERS] = [(BLUE, 8), (SKY, 5), (PINK, 3), (INK, 2)];
 /// Heights of panels, px.
 const FORCES: u32 = 440;
 const SMALL_PANEL: u32 = 210;
@@ -83,8 +86,9 @@ fn decides(moment: &Moment) -> bool {
 fn headline(course: &Course) -> String {
     let account = &course.account;
     format!(
-        "{}: {} after {:.2} s",
+        "{}: {}: {} after {:.2} s",
         course.name,
+        course.title(),
         account.state,
         course.took_s()
     )
@@ -144,12 +148,12 @@ impl View {
             .collect()
     }
 
-    /// A value of every run over time.
+    /// A value of every run over time, of a hand and its fingers.
     fn series(
         &self,
         courses: &[Course],
         side: Side,
-        value: impl Fn(&HandReport) -> f32,
+        value: impl Fn(&HandReport, &[FingerReport]) -> f32,
     ) -> Vec<Vec<(f64, f64)>> {
         let of = |(course, zero_s): (&Course, &f64)| {
             let points = course.series(side, POINTS, &value).into_iter();
@@ -235,25 +239,30 @@ fn shortened(name: &str) -> String {
 
 /// Forces of one run between their thresholds.
 fn forces<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
-    let series = |value: &dyn Fn(&HandReport) -> f32| {
+    let series = |value: &dyn Fn(&HandReport, &[FingerReport]) -> f32| {
         let one = view.series(std::slice::from_ref(course), side, value);
         one.into_iter().next().unwrap_or_default()
     };
-    let pressed: [_; VIRTUAL_FINGERS] =
-        core::array::from_fn(|f| series(&|hand| hand.fingers[f].normal_n));
-    let sheared = series(&|hand| mean(hand, |f| f.tangential_n));
-    let [f1, f2] = [series(&|hand| hand.f1_n), series(&|hand| hand.f2_n)];
+    let pressed: Vec<_> = (0..course.fingers(side))
+        .map(|f| series(&|hand, _| hand.fingers[f].normal_n))
+        .collect();
+    let sheared = series(&|_, fingers| mean(fingers, |f| f.tangential_n));
+    let [f1, f2] = [series(&|hand, _| hand.f1_n), series(&|hand, _| hand.f2_n)];
     let steps = view.steps(0, course, side);
     Strip::new(FORCES, move |area| {
-        let entries = [
-            ("F_n finger 1", BLUE, false),
-            ("F_n finger 2", SKY, false),
-            ("F_t", GREEN, false),
+        let names: Vec<String> = (1..=pressed.len())
+            .map(|f| format!("F_n finger {f}"))
+            .collect();
+        let fingers = names.iter().zip(OF_FINGERS);
+        let fingers = fingers.map(|(name, (colour, _))| (name.as_str(), colour, false));
+        let others = [
+            ("F_t mean", GREEN, false),
             ("F_1", ORANGE, true),
             ("F_2", RED, true),
         ];
-        legend(area, 22, &entries)?;
-        let top_n = figure::highest(&[&pressed[0], &pressed[1], &sheared, &f1, &f2]);
+        legend(area, 22, &fingers.chain(others).collect::<Vec<_>>())?;
+        let lines = pressed.iter().chain([&sheared, &f1, &f2]);
+        let top_n = figure::highest(&lines.map(Vec::as_slice).collect::<Vec<_>>());
         let mut chart = panel(
             area,
             view.x.clone(),
@@ -265,8 +274,7 @@ fn forces<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
         dashed(&mut chart, f1.clone(), ORANGE)?;
         dashed(&mut chart, f2.clone(), RED)?;
         line(&mut chart, sheared.clone(), GREEN, 4)?;
-        // The second finger on the first, thinner: where they agree, both are seen.
-        for (pressed, (colour, width)) in pressed.iter().zip([(BLUE, 7), (SKY, 3)]) {
+        for (pressed, (colour, width)) in pressed.iter().zip(OF_FINGERS) {
             line(&mut chart, pressed.clone(), colour, width)?;
         }
         Ok(())
@@ -275,10 +283,10 @@ fn forces<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
 
 /// The grip of several runs, each with its F_2.
 fn grips<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
-    let pressed = view.series(courses, side, |hand| mean(hand, |f| f.normal_n));
-    let f2 = view.series(courses, side, |hand| hand.f2_n);
+    let pressed = view.series(courses, side, |_, fingers| mean(fingers, |f| f.normal_n));
+    let f2 = view.series(courses, side, |hand, _| hand.f2_n);
     Strip::new(FORCES, move |area| {
-        legend(area, 22, &[("F_n", INK, false), ("F_2", INK, true)])?;
+        legend(area, 22, &[("F_n mean", INK, false), ("F_2", INK, true)])?;
         let all: Vec<&[(f64, f64)]> = pressed.iter().chain(&f2).map(Vec::as_slice).collect();
         let y = up_to(figure::highest(&all));
         let mut chart = panel(area, view.x.clone(), y, &axes("", "Grip (N)"), &[])?;
@@ -292,7 +300,7 @@ fn grips<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
 
 /// Height of the hand's centre, as commanded.
 fn height<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
-    let heights = view.series(courses, side, |hand| (hand.centre_m[2] * 1e3) as f32);
+    let heights = view.series(courses, side, |hand, _| (hand.centre_m[2] * 1e3) as f32);
     let values = || heights.iter().flatten().map(|(_, mm)| *mm);
     let lowest = values().fold(f64::INFINITY, f64::min);
     let highest = values().fold(f64::NEG_INFINITY, f64::max);
@@ -320,12 +328,9 @@ fn height<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
 
 /// Friction utilisation of the finger that slips most; at 1 it slides.
 fn slip<'a>(courses: &'a [Course], view: &'a View, side: Side, is_last: bool) -> Strip<'a> {
-    let most = |hand: &HandReport| {
-        let fingers = hand.fingers[..VIRTUAL_FINGERS].iter();
-        fingers
-            .map(|f| f.utilisation)
-            .fold(0.0, f32::max)
-            .min(S_MAX)
+    let most = |_: &HandReport, fingers: &[FingerReport]| {
+        let used = fingers.iter().map(|f| f.utilisation);
+        used.fold(0.0, f32::max).min(S_MAX)
     };
     let used = view.series(courses, side, most);
     let (x_word, more) = if is_last { ("Time (s)", 62) } else { ("", 0) };
@@ -435,7 +440,6 @@ fn axes<'a>(x: &'a str, y: &'a str) -> Axes<'a> {
     Axes { x, y }
 }
 
-fn mean(hand: &HandReport, value: fn(&FingerReport) -> f32) -> f32 {
-    let fingers = &hand.fingers[..VIRTUAL_FINGERS];
+fn mean(fingers: &[FingerReport], value: fn(&FingerReport) -> f32) -> f32 {
     fingers.iter().map(value).sum::<f32>() / fingers.len() as f32
 }

@@ -19,14 +19,12 @@ pub(super) struct Page {
 
 impl Page {
     /// Starts `atas-live` on this bus.
-    pub(super) fn serve(bus: &BusName, robot: &str, logs: &Path) -> anyhow::Result<Self> {
+    pub(super) fn serve(bus: &BusName, logs: &Path) -> anyhow::Result<Self> {
         let name = bus.as_str();
         let arguments = [
             "dashboard",
             "--bus",
             name,
-            "--robot",
-            robot,
             "--port",
             "0",
             "--format",

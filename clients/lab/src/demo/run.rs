@@ -34,7 +34,7 @@ pub(super) fn run(
     processes.wait_until_ready(&session, interrupt)?;
     let mut page = running
         .dashboard
-        .then(|| Page::serve(processes.bus(), &running.robot, processes.logs()))
+        .then(|| Page::serve(processes.bus(), processes.logs()))
         .transpose()?;
     if let Some(page) = &mut page {
         page.wait_until_open(&mut live, interrupt)?;

@@ -2,7 +2,7 @@
 //!
 //! | topic | type | when |
 //! |---|---|---|
-//! | `/joint_states`, `/joint_commands` | sensor_msgs/JointState | every tick |
+//! | `/joint_states`, `/joint_commands` | sensor_msgs/JointState, in m where a joint slides | every tick |
 //! | `/HAND/fingerN/wrench` | geometry_msgs/WrenchStamped, frame of the fingertip | every frame |
 //! | `/HAND/fingerN/elements` | sensor_msgs/PointCloud2: x y z, fx fy fz, force; frame of the fingertip | with each picture |
 //! | `/tf` | tf2_msgs/TFMessage: every link | with each picture |
@@ -14,7 +14,10 @@
 //!
 //! Up to forty messages per tick: topics are named once, not for each of them.
 
+use std::borrow::Cow;
+
 use atas_client::words;
+use robot_model::JointKind;
 use shm_schemas::{
     EventKind, FingerReport, GoalState, Hand, HandFrame, HandReport, JointCommand, JointState,
     Mode, ModuleEvent, ModuleId, TickReport,
@@ -66,7 +69,7 @@ pub trait Outlet {
 struct Topic {
     name: String,
     of: &'static MessageType,
-    unit: &'static str,
+    unit: Cow<'static, str>,
     channel: Option<u16>,
     /// The number that was sent last, if it carries one.
     last: Option<f64>,
@@ -112,11 +115,15 @@ pub struct Messages<O> {
 }
 
 impl Topic {
-    fn new(name: impl Into<String>, of: &'static MessageType, unit: &'static str) -> Self {
+    fn new(
+        name: impl Into<String>,
+        of: &'static MessageType,
+        unit: impl Into<Cow<'static, str>>,
+    ) -> Self {
         Self {
             name: name.into(),
             of,
-            unit,
+            unit: unit.into(),
             channel: None,
             last: None,
         }
@@ -125,7 +132,7 @@ impl Topic {
     fn send(&mut self, outlet: &mut impl Outlet, unix_ns: u64, cdr: &Cdr) -> anyhow::Result<()> {
         let channel = match self.channel {
             Some(channel) => channel,
-            None => outlet.open(&self.name, self.of, self.unit)?,
+            None => outlet.open(&self.name, self.of, &self.unit)?,
         };
         self.channel = Some(channel);
         outlet.send(channel, unix_ns, cdr.bytes())
@@ -165,8 +172,16 @@ impl<O: Outlet> Messages<O> {
     pub fn new(outlet: O, subject: Subject, pictures_hz: f64) -> Self {
         let topics = Topics {
             description: Topic::new("/robot_description", &ros::TEXT, ""),
-            joints: Topic::new("/joint_states", &ros::JOINT_STATE, "rad, rad/s, N·m"),
-            commands: Topic::new("/joint_commands", &ros::JOINT_STATE, "rad, rad/s"),
+            joints: Topic::new(
+                "/joint_states",
+                &ros::JOINT_STATE,
+                units(&subject, ["rad, rad/s, N·m", "m, m/s, N"]),
+            ),
+            commands: Topic::new(
+                "/joint_commands",
+                &ros::JOINT_STATE,
+                units(&subject, ["rad, rad/s", "m, m/s"]),
+            ),
             transforms: Topic::new("/tf", &ros::TRANSFORMS, "m"),
             mode: Topic::new("/mode", &ros::SCALAR, ""),
             wake_late: Topic::new("/tick/wake_late", &ros::SCALAR, "s"),
@@ -236,6 +251,9 @@ impl<O: Outlet> Messages<O> {
     /// The outlet does not take it.
     pub fn describe(&mut self, captured_ns: u64) -> anyhow::Result<()> {
         self.has_description = true;
+        if self.subject.urdf.is_empty() {
+            return Ok(());
+        }
         self.cdr.begin().text(&self.subject.urdf);
         let unix_ns = self.subject.clock.unix_ns(captured_ns);
         self.topics
@@ -247,6 +265,9 @@ impl<O: Outlet> Messages<O> {
         let unix_ns = self.subject.clock.unix_ns(joints.stamp.captured_ns);
         let count = (joints.joint_count as usize).min(self.subject.skeleton.joint_names().len());
         let names = &self.subject.skeleton.joint_names()[..count];
+        if names.is_empty() {
+            return Ok(());
+        }
         let values = [
             &joints.position_rad[..count],
             &joints.velocity_rad_s[..count],
@@ -263,6 +284,9 @@ impl<O: Outlet> Messages<O> {
     fn command(&mut self, unix_ns: u64, command: &JointCommand) -> anyhow::Result<()> {
         let count = (command.joint_count as usize).min(self.subject.skeleton.joint_names().len());
         let names = &self.subject.skeleton.joint_names()[..count];
+        if names.is_empty() {
+            return Ok(());
+        }
         let values = [
             &command.position_rad[..count],
             &command.velocity_rad_s[..count],
@@ -323,6 +347,7 @@ impl<O: Outlet> Messages<O> {
             outlet,
             topics,
             cdr,
+            subject,
             ..
         } = self;
         // Between two messages of a topic its number is what it was.
@@ -337,7 +362,8 @@ impl<O: Outlet> Messages<O> {
         scalar(&mut topics.mode, f64::from(report.mode.0))?;
         let late_s = f64::from(report.wake_late_ns) * 1e-9;
         scalar(&mut topics.wake_late, late_s)?;
-        for (index, hand) in report.hands.iter().enumerate() {
+        let hands = report.hands.iter().enumerate();
+        for (index, hand) in hands.filter(|(index, _)| subject.fingers[*index] > 0) {
             let topics = &mut topics.hands[index];
             for (topic, (_, _, value)) in topics.scalars.iter_mut().zip(OF_HAND) {
                 scalar(topic, value(hand).into())?;
@@ -362,6 +388,18 @@ impl<O: Outlet> Messages<O> {
             .events
             .send(&mut self.outlet, unix_ns, &self.cdr)
     }
+}
+
+/// Units of the joints' numbers: those of joints that turn, and, where some slide, which have which.
+fn units(subject: &Subject, [turning, sliding]: [&'static str; 2]) -> Cow<'static, str> {
+    let slide = subject
+        .joints()
+        .filter(|(_, kind)| *kind == JointKind::Prismatic);
+    let names: Vec<&str> = slide.map(|(name, _)| name).collect();
+    if names.is_empty() {
+        return turning.into();
+    }
+    format!("{turning}; {sliding} of {}", names.join(", ")).into()
 }
 
 /// A module's name as a word of a topic: `slip` for `module 2, slip`.

@@ -8,11 +8,12 @@
 //! One thread reads, another writes. [`Messages`] serves what happens now as well, to whoever takes them ([`Outlet`]).
 //!
 //! * **Invariants:** sensor time becomes wall-clock time by one offset for the whole run ([`crate::Clock`]). A file never
-//!   overwrites another. What was not recorded is left out, not made up.
+//!   overwrites another, and has its name only once it is whole ([`draft`]). What was not recorded is left out, not made up.
 //! * **Absent on purpose:** what replays: that is the recording itself.
 
 mod cdr;
 mod csv;
+mod draft;
 mod mcap;
 mod messages;
 mod parquet;
@@ -20,7 +21,6 @@ mod ros;
 mod subject;
 mod table;
 
-use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,6 +29,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use anyhow::Context;
 
 use crate::rows::{Row, Rows};
+use draft::Draft;
 pub use messages::{Messages, Outlet};
 pub use ros::MessageType;
 pub use subject::Subject;
@@ -76,7 +77,7 @@ trait Sink {
 /// Exports the files of one run into a new file, until the end or until `stop` is set.
 ///
 /// # Errors
-/// The recording cannot be read to its end, or the file cannot be written. What came before is in the file.
+/// The recording cannot be read to its end, or the file cannot be written: then there is none.
 pub fn export(
     files: &[PathBuf],
     out: &Path,
@@ -85,9 +86,10 @@ pub fn export(
 ) -> anyhow::Result<Exported> {
     let rows = Rows::open(files)?;
     let subject = Subject::recorded(&rows)?;
-    let mut sink = sink(out, choices, subject)?;
+    let draft = Draft::beside(out)?;
+    let mut sink = sink(&draft, choices, subject)?;
     let (send, receive) = sync_channel(WAITING);
-    let written = std::thread::scope(|scope| {
+    let exported = std::thread::scope(|scope| {
         scope.spawn(move || {
             let wanted = |_: &_| !stop.load(Ordering::Relaxed);
             // The other end is gone when it could not write.
@@ -95,10 +97,10 @@ pub fn export(
         });
         write(receive, &mut *sink)
     });
-    // Also what ends early is a whole file.
+    let exported = exported.with_context(|| format!("could not export into {}", out.display()))?;
     let finished = sink.finish();
-    let exported = written.with_context(|| format!("could not export into {}", out.display()))?;
     finished.with_context(|| format!("could not write {}", out.display()))?;
+    draft.publish()?;
     Ok(exported)
 }
 
@@ -115,10 +117,8 @@ fn write(rows: Receiver<anyhow::Result<Row>>, sink: &mut dyn Sink) -> anyhow::Re
     Ok(exported)
 }
 
-fn sink(out: &Path, choices: &Choices, subject: Subject) -> anyhow::Result<Box<dyn Sink>> {
-    let file = OpenOptions::new().write(true).create_new(true).open(out);
-    let file = file.with_context(|| format!("could not make the file {}", out.display()))?;
-    let file: BufWriter<File> = BufWriter::new(file);
+fn sink(draft: &Draft, choices: &Choices, subject: Subject) -> anyhow::Result<Box<dyn Sink>> {
+    let file = BufWriter::new(draft.open()?);
     Ok(match choices.kind {
         Kind::Mcap => Box::new(mcap::Mcap::new(file, subject, choices.pictures_hz)?),
         Kind::Csv => Box::new(csv::Csv::new(file, &subject, choices.elements)?),

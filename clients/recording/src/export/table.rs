@@ -1,6 +1,6 @@
 //! A tick as one row of named columns, units in the names: what CSV and Parquet have in common.
 
-use robot_model::Skeleton;
+use robot_model::JointKind;
 use shm_schemas::{FingerReport, Hand, HandReport, JointState, ModuleId, TickReport};
 
 use super::subject::Subject;
@@ -82,14 +82,16 @@ pub(super) fn columns(subject: &Subject, elements: bool) -> Vec<Column> {
             Cell::Whole(report.sensor_to_command_ns.into())
         }),
     ];
-    for hand in 0..subject.fingers.len() {
-        columns.extend(of_hand(hand, subject.fingers[hand]));
+    let hands = subject.fingers.iter().copied().enumerate();
+    let hands: Vec<_> = hands.filter(|(_, fingers)| *fingers > 0).collect();
+    for (hand, fingers) in &hands {
+        columns.extend(of_hand(*hand, *fingers));
     }
-    columns.extend(of_joints(&subject.skeleton));
+    columns.extend(of_joints(subject));
     if elements {
-        for hand in 0..subject.fingers.len() {
-            let count = subject.layouts[hand].count;
-            columns.extend(of_elements(hand, subject.fingers[hand], count));
+        for (hand, fingers) in &hands {
+            let count = subject.layouts[*hand].count;
+            columns.extend(of_elements(*hand, *fingers, count));
         }
     }
     columns
@@ -146,18 +148,27 @@ fn of_hand(hand: usize, fingers: usize) -> Vec<Column> {
     columns
 }
 
-fn of_joints(skeleton: &Skeleton) -> Vec<Column> {
+/// Units of a joint's position, velocity and effort, as names end in them.
+fn units(kind: JointKind) -> [&'static str; 3] {
+    match kind {
+        JointKind::Revolute => ["rad", "rad_s", "n_m"],
+        JointKind::Prismatic => ["m", "m_s", "n"],
+    }
+}
+
+fn of_joints(subject: &Subject) -> Vec<Column> {
     type OfJoint = (&'static str, fn(&JointState) -> &[f64]);
     let measured: [OfJoint; 3] = [
-        ("position_rad", |joints| &joints.position_rad),
-        ("velocity_rad_s", |joints| &joints.velocity_rad_s),
-        ("effort_n_m", |joints| &joints.effort_n_m),
+        ("position", |joints| &joints.position_rad),
+        ("velocity", |joints| &joints.velocity_rad_s),
+        ("effort", |joints| &joints.effort_n_m),
     ];
     let mut columns = Vec::new();
-    for (index, joint) in skeleton.joint_names().iter().enumerate() {
-        for (what, values) in measured {
+    for (index, (joint, kind)) in subject.joints().enumerate() {
+        let units = units(kind);
+        for ((what, values), unit) in measured.into_iter().zip(units) {
             columns.push(column(
-                format!("{joint}_{what}"),
+                format!("{joint}_{what}_{unit}"),
                 Form::Number,
                 move |row| {
                     let inputs = row.inputs.as_deref();
@@ -167,7 +178,7 @@ fn of_joints(skeleton: &Skeleton) -> Vec<Column> {
                 },
             ));
         }
-        let name = format!("{joint}_commanded_rad");
+        let name = format!("{joint}_commanded_{}", units[0]);
         columns.push(column(name, Form::Number, move |row| {
             let command = row.inputs.as_deref().map(|inputs| &inputs.command);
             let known = command.filter(|command| index < command.joint_count as usize);

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use ::mcap::MessageStream;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
-use robot_model::TWO_HAND_ARM;
+use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
 use shm_schemas::{
     EventKind, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent, ModuleId, RunHeader,
     Stamp, Text, TickInputs, TickReport,
@@ -25,10 +25,10 @@ fn stamp(sequence: u64) -> Stamp {
     }
 }
 
-fn wiring() -> HandWiringRecord {
+fn wiring(fingers: u32) -> HandWiringRecord {
     let dome = Layout::dome_41();
     HandWiringRecord {
-        fingers: 2,
+        fingers,
         element_count: 41,
         normal: dome.normal,
         tangent1: dome.tangent1,
@@ -40,6 +40,11 @@ fn wiring() -> HandWiringRecord {
 
 /// A run whose left hand has a frame every tenth tick and whose right hand has none; tick 7 was not reported.
 fn recorded(folder: &Path) -> PathBuf {
+    recorded_of(folder, &TWO_HAND_ARM, 2)
+}
+
+/// Such a run of a robot whose hands have so many fingers.
+fn recorded_of(folder: &Path, robot: &RobotFiles, fingers: u32) -> PathBuf {
     let out = folder.join("run.mcap");
     let bounds = Bounds {
         file_bytes: None,
@@ -48,10 +53,10 @@ fn recorded(folder: &Path) -> PathBuf {
     };
     let mut recording = Recording::create(&out, bounds, BTreeMap::new(), None).expect("made");
     let mut header: Box<RunHeader> = Box::default();
-    header.robot = Text::new(&TWO_HAND_ARM.name);
-    header.robot_hash = TWO_HAND_ARM.hash();
+    header.robot = Text::new(&robot.name);
+    header.robot_hash = robot.hash();
     header.version = Text::new("0.1");
-    header.hands = [wiring(), wiring()];
+    header.hands = [wiring(fingers), wiring(fingers)];
     recording.begin_run(header).expect("begun");
     for tick in 0..TICKS {
         let mut inputs = Box::new(TickInputs {
@@ -103,14 +108,17 @@ fn recorded(folder: &Path) -> PathBuf {
 }
 
 fn exported(folder: &Path, kind: Kind, elements: bool) -> PathBuf {
+    exported_of(folder, &[recorded(folder)], kind, elements)
+}
+
+fn exported_of(folder: &Path, files: &[PathBuf], kind: Kind, elements: bool) -> PathBuf {
     let out = folder.join("out");
     let choices = Choices {
         kind,
         pictures_hz: 100.0,
         elements,
     };
-    let files = [recorded(folder)];
-    let exported = export(&files, &out, &choices, &AtomicBool::new(false)).expect("exported");
+    let exported = export(files, &out, &choices, &AtomicBool::new(false)).expect("exported");
     assert_eq!(exported.ticks, TICKS);
     assert!((exported.seconds - 0.299).abs() < 1e-9);
     out
@@ -280,4 +288,85 @@ fn an_existing_file_is_left_alone_and_a_stop_leaves_a_whole_one() {
     assert_eq!(exported.ticks, 0);
     let bytes = std::fs::read(out).expect("readable");
     assert_eq!(MessageStream::new(&bytes).expect("MCAP").count(), 0);
+}
+
+/// Names of the columns of a table, of a robot whose hands have so many fingers.
+fn names(robot: &str, fingers: u32) -> Vec<String> {
+    let robot = SHIPPED.into_iter().find(|shipped| shipped.name == robot);
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = [recorded_of(
+        folder.path(),
+        &robot.expect("it ships"),
+        fingers,
+    )];
+    let out = exported_of(folder.path(), &files, Kind::Csv, false);
+    let mut csv = ::csv::Reader::from_path(out).expect("CSV");
+    let names = csv.headers().expect("names");
+    names.iter().map(str::to_owned).collect()
+}
+
+#[test]
+fn a_joint_that_slides_is_exported_in_metres() {
+    let names = names("test-bench", 2);
+    for name in [
+        "stage_position_m",
+        "stage_velocity_m_s",
+        "stage_effort_n",
+        "stage_commanded_m",
+    ] {
+        assert!(
+            names.iter().any(|found| found == name),
+            "{name} in {names:?}"
+        );
+    }
+    assert!(!names.iter().any(|name| name == "stage_position_rad"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let [.., bench] = SHIPPED;
+    let files = [recorded_of(folder.path(), &bench, 2)];
+    let bytes = std::fs::read(exported_of(folder.path(), &files, Kind::Mcap, false));
+    let bytes = bytes.expect("readable");
+    let mut units: BTreeMap<String, String> = BTreeMap::new();
+    for message in MessageStream::new(&bytes).expect("MCAP") {
+        let channel = message.expect("whole").channel;
+        let unit = channel.metadata.get("unit").cloned().unwrap_or_default();
+        units.insert(channel.topic.clone(), unit);
+    }
+    let told = &units["/joint_states"];
+    assert!(told.contains("m, m/s, N of stage"), "{told}");
+}
+
+#[test]
+fn every_finger_is_exported_and_no_hand_that_the_robot_has_not() {
+    let names = names("three-finger", 3);
+    let has = |name: &str| names.iter().any(|found| found == name);
+    assert!(
+        has("right_finger3_normal_n") && has("right_step") && has("finger1_knuckle_position_rad")
+    );
+    let of_left: Vec<_> = names
+        .iter()
+        .filter(|name| name.starts_with("left_"))
+        .collect();
+    assert!(of_left.is_empty(), "{of_left:?}");
+}
+
+#[test]
+fn an_export_that_fails_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = recorded(folder.path());
+    let whole = std::fs::read(&file).expect("readable");
+    std::fs::write(&file, &whole[..whole.len() / 2]).expect("cut");
+    for kind in [Kind::Mcap, Kind::Csv, Kind::Parquet] {
+        let choices = Choices {
+            kind,
+            pictures_hz: 100.0,
+            elements: false,
+        };
+        let out = folder.path().join("out");
+        let files = [file.clone()];
+        let failed = export(&files, &out, &choices, &AtomicBool::new(false));
+        assert!(failed.is_err(), "{kind:?}");
+        let left = std::fs::read_dir(folder.path()).expect("a folder");
+        let left: Vec<_> = left.map(|entry| entry.expect("one").file_name()).collect();
+        assert_eq!(left, ["run.mcap"], "{kind:?}");
+    }
 }

@@ -33,7 +33,7 @@ fn distribution(name: &str, counted: &Histogram, since: &Percentiles, look: Look
     let us = |ns: u64| number(ns as f64 * 1e-3, 1);
     Line::from(vec![
         Span::raw(format!("{name:12} 1µs ")),
-        Span::styled(columns(&counted.counts()), look.first()),
+        Span::styled(columns(&counted.counts()), look.finger(0)),
         Span::raw(format!(
             " 10ms  p50 {} p99 {} max {} µs",
             us(since.p50_ns),

@@ -8,7 +8,6 @@ use atas_console::arguments::DemoSwarm;
 use atas_console::{Interrupt, Progress};
 use ebts::condition::GOALS;
 use ebts::table_file::TableFile;
-use robot_model::TWO_HAND_ARM;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{AgentSensors, service};
 use sim_backend::swarm::TrialReport;
@@ -41,7 +40,7 @@ impl Arena {
         // The field waits for its agents, and the agents for the page.
         let mut page = arguments
             .dashboard
-            .then(|| Page::serve(&bus, &TWO_HAND_ARM.name, &logs.folder))
+            .then(|| Page::serve(&bus, &logs.folder))
             .transpose()?;
         if let Some(page) = &mut page {
             page.wait_until_open(progress, interrupt)?;

@@ -1,0 +1,276 @@
+//! The goals of a run: which there were, and which one is meant.
+
+use std::path::PathBuf;
+
+use atas_client::account::{self, Account};
+use atas_recording::{Rows, origin};
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{GoalKind, GoalRequest, Hand, ModuleEvent, Status};
+
+/// Which goal of a run is meant.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Choice {
+    /// The last one that is a task: not one that only lets go, if there is another.
+    #[default]
+    LastTask,
+    /// By its number: the first is 1, the last −1.
+    Number(i64),
+    /// The last one of this task.
+    Task(String),
+}
+
+impl Choice {
+    /// What a user says: a number, or the name of a task.
+    #[must_use]
+    pub fn said(text: Option<&str>) -> Self {
+        match text {
+            None => Self::LastTask,
+            Some(text) => text
+                .parse()
+                .map_or_else(|_| Self::Task(text.to_owned()), Self::Number),
+        }
+    }
+}
+
+/// The goals of a run.
+#[derive(Debug)]
+pub struct Goals {
+    /// What the run is called.
+    run: String,
+    events: Vec<ModuleEvent>,
+    /// What was asked for, each with its tick, in order.
+    asked: Vec<(u64, String)>,
+    /// When the run began, ns.
+    begun_ns: u64,
+    /// Fingers of each hand that feel.
+    pub(super) fingers: [usize; HANDS],
+}
+
+/// One of them.
+#[derive(Clone, Debug)]
+pub struct Goal<'a> {
+    /// Its number; the first is 1.
+    pub number: usize,
+    /// Name of its task; `None` where nobody recorded what was asked for.
+    pub task: Option<&'a str>,
+    /// The hand that acts.
+    pub hand: Hand,
+    /// Since the run began, s.
+    pub from_s: f64,
+    /// How it went.
+    pub account: Account,
+    pub(super) events: &'a [ModuleEvent],
+}
+
+impl Goals {
+    /// Of the files of one run, in order.
+    ///
+    /// # Errors
+    /// A file cannot be read to its end.
+    pub fn recorded(run: &str, files: &[PathBuf]) -> anyhow::Result<Self> {
+        let rows = Rows::open(files)?;
+        let mut goals = Self {
+            run: run.to_owned(),
+            events: Vec::new(),
+            asked: Vec::new(),
+            begun_ns: 0,
+            fingers: origin::fingers(rows.header()),
+        };
+        for row in rows {
+            let mut row = row?;
+            if goals.begun_ns == 0 {
+                goals.begun_ns = row.captured_ns;
+            }
+            if let Some(goal) = row.inputs.and_then(|inputs| inputs.goal) {
+                goals.asked.push((row.tick, task(&goal)));
+            }
+            goals.events.append(&mut row.events);
+        }
+        Ok(goals)
+    }
+
+    /// Of events alone, oldest first, as a running daemon remembers them; its status knows the last goal's name.
+    #[must_use]
+    pub fn remembered(run: &str, events: Vec<ModuleEvent>, status: &Status) -> Self {
+        let last = account::goals(&events).last().map(|goal| goal[0].tick);
+        let name = match status.task.as_str() {
+            "" => status.goal_kind.name().to_owned(),
+            own => own.to_owned(),
+        };
+        let asked = last.filter(|_| status.goal_id != 0);
+        Self {
+            run: run.to_owned(),
+            asked: asked.map(|tick| (tick, name)).into_iter().collect(),
+            events,
+            begun_ns: status.started_ns,
+            fingers: origin::fingers(None),
+        }
+    }
+
+    /// All of them, oldest first.
+    #[must_use]
+    pub fn list(&self) -> Vec<Goal<'_>> {
+        let goals = account::goals(&self.events).into_iter().enumerate();
+        let mut before = 0;
+        goals
+            .filter_map(|(index, events)| {
+                let runs = events.iter().find(|event| account::begins(event))?;
+                // The newest that was asked for since the goal before it.
+                let since = std::mem::replace(&mut before, runs.tick);
+                let asked = self.asked.iter().rev();
+                let mut asked = asked.filter(|(tick, _)| (since..=runs.tick).contains(tick));
+                let account = account::tell(events)?;
+                Some(Goal {
+                    number: index + 1,
+                    task: asked.next().map(|(_, task)| task.as_str()),
+                    hand: runs.hand,
+                    from_s: account.span_ns[0].saturating_sub(self.begun_ns) as f64 * 1e-9,
+                    account,
+                    events,
+                })
+            })
+            .collect()
+    }
+
+    /// The one that is meant.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn pick(&self, choice: &Choice) -> anyhow::Result<Goal<'_>> {
+        let mut goals = self.list();
+        let (run, count) = (&self.run, goals.len());
+        anyhow::ensure!(
+            count > 0,
+            "could not find a goal in {run}: none began in what is known"
+        );
+        let index = match choice {
+            Choice::LastTask => {
+                let is_task = |goal: &Goal<'_>| !account::only_lets_go(goal.events);
+                goals.iter().rposition(is_task).unwrap_or(count - 1)
+            }
+            Choice::Number(number) => place(*number, count).ok_or_else(|| {
+                anyhow::anyhow!(
+                    "could not find goal {number} of {run} because it has {count}, needs 1 to {count}, or -1 to -{count} from \
+                     the end; `atas explain FILE --list` shows them"
+                )
+            })?,
+            Choice::Task(name) => goals
+                .iter()
+                .rposition(|goal| goal.task == Some(name))
+                .ok_or_else(|| {
+                    let known: Vec<&str> = goals.iter().filter_map(|goal| goal.task).collect();
+                    let known = match &known[..] {
+                        [] => "whose tasks nobody recorded; say its number".to_owned(),
+                        known => format!("which has {}", known.join(", ")),
+                    };
+                    anyhow::anyhow!(
+                        "could not find a goal of the task {name:?} in {run}, {known}; `atas explain FILE --list` shows them"
+                    )
+                })?,
+        };
+        Ok(goals.swap_remove(index))
+    }
+}
+
+/// The place of the goal with this number among so many.
+fn place(number: i64, count: usize) -> Option<usize> {
+    let from_end = number < 0;
+    let steps = usize::try_from(number.unsigned_abs()).ok()?;
+    let is_there = (1..=count).contains(&steps);
+    is_there.then(|| if from_end { count - steps } else { steps - 1 })
+}
+
+fn task(goal: &GoalRequest) -> String {
+    match goal.kind {
+        GoalKind::CUSTOM => goal.task.to_string(),
+        kind => kind.name().to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shm_schemas::{EventKind, Text};
+
+    fn at(tick: u64, kind: EventKind, text: &str) -> ModuleEvent {
+        let mut event = ModuleEvent {
+            tick,
+            kind,
+            hand: Hand::RIGHT,
+            text: Text::new(text),
+            ..ModuleEvent::default()
+        };
+        event.stamp.captured_ns = tick * 1_000_000;
+        event
+    }
+
+    /// A grasp, another that was asked for in vain meanwhile, a placing, a release.
+    fn three() -> Goals {
+        let goal = |tick: u64, step: &str, state: &str| {
+            [
+                at(tick, EventKind::STEP, step),
+                at(tick + 1, EventKind::GOAL, "running"),
+                at(tick + 50, EventKind::GOAL, state),
+            ]
+        };
+        let events = [
+            goal(100, "reach", "failed"),
+            goal(200, "reach", "succeeded"),
+            goal(300, "open", "succeeded"),
+        ];
+        let asked = [
+            (100, "grasp"),
+            (120, "screw"),
+            (200, "pick-place"),
+            (300, "release"),
+        ];
+        Goals {
+            run: "run".into(),
+            events: events.concat(),
+            asked: asked.map(|(tick, name)| (tick, name.into())).to_vec(),
+            begun_ns: 0,
+            fingers: [2, 2],
+        }
+    }
+
+    #[test]
+    fn a_goal_is_found_by_number_by_task_or_as_the_last_task() {
+        let goals = three();
+        let listed: Vec<_> = goals.list().iter().map(|g| (g.number, g.task)).collect();
+        let expected = [
+            (1, Some("grasp")),
+            (2, Some("pick-place")),
+            (3, Some("release")),
+        ];
+        assert_eq!(listed, expected);
+        let check = |said: Option<&str>, number| {
+            let found = goals.pick(&Choice::said(said)).expect("there");
+            assert_eq!(found.number, number, "{said:?}");
+        };
+        check(None, 2);
+        check(Some("1"), 1);
+        check(Some("-1"), 3);
+        check(Some("-3"), 1);
+        check(Some("grasp"), 1);
+        check(Some("release"), 3);
+        for (said, part) in [
+            ("0", "needs 1 to 3"),
+            ("4", "needs 1 to 3"),
+            ("-4", "needs 1 to 3"),
+            ("-9223372036854775808", "needs 1 to 3"),
+            ("polish", "which has grasp, pick-place, release"),
+        ] {
+            let error = goals.pick(&Choice::said(Some(said))).expect_err(said);
+            assert!(error.to_string().contains(part), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_task_that_only_lets_go_is_known_by_its_first_step() {
+        for task in atas_core::tasks::BUILT_IN {
+            let first = at(1, EventKind::STEP, task.acting.steps()[0].name.as_str());
+            let only_lets_go = account::only_lets_go(&[first]);
+            assert_eq!(only_lets_go, task.name == "release", "{}", task.name);
+        }
+    }
+}

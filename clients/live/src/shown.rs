@@ -1,0 +1,213 @@
+//! Which robot is shown, and what it feels with: what the daemon says it runs, unless a user says otherwise.
+
+use std::time::{Duration, Instant};
+
+use atas_client::{Run, layouts};
+use atas_recording::origin;
+use robot_model::RobotFiles;
+use shm_bus::{Bus, BusError};
+use shm_schemas::capacity::HANDS;
+use shm_schemas::{Layout, RunHeader, Status};
+
+/// How long a daemon may be silent about its robot before that is said (ours).
+const NAMING: Duration = Duration::from_secs(1);
+
+/// A robot, as far as it is known.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    /// Its files; `None` where nobody has them.
+    pub(crate) robot: Option<RobotFiles>,
+    /// What a user must know of it; empty if it is the one that runs.
+    pub(crate) note: String,
+    /// Where the elements of each hand's fingertips sit.
+    pub(crate) layouts: [Layout; HANDS],
+    /// Fingers of each hand that feel; none of a hand that is not there.
+    pub(crate) fingers: [usize; HANDS],
+}
+
+/// What is shown, kept up with what runs.
+pub(crate) struct Showing<'a> {
+    /// The robot that a user named.
+    told: Option<&'a RobotFiles>,
+    run: Run,
+    shown: Option<Shown>,
+    key: Key,
+    /// When this daemon was first seen.
+    since: Instant,
+}
+
+/// What decides on what is shown: the daemon's process, whether it has named its robot, and the fingers that feel.
+type Key = (u32, bool, [usize; HANDS]);
+
+impl<'a> Showing<'a> {
+    /// Nothing yet. `told` is the robot that a user named.
+    pub(crate) fn new(told: Option<&'a RobotFiles>) -> Self {
+        Self {
+            told,
+            run: Run::default(),
+            shown: None,
+            key: Key::default(),
+            since: Instant::now(),
+        }
+    }
+
+    /// Looks what runs; whether something else is to be shown than before.
+    ///
+    /// # Errors
+    /// The shared memory of the daemon cannot be read.
+    pub(crate) fn look(&mut self, bus: &Bus, status: &Status) -> Result<bool, BusError> {
+        self.run.look(bus, status)?;
+        if self.key.0 != status.pid && !self.is_named() {
+            (self.key, self.since) = ((status.pid, false, [0; HANDS]), Instant::now());
+        }
+        let key = (status.pid, self.is_named(), self.run.fingers(status));
+        let is_silent = !self.is_named() && self.since.elapsed() < NAMING;
+        if status.pid == 0 || is_silent || (key == self.key && self.shown.is_some()) {
+            return Ok(false);
+        }
+        let shown = Shown::of(self.told, &self.run, status);
+        if !shown.note.is_empty() {
+            tracing::warn!("{}", shown.note);
+        }
+        (self.key, self.shown) = (key, Some(shown));
+        Ok(true)
+    }
+
+    fn is_named(&self) -> bool {
+        self.run.header().is_some()
+    }
+
+    /// What is to be shown; `None` before the daemon has said what it runs.
+    pub(crate) fn shown(&self) -> Option<&Shown> {
+        self.shown.as_ref()
+    }
+}
+
+impl Shown {
+    /// Of a run. `told` is the robot that a user named.
+    pub(crate) fn of(told: Option<&RobotFiles>, run: &Run, status: &Status) -> Self {
+        let (robot, note) = match (told, run.header()) {
+            (Some(told), header) => (Some(told.clone()), differs(told, header)),
+            (None, Some(header)) => match running(header) {
+                Ok(robot) => (Some(robot), String::new()),
+                Err(why) => (None, why),
+            },
+            (None, None) if status.pid == 0 => {
+                let why = "no daemon has said yet which robot it runs";
+                (None, why.to_owned())
+            }
+            (None, None) => {
+                let why = "the daemon does not say which robot it runs; name it with --robot";
+                (None, why.to_owned())
+            }
+        };
+        Self {
+            robot,
+            note,
+            layouts: origin::layouts(run.header()),
+            fingers: if status.pid == 0 {
+                [0; HANDS]
+            } else {
+                run.fingers(status)
+            },
+        }
+    }
+
+    /// The layout of this hash that a hand's frames carry, if anybody knows it.
+    pub(crate) fn layout(&self, hand: usize, hash: u64) -> Option<Layout> {
+        let own = &self.layouts[hand];
+        if own.hash() == hash {
+            Some(*own)
+        } else {
+            layouts::named(hash)
+        }
+    }
+}
+
+/// The robot that the daemon runs, or why it cannot be drawn here.
+fn running(header: &RunHeader) -> Result<RobotFiles, String> {
+    let name = header.robot.as_str();
+    let files = RobotFiles::find(name).and_then(|files| files.load().map(|_| files));
+    let files = files.map_err(|error| {
+        format!(
+            "the robot {name}, which the daemon runs, is not drawn: {error}; say with --robot where its file is"
+        )
+    })?;
+    if files.hash() != header.robot_hash {
+        return Err(format!(
+            "the robot {name} is not drawn because its files are not those that the daemon read; restart the daemon, or say with \
+             --robot what to draw"
+        ));
+    }
+    Ok(files)
+}
+
+/// What a user must know who names another robot than the one that runs.
+fn differs(told: &RobotFiles, header: Option<&RunHeader>) -> String {
+    let other = header.filter(|header| told.hash() != header.robot_hash);
+    other.map_or_else(String::new, |header| {
+        format!(
+            "drawn is {}, as --robot says; the daemon runs {}",
+            told.name, header.robot
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_model::{SHIPPED, TWO_HAND_ARM};
+    use shm_schemas::Text;
+    use shm_schemas::capacity::FINGERS;
+
+    use super::*;
+
+    fn header(name: &str, hash: u64) -> Box<RunHeader> {
+        let mut header: Box<RunHeader> = Box::default();
+        (header.robot, header.robot_hash) = (Text::new(name), hash);
+        header
+    }
+
+    #[test]
+    fn the_robot_that_runs_is_found_or_it_is_said_why_not() {
+        for robot in SHIPPED {
+            let found = running(&header(&robot.name, robot.hash())).expect("it ships");
+            assert_eq!(found.name, robot.name);
+        }
+        let check = |name: &str, hash, part: &str| {
+            let why = running(&header(name, hash)).expect_err("must not be drawn");
+            assert!(why.contains(name) && why.contains(part), "{why}");
+        };
+        check("/no/such/arm.toml", 7, "say with --robot where its file is");
+        check("three-finger", 7, "not those that the daemon read");
+    }
+
+    #[test]
+    fn another_robot_than_the_one_that_runs_is_drawn_with_a_word_about_it() {
+        let [_, gripper, ..] = SHIPPED;
+        let runs = header(&gripper.name, gripper.hash());
+        assert_eq!(differs(&gripper, Some(&runs)), "");
+        assert_eq!(differs(&gripper, None), "");
+        let note = differs(&TWO_HAND_ARM, Some(&runs));
+        assert!(
+            note.contains("two-hand-arm") && note.contains("arm7-gripper"),
+            "{note}"
+        );
+    }
+
+    #[test]
+    fn nothing_is_drawn_that_nobody_named() {
+        let unknown = |pid| {
+            let status = Status {
+                pid,
+                ..Status::default()
+            };
+            Shown::of(None, &Run::default(), &status)
+        };
+        let none = unknown(0);
+        assert!(none.robot.is_none() && none.note.contains("no daemon"));
+        assert_eq!(none.fingers, [0, 0]);
+        let silent = unknown(7);
+        assert!(silent.robot.is_none() && silent.note.contains("--robot"));
+        assert_eq!(silent.fingers, [FINGERS; HANDS], "no finger is hidden");
+    }
+}
