@@ -1641,10 +1641,9 @@ typedef struct atas_object_truth {
     uint64_t released_ns;
     // Its height above what was under it at that moment, m.
     double released_above_m;
-    // Greatest slip along the fingertips of the hand that holds it, or held it last, since its support no longer carried
-    // all of it, m.
+    // Greatest slip along the fingertips in any hold of a hand so far, while its support did not carry all of it, m.
     double slip_in_hand_m;
-    // Greatest turn in that hand since then, rad.
+    // Greatest turn in any of these holds, rad.
     double turn_in_hand_rad;
     // How far it is from where it stood at the start, over the table, m.
     double displaced_m;

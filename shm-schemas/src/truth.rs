@@ -37,10 +37,9 @@ payload! {
         pub released_ns: u64,
         /// Its height above what was under it at that moment, m.
         pub released_above_m: f64,
-        /// Greatest slip along the fingertips of the hand that holds it, or held it last, since its support no longer carried
-        /// all of it, m.
+        /// Greatest slip along the fingertips in any hold of a hand so far, while its support did not carry all of it, m.
         pub slip_in_hand_m: f64,
-        /// Greatest turn in that hand since then, rad.
+        /// Greatest turn in any of these holds, rad.
         pub turn_in_hand_rad: f64,
         /// How far it is from where it stood at the start, over the table, m.
         pub displaced_m: f64,

@@ -3,7 +3,8 @@
 //! A hold begins when both fingertips of a hand press an object and its support no longer carries all of its weight, so that
 //! centring and turning while the fingers close do not count. From then on the object is compared with where it was
 //! in the hand, but not while its support carries it again: what was set down may be let go as the hand likes. The hold
-//! ends when a fingertip lets go; what was found stays until the next one begins.
+//! ends when a fingertip lets go. What was found stays: an object that has turned in one hold has turned, however well it is
+//! grasped again.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -25,7 +26,7 @@ pub(crate) struct Grip {
     pub(crate) closing: Vector3<f64>,
 }
 
-/// The greatest slip and turn of an object in the present hold, or in the last one.
+/// The greatest slip and turn of an object in any hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Hold {
     since: Option<Reference>,
@@ -61,12 +62,7 @@ impl Hold {
                 self.slip_m = self.slip_m.max(along_m.norm());
                 self.turn_rad = self.turn_rad.max(now.turned_rad(before));
             }
-            _ if carried => {
-                *self = Self {
-                    since: Some(now),
-                    ..Self::default()
-                };
-            }
+            _ if carried => self.since = Some(now),
             _ => self.since = None,
         }
     }
@@ -146,6 +142,13 @@ mod tests {
         hold.follow(None, &body);
         assert!(hold.slip_m >= 0.002, "it stays known");
         hold.follow(Some(&GRIP), &body);
-        assert_eq!((hold.slip_m, hold.turn_rad), (0.0, 0.0), "a new hold");
+        let before = (hold.slip_m, hold.turn_rad);
+        at(&mut body, [0.303, 0.001, 0.0235], 0.35);
+        hold.follow(Some(&GRIP), &body);
+        assert_eq!(
+            (hold.slip_m, hold.turn_rad),
+            before,
+            "the greatest of all holds counts"
+        );
     }
 }

@@ -1,11 +1,12 @@
 //! Module 3, force limit (paper II.b (1)): "if grasping force exceeds threshold of maximum grasping force F_2, grasping
 //! force enhancement is immediately stopped to prevent crushing the object (F_n > F_2)".
 //!
-//! What counts is what the skin says or what the joints bear, whichever is more. Above `relieve_at`·F_2 of both it opens slowly. What
-//! slides out of every finger although they press with F_2 is refused.
+//! What counts is what the skin says or what the joints bear, whichever is more. Above `relieve_at`·F_2 of both it opens slowly, above
+//! F_2 itself where the goal has told what the object bears. What slides out of every finger although they press with F_2 is refused.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::perception::Percept;
+use crate::thresholds::Bound;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::{ModuleId, Reason};
 
@@ -34,10 +35,12 @@ impl Module for ForceLimit {
         let (_, strongest_n) = force_range_n(percept);
         let strongest_n = strongest_n * context.underread;
         self.active = exceeds_f2(strongest_n, self.active, f2_n);
+        let relieve_at = match context.thresholds.bound {
+            Bound::Goal => 1.0,
+            Bound::Hand | Bound::Object => settings.relieve_at,
+        };
         let ceiling_m_s = match self.active {
-            true if strongest_n > settings.relieve_at * f2_n * context.overread => {
-                -settings.relieve_m_s
-            }
+            true if strongest_n > relieve_at * f2_n * context.overread => -settings.relieve_m_s,
             true => 0.0,
             false => f64::INFINITY,
         };
