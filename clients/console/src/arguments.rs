@@ -38,7 +38,7 @@ pub use demos::{
 };
 pub use evals::{
     Eval, Evaluation, HybridEvaluation, Merging, RecordedEvaluation, ReflexEvaluation, Summary,
-    TaskName, Tuning,
+    TaskName, Tuning, Variants,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};

@@ -52,7 +52,7 @@ mod trial;
 pub use condition::{Condition, Named, Noise};
 pub use execute::Evaluated;
 pub use finding::Finding;
-pub use markdown::{errors_table, table};
+pub use markdown::{RobotTried, SkinTried, errors_table, robots_table, skins_table, table};
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::{Plan, Shard};
 pub use policy::GripPolicy;

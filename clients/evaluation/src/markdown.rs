@@ -7,9 +7,12 @@ use crate::condition::Noise;
 use crate::physics::Physics;
 use crate::report::{Baseline, Report, Row};
 use crate::tally::Tally;
+use crate::task::Task;
 
 /// What stands for nothing.
 const NONE: &str = "";
+/// The column of the force that holds over the force that is needed.
+const OVER_GRIP: &str = "over-grip, median";
 
 /// Reports of whole tasks: a line per condition, the baselines beside the condition that they share.
 #[must_use]
@@ -46,7 +49,8 @@ pub fn table(reports: &[Report]) -> String {
 /// What each error costs: a line per error, a column per task and baseline. All reports have the same conditions.
 #[must_use]
 pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String {
-    let mut heads = vec!["error".to_owned()];
+    let trials = reports.first().map_or(0, |report| report.tally.trials);
+    let mut heads = vec![format!("error; success of {trials}")];
     for report in reports {
         heads.push(task(report.task).to_owned());
         let mut names: Vec<&str> = report.baseline_rows.iter().map(|b| b.baseline).collect();
@@ -57,9 +61,7 @@ pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String 
                 .map(|name| format!("{}: {}", task(report.task), name.replace('_', " "))),
         );
     }
-    let mut text = String::new();
-    line(&mut text, &heads);
-    line(&mut text, &vec!["---".to_owned(); heads.len()]);
+    let mut text = head(&heads);
     let first = reports
         .first()
         .map(|report| &report.rows[..])
@@ -77,6 +79,98 @@ pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String 
         }
         line(&mut text, &cells);
     }
+    text
+}
+
+/// One robot in its tasks; of what its hand cannot do there is no report.
+#[derive(Debug)]
+pub struct RobotTried {
+    /// Its name.
+    pub robot: String,
+    /// Whether it turns caps by its wrist.
+    pub turns_by_wrist: bool,
+    /// What it was tried in.
+    pub reports: Vec<(Task, Option<Report>)>,
+}
+
+/// Robots: a line per robot, the grasp whole, the other tasks by their success.
+#[must_use]
+pub fn robots_table(robots: &[RobotTried]) -> String {
+    let reports = || robots.iter().flat_map(|tried| &tried.reports);
+    let trials = reports().find_map(|(_, report)| Some(report.as_ref()?.tally.trials));
+    let mut heads = vec!["robot".to_owned()];
+    for (tried, _) in robots.first().iter().flat_map(|tried| &tried.reports) {
+        heads.push(match tried {
+            Task::Grasp => success_of(trials),
+            other => task(other.name()).to_owned(),
+        });
+        heads.extend((*tried == Task::Grasp).then(|| OVER_GRIP.to_owned()));
+    }
+    let mut text = head(&heads);
+    for tried in robots {
+        let mut cells = vec![tried.robot.clone()];
+        for (task, report) in &tried.reports {
+            let of = |said: fn(&Tally) -> String| {
+                let said = report.as_ref().map(|report| said(&report.tally));
+                said.unwrap_or_else(|| "cannot".to_owned())
+            };
+            match task {
+                Task::Grasp => cells.extend([of(interval), of(over_grip)]),
+                Task::Screw if report.is_some() && tried.turns_by_wrist => {
+                    cells.push(of(|tally| percent(tally.success)) + ", by its wrist");
+                }
+                _ => cells.push(of(|tally| percent(tally.success))),
+            }
+        }
+        line(&mut text, &cells);
+    }
+    text
+}
+
+/// One kind of fingertip in the grasp.
+#[derive(Debug)]
+pub struct SkinTried {
+    /// What it is called.
+    pub name: String,
+    /// Its grasps.
+    pub report: Report,
+}
+
+/// Fingertips: a line per kind.
+#[must_use]
+pub fn skins_table(skins: &[SkinTried]) -> String {
+    let trials = skins.first().map(|tried| tried.report.tally.trials);
+    let heads = [
+        "fingertips".to_owned(),
+        success_of(trials),
+        OVER_GRIP.to_owned(),
+    ];
+    let mut text = head(&heads);
+    for tried in skins {
+        let tally = &tried.report.tally;
+        line(
+            &mut text,
+            &[tried.name.clone(), interval(tally), over_grip(tally)],
+        );
+    }
+    text
+}
+
+/// The column of a grasp's success.
+fn success_of(trials: Option<u64>) -> String {
+    format!("grasp, success of {} [95 % interval]", trials.unwrap_or(0))
+}
+
+fn over_grip(tally: &Tally) -> String {
+    let median = tally.medians.get("over_grip");
+    median.map_or(NONE.to_owned(), |median| format!("{median:.2}"))
+}
+
+/// The first two lines of a table.
+fn head(heads: &[String]) -> String {
+    let mut text = String::new();
+    line(&mut text, heads);
+    line(&mut text, &vec!["---".to_owned(); heads.len()]);
     text
 }
 

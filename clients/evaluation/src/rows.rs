@@ -11,6 +11,10 @@ use crate::trial::Record;
 /// One trial. Numbers have six significant digits; what does not apply, or is infinite, is absent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrialRow {
+    /// The robot, as it was named.
+    pub robot: String,
+    /// Its fingertips' layout, if it is another than the robot file's.
+    pub skin: Option<String>,
     /// The task.
     pub task: &'static str,
     /// What governed the grip.
@@ -111,6 +115,8 @@ impl TrialRow {
         let measure = |name| finding.measure(name).and_then(rounded);
         let force = |of: fn(&Load) -> f64| load.as_ref().map(of).and_then(rounded);
         Self {
+            robot: plan.robot.name.to_string(),
+            skin: plan.skin.map(|layout| layout.to_string()),
             task: plan.task.name(),
             policy: policy.name(),
             setting: policy.setting(),

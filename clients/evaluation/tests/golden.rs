@@ -1,21 +1,23 @@
 //! The README's tables are those that were measured, and some of the trials behind them come out the same today.
 //!
-//! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads, and `atas eval errors` with
-//! it: a table, and of every series behind it the first trial and the one in the middle. A controller or a simulator that
-//! behaves otherwise fails here, until its figures are measured and the README has them.
+//! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads, and so do `atas eval errors`,
+//! `robots` and `skins`: a table, and of every series behind it the first trial and the one in the middle. A controller or a
+//! simulator that behaves otherwise fails here, until its figures are measured and the README has them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use atas_evaluation::{Condition, GripPolicy, Plan, Task, TrialRow, seeds};
+use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
+use shm_schemas::layout::NamedLayout;
 use sim_backend::Object;
 
 /// A row by its columns.
 type Columns = BTreeMap<String, String>;
 /// The columns that say which trial a row is of.
-const KEY: [&str; 7] = [
-    "task", "policy", "errors", "rate_hz", "noise", "object", "seed",
+const KEY: [&str; 9] = [
+    "robot", "skin", "task", "policy", "errors", "rate_hz", "noise", "object", "seed",
 ];
 
 fn golden(file: &str) -> String {
@@ -50,7 +52,7 @@ fn written(rows: &[TrialRow]) -> Vec<Columns> {
 fn the_tables_of_the_readme_are_those_that_were_measured() {
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
     let readme = std::fs::read_to_string(readme).expect("readable");
-    for name in ["all.md", "errors.md"] {
+    for name in ["all.md", "errors.md", "robots.md", "skins.md"] {
         let table = golden(name);
         let missing = table
             .lines()
@@ -66,41 +68,78 @@ fn the_tables_of_the_readme_are_those_that_were_measured() {
     }
 }
 
-/// Runs the first kept trial of a task under a condition again, with all policies.
-fn check(task: Task, condition: Condition, kept: &[Columns], baselines: bool) {
-    let asked =
-        |row: &&Columns| row["task"] == task.name() && row["errors"] == condition.errors.name;
-    let first = kept.iter().find(asked);
-    let first = first.unwrap_or_else(|| panic!("golden has {}", task.name()));
-    let seed: u64 = first["seed"].parse().expect("a seed");
-    assert_eq!(seeds::purpose(seed, 1), "judging");
-    let baselines = match baselines {
-        true => GripPolicy::baselines(task, None).to_vec(),
-        false => Vec::new(),
-    };
-    let plan = Plan {
-        robot: robot_model::TWO_HAND_ARM,
-        skin: None,
-        task,
-        objects: vec![Object::built_in(&first["object"]).expect("built in")],
-        trials: 1,
-        first_seed: seed,
-        conditions: vec![condition],
-        baselines,
-        compare_everywhere: false,
-        threads: 0,
-        settings: atas_core::Settings::default(),
-    };
-    let evaluated = plan.run(&AtomicBool::new(false), || ());
-    let rows = evaluated.expect("it runs").expect("nobody stopped it").rows;
-    for today in written(&rows.concat()) {
-        let same = |row: &&Columns| KEY.iter().all(|name| row[*name] == today[*name]);
-        let then = kept.iter().find(same);
-        assert_eq!(
-            Some(&today),
-            then,
-            "the golden file was measured with something else"
-        );
+/// A series behind a table.
+struct Series {
+    robot: RobotFiles,
+    skin: Option<NamedLayout>,
+    task: Task,
+    condition: Condition,
+}
+
+impl Series {
+    /// Of the two-hand arm.
+    fn usual(task: Task, condition: Condition) -> Self {
+        Self {
+            robot: TWO_HAND_ARM,
+            skin: None,
+            task,
+            condition,
+        }
+    }
+
+    /// A grasp at the sensors' full rate, as robots and skins are tried.
+    fn grasp(robot: RobotFiles, skin: Option<&str>) -> Self {
+        Self {
+            skin: skin.map(|name| name.parse().expect("a layout")),
+            robot,
+            ..Self::usual(Task::Grasp, Task::Grasp.conditions().swap_remove(0))
+        }
+    }
+
+    fn has(&self, row: &Columns) -> bool {
+        let skin = self.skin.map_or(String::new(), |skin| skin.to_string());
+        row["robot"] == self.robot.name
+            && row["skin"] == skin
+            && row["task"] == self.task.name()
+            && row["errors"] == self.condition.errors.name
+            && row["rate_hz"] == self.condition.rate_hz.to_string()
+    }
+
+    /// Runs its first kept trial again, with all policies if there are baselines.
+    fn check(self, kept: &[Columns], baselines: bool) {
+        let first = kept.iter().find(|row| self.has(row));
+        let (robot, task) = (&self.robot.name, self.task.name());
+        let first = first.unwrap_or_else(|| panic!("golden has {task} by {robot}"));
+        let seed: u64 = first["seed"].parse().expect("a seed");
+        assert_eq!(seeds::purpose(seed, 1), "judging");
+        let baselines = match baselines {
+            true => GripPolicy::baselines(self.task, None).to_vec(),
+            false => Vec::new(),
+        };
+        let plan = Plan {
+            robot: self.robot,
+            skin: self.skin,
+            task: self.task,
+            objects: vec![Object::built_in(&first["object"]).expect("built in")],
+            trials: 1,
+            first_seed: seed,
+            conditions: vec![self.condition],
+            baselines,
+            compare_everywhere: false,
+            threads: 0,
+            settings: atas_core::Settings::default(),
+        };
+        let evaluated = plan.run(&AtomicBool::new(false), || ());
+        let rows = evaluated.expect("it runs").expect("nobody stopped it").rows;
+        for today in written(&rows.concat()) {
+            let same = |row: &&Columns| KEY.iter().all(|name| row[*name] == today[*name]);
+            let then = kept.iter().find(same);
+            assert_eq!(
+                Some(&today),
+                then,
+                "the golden file was measured with something else"
+            );
+        }
     }
 }
 
@@ -110,7 +149,18 @@ fn trials_behind_the_table_come_out_as_they_were_measured() {
     for task in Task::ALL {
         // A baseline's assembly takes longest.
         let usual = task.conditions().swap_remove(0);
-        check(task, usual, &kept, task != Task::Assembly);
+        Series::usual(task, usual).check(&kept, task != Task::Assembly);
+    }
+}
+
+#[test]
+fn trials_with_slow_sensors_come_out_as_they_were_measured() {
+    let kept = columns(golden("all.csv").as_bytes());
+    for task in [Task::Grasp, Task::PickPlace] {
+        let slow = task.conditions().into_iter().filter(|c| c.rate_hz < 1000);
+        for condition in slow {
+            Series::usual(task, condition).check(&kept, false);
+        }
     }
 }
 
@@ -119,7 +169,22 @@ fn trials_with_errors_come_out_as_they_were_measured() {
     let kept = columns(golden("errors.csv").as_bytes());
     for task in [Task::Grasp, Task::PickPlace, Task::Screw] {
         for condition in task.error_conditions() {
-            check(task, condition, &kept, false);
+            Series::usual(task, condition).check(&kept, false);
         }
+    }
+}
+
+#[test]
+fn trials_of_every_robot_and_skin_come_out_as_they_were_measured() {
+    let kept = columns(golden("robots.csv").as_bytes());
+    let others = SHIPPED.into_iter().filter(|r| r.name != TWO_HAND_ARM.name);
+    for robot in others {
+        Series::grasp(robot, None).check(&kept, false);
+    }
+    let kept = columns(golden("skins.csv").as_bytes());
+    let skins: BTreeSet<&str> = kept.iter().map(|row| row["skin"].as_str()).collect();
+    assert!(skins.len() > 1, "{skins:?}");
+    for skin in skins {
+        Series::grasp(TWO_HAND_ARM, Some(skin)).check(&kept, false);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use system_tests::binary;
+use system_tests::{binary, in_virtual_time};
 
 fn readmes() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -75,4 +75,41 @@ fn every_test_that_the_readme_names_exists() {
         named += 1;
     }
     assert!(named > 5, "the README names the tests of its invariants");
+}
+
+/// Every row that a demo prints is one of the README's, to the last digit: lock-step is the same everywhere.
+#[test]
+fn the_demos_come_out_as_the_readme_shows_them() {
+    let _shared = in_virtual_time();
+    let readme = readmes();
+    let shown: Vec<Vec<&str>> = readme.lines().map(words).collect();
+    let check = |demo: &str, rows: usize| {
+        let output = Command::new(binary("atas"))
+            .arg("demo")
+            .args(words(demo))
+            .arg("--lockstep")
+            .output()
+            .expect("it starts");
+        let printed = String::from_utf8(output.stdout).expect("UTF-8");
+        // Below the rule; what is too long for a line goes on below an empty first column.
+        let below = printed.lines().skip_while(|line| !line.starts_with('─'));
+        let table: Vec<Vec<&str>> = below
+            .skip(1)
+            .filter(|line| !line.starts_with(' ') && line.contains("  "))
+            .map(words)
+            .collect();
+        assert_eq!(table.len(), rows, "{printed}");
+        for row in table {
+            let is_shown = shown.iter().any(|line| line.starts_with(&row));
+            assert!(is_shown, "demo {demo}: the README has no {row:?}");
+        }
+    };
+    check("grasp --all", 8);
+    check("pick-place", 1);
+    check("screw", 1);
+    check("assembly", 1);
+}
+
+fn words(text: &str) -> Vec<&str> {
+    text.split_whitespace().collect()
 }

@@ -24,6 +24,10 @@ pub enum Eval {
     All(Summary),
     /// What each error costs in every task, one at a time and all at once. About as long
     Errors(Summary),
+    /// Every other robot that ships, in what its hand can do: the README's table. About 25 minutes of one core
+    Robots(Variants),
+    /// The grasp with other fingertips on the two-hand arm: the README's table. About 5 minutes of one core
+    Skins(Variants),
     /// A reflex beneath a policy: one that closes too weakly or too hard and moves with jerks, ten times a second and 50 ms late,
     /// with the daemon's touch beneath it and without
     Reflex(ReflexEvaluation),
@@ -59,6 +63,26 @@ pub struct Summary {
     /// Leave out the baselines
     #[arg(long)]
     pub no_baselines: bool,
+    /// Threads; 0 for one per core. The numbers do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// How other robots and other fingertips are evaluated.
+#[derive(Args, Clone, Debug)]
+pub struct Variants {
+    /// Trials of each
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: u64,
+    /// Number of the first seed [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
+    /// Print the table as the README has it
+    #[arg(long)]
+    pub markdown: bool,
+    /// Write the table and some of its trials into this folder, for the test that holds the README to them
+    #[arg(long, value_name = "FOLDER")]
+    pub golden: Option<PathBuf>,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

@@ -149,6 +149,16 @@ const HELPS: &[Help] = &[
         "one such object per task as `atas eval TASK` prints",
     ),
     Help(
+        "eval robots",
+        &["atas eval robots --trials 24 --markdown"],
+        "one such object per robot and task as `atas eval TASK` prints",
+    ),
+    Help(
+        "eval skins",
+        &["atas eval skins --trials 24 --markdown"],
+        "one such object per layout as `atas eval TASK` prints",
+    ),
+    Help(
         "eval reflex",
         &[
             "atas eval reflex",

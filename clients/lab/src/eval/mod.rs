@@ -8,6 +8,7 @@ mod shards;
 mod summary;
 mod table;
 mod tune;
+mod variants;
 
 use std::io::IsTerminal;
 
@@ -36,6 +37,8 @@ pub(crate) fn evaluate(
         Eval::Recording(arguments) => recording::judge_recording(arguments, output),
         Eval::All(summary) => summary::all(summary, interrupt, output),
         Eval::Errors(summary) => summary::errors(summary, interrupt, output),
+        Eval::Robots(arguments) => variants::robots(arguments, interrupt, output),
+        Eval::Skins(arguments) => variants::skins(arguments, interrupt, output),
         Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
         Eval::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
         Eval::Merge(merging) => shards::merge(merging, output),

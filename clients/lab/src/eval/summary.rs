@@ -68,15 +68,11 @@ fn report(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    // What takes an hour must not fail at its end.
-    if let Some(folder) = &summary.golden {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("could not make the folder {}", folder.display()))?;
-    }
+    make_folder(summary.golden.as_deref())?;
     let evaluated = run(kind, summary, interrupt)?;
     let reports: Vec<Report> = evaluated.iter().map(|e| e.report.clone()).collect();
     let text = text(&reports);
-    print(summary, &reports, &text, output)?;
+    print(summary.markdown, &evaluated, &text, output)?;
     match &summary.golden {
         Some(folder) => keep(folder, kind.name, &text, &evaluated),
         None => Ok(()),
@@ -117,20 +113,29 @@ fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<
     tasks.iter().map(of).collect()
 }
 
-fn print(
-    summary: &Summary,
-    reports: &[Report],
+/// Makes the folder for what is kept: what takes an hour must not fail at its end.
+pub(super) fn make_folder(golden: Option<&Path>) -> anyhow::Result<()> {
+    let Some(folder) = golden else { return Ok(()) };
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("could not make the folder {}", folder.display()))
+}
+
+/// Prints a table, and what it was measured with.
+pub(super) fn print(
+    markdown: bool,
+    evaluated: &[Evaluated],
     text: &str,
     output: &mut Output,
 ) -> anyhow::Result<()> {
+    let mut reports = evaluated.iter().map(|evaluated| &evaluated.report);
     if output.is_json() {
-        return reports.iter().try_for_each(|report| output.json(report));
+        return reports.try_for_each(|report| output.json(report));
     }
     output.line(text.trim_end())?;
-    if summary.markdown {
+    if markdown {
         return Ok(());
     }
-    reports.iter().try_for_each(|report| {
+    reports.try_for_each(|report| {
         let (task, wall_s) = (report.task, report.wall_s);
         output.line(format!(
             "{task}: {}; {wall_s:.0} s",
@@ -140,7 +145,12 @@ fn print(
 }
 
 /// Writes the table, and some of its trials, so that a test can run them again.
-fn keep(folder: &Path, name: &str, text: &str, evaluated: &[Evaluated]) -> anyhow::Result<()> {
+pub(super) fn keep(
+    folder: &Path,
+    name: &str,
+    text: &str,
+    evaluated: &[Evaluated],
+) -> anyhow::Result<()> {
     let path = folder.join(format!("{name}.md"));
     std::fs::write(&path, text).with_context(|| format!("could not write {}", path.display()))?;
     let series = evaluated.iter().flat_map(|e| &e.rows);
