@@ -107,6 +107,64 @@ fn slip_is_told_from_touch_at_any_rate_and_with_holes() {
     check("0 and 1", &plain);
 }
 
+/// What was recorded faster than the sensor speaks holds its readings: the noise between frames is that of fresh ones.
+#[test]
+fn readings_that_are_held_are_no_frames() {
+    let text = slips(100, |_, _, counts| counts);
+    let mut lines = text.lines();
+    let mut held = format!("{}\n", lines.next().expect("a header"));
+    for line in lines {
+        let cells: Vec<&str> = line.splitn(5, ',').collect();
+        let at_s: f64 = cells[3].parse().expect("a time");
+        for repeat in 0..4 {
+            let at_s = at_s + 0.0025 * f64::from(repeat);
+            let row = format!("{},{at_s},{}", cells[..3].join(","), cells[4]);
+            writeln!(held, "{row}").expect("a string");
+        }
+    }
+    let shipped = Model::shipped().expect("a model");
+    let of = |text: &str| {
+        let verdict = judge(&sheet(text), &labelled("label"), &shipped, Fit::Given);
+        verdict.expect("judged").rates.expect("two classes")
+    };
+    assert_eq!(of(&held), of(&text));
+}
+
+#[test]
+fn what_is_left_out_or_taken_for_granted_is_told() {
+    let shipped = Model::shipped().expect("a model");
+    let told = |text: &str, parts: &[&str]| {
+        let verdict = judge(&sheet(text), &labelled("label"), &shipped, Fit::Given);
+        let verdict = verdict.expect("judged");
+        let told = verdict.warnings.join("; ");
+        for part in parts {
+            assert!(told.contains(part), "{part}: {told}");
+        }
+        assert_eq!(verdict.warnings.len(), parts.len(), "{told}");
+        assert_eq!(verdict.rates.expect("two classes").auc, 1.0);
+    };
+    let text = slips(100, |_, _, counts| counts);
+    told(&text, &[]);
+    told(&text.replacen(",t_s", ",when", 1), &["100 frames a second"]);
+    let damaged = slips(100, |frame, electrode, counts| match electrode {
+        2 => "off".to_owned(),
+        3 => "7".to_owned(),
+        4 if frame % 10 == 0 => "NaN".to_owned(),
+        _ => counts,
+    });
+    told(
+        &damaged,
+        &[
+            "no number in ff_e3",
+            "nothing ever changes in ff_e4",
+            "600 readings (0.4 %)",
+        ],
+    );
+    // Labels of frames instead of a column that numbers cases; some are missing.
+    let frames = text.replacen(",sequence,", ",row,", 1);
+    told(&frames, &[]);
+}
+
 #[test]
 fn a_verdict_does_not_depend_on_what_it_is_asked_before() {
     let text = slips(100, |_, _, counts| counts);
@@ -272,9 +330,62 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
         Fit::Given,
         "label of use",
     );
-    let one_object = "ff_e1,sequence,object,label\n1,1,cup,t\n1,2,cup,t\n1,3,cup,n\n";
+    let one_object = "ff_e1,sequence,object,label\n1,1,cup,t\n2,2,cup,t\n3,3,cup,n\n";
     check(one_object, &label, Fit::Across, "leaving out \"cup\"");
     assert!(Sheet::read(Path::new("empty.csv"), &b"a,b\n"[..]).is_err());
+    // Where nothing was judged nothing is reported.
+    let text = slips(100, |_, _, counts| counts);
+    let given = |text: &str, labels: &Labels, part: &str| check(text, labels, Fit::Given, part);
+    let lines = |keep: fn(&&str) -> bool| text.lines().filter(keep).collect::<Vec<_>>().join("\n");
+    let one_class = lines(|line| line.starts_with("label") || line.starts_with("t,"));
+    given(&one_class, &label, "all 12 labels of use mean stable");
+    let still = slips(100, |_, _, _| "7".to_owned());
+    given(
+        &still,
+        &label,
+        "never changes (ff_e1, ff_e2, ff_e3 and 21 more)",
+    );
+    let commas = slips(100, |_, _, _| "\"3,5\"".to_owned());
+    given(&commas, &label, "is the decimal sign a point?");
+    let short =
+        text.replace("_", "_x")
+            .lines()
+            .enumerate()
+            .fold(String::new(), |text, (row, line)| {
+                let end = if row == 0 {
+                    line.to_owned()
+                } else {
+                    line.replacen("_x", &format!("_{row}x"), 1)
+                };
+                text + &end + "\n"
+            });
+    given(
+        &short.replace("ff_x", "ff_"),
+        &label,
+        "two windows of 0.15 s",
+    );
+    let both = text.replacen("\nt,t_0,", "\nn,t_0,", 1);
+    given(&both, &label, "say both \"n\" and \"t\"");
+    let mut soft =
+        "sample,label,step,f1_x,f1_y,f1_z,f2_x,f2_y,f2_z,pos1_deg,pos2_deg,t_s\n".to_owned();
+    for line in squeezes().lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let weak = |cell: &str| {
+            cell.parse::<f64>()
+                .map(|n| (n * 1e-3).to_string())
+                .expect("a number")
+        };
+        let forces: Vec<String> = cells[3..9].iter().map(|cell| weak(cell)).collect();
+        writeln!(
+            soft,
+            "{},{},{}",
+            cells[..3].join(","),
+            forces.join(","),
+            cells[9..].join(",")
+        )
+        .expect("a string");
+    }
+    given(&soft, &label, "are the forces in newtons?");
     let model = tempfile::NamedTempFile::new().expect("a file");
     std::fs::write(model.path(), "format = 2\n").expect("written");
     assert!(Model::open(model.path()).is_err());

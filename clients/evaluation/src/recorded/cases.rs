@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 
 use super::kind::Kind;
 use super::sheet::Sheet;
@@ -62,18 +62,39 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
     let truth = truths(sheet, key, labels)?;
     let mut found: Vec<Case> = Vec::new();
     let mut places: BTreeMap<(String, String), usize> = BTreeMap::new();
+    let (mut run, mut before) = (0, None);
     for row in 0..sheet.len() {
         let cell = |column: Option<usize>| column.map_or("", |column| sheet.text(row, column));
-        let identity = (cell(sort).to_owned(), cell(key).to_owned());
+        let label = truth.of(sheet, row, cell(key));
+        // Where nothing numbers cases, one ends where the label or the object is another.
+        let now = Some((cell(object), label.clone()));
+        if key.is_none() && before.is_some() && before != now {
+            run += 1;
+        }
+        before = now;
+        let number = key.map_or_else(|| run.to_string(), |_| cell(key).to_owned());
+        let identity = (cell(sort).to_owned(), number);
         let place = *places.entry(identity).or_insert_with(|| {
             found.push(Case {
                 rows: Vec::new(),
                 object: cell(object).to_owned(),
                 sort: cell(sort).to_owned(),
-                label: truth.of(sheet, row, cell(key)),
+                label: label.clone(),
             });
             found.len() - 1
         });
+        // A row without a label has that of its case.
+        if found[place].label.is_empty() {
+            found[place].label.clone_from(&label);
+        }
+        ensure!(
+            label.is_empty() || found[place].label == label,
+            "could not judge {} because its rows of {} {:?} say both {:?} and {label:?}; needs one label for each, or no such column",
+            sheet.path.display(),
+            key.map_or("case", |key| sheet.columns()[key].as_str()),
+            cell(key),
+            found[place].label
+        );
         found[place].rows.push(row);
     }
     Ok(found)

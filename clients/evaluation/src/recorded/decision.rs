@@ -26,6 +26,19 @@ pub(super) fn no_labels() -> &'static str {
     "could not judge anything because no case has a label of use; say which values mean what with --positive and --negative"
 }
 
+/// What is said when only one of two can be judged.
+pub(super) fn one_class(truths: &[Option<bool>], [positive, negative]: [&str; 2]) -> String {
+    let known = truths.iter().flatten().count();
+    let class = match truths.iter().flatten().any(|is| *is) {
+        true => positive,
+        false => negative,
+    };
+    format!(
+        "could not judge because all {known} labels of use mean {class}, needs both {positive} and {negative}; say which values mean what \
+         with --positive and --negative"
+    )
+}
+
 /// What each label says: `Some(true)` slip or hard. Of two values 0 and 1, or false and true, the meaning is plain.
 pub(super) fn truths(
     cases: &[Case],

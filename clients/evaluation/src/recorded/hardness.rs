@@ -6,7 +6,7 @@ use atas_core::settings::Settings;
 use robot_model::Compression;
 
 use super::cases::{Case, Labels};
-use super::decision::{Fit, Fitter, decide, no_labels, truths};
+use super::decision::{Fit, Fitter, decide, no_labels, one_class, truths};
 use super::kind::Judged;
 use super::model::{Hardness, Model};
 use super::rates::Rates;
@@ -176,6 +176,25 @@ pub(super) fn judge(
     let mut verdict = Verdict::of(Judged::Hardness, cases, &truths, how);
     ensure!(verdict.n > 0, "{}", no_labels());
     verdict.rates = rates(|felt| felt.whole_n_m, model.whole_n_m)?;
+    ensure!(
+        verdict.rates.is_some(),
+        "{}",
+        one_class(&truths, ["hard", "soft"])
+    );
+    let untouched = felt.iter().filter(|felt| **felt == Felt::default()).count();
+    ensure!(
+        untouched < felt.len(),
+        "could not judge because no squeeze pressed with more than {} N on a face; are the forces in newtons? Else name another \
+         hardness.touch_on_n with --model",
+        model.touch_on_n
+    );
+    if untouched > 0 {
+        verdict.warnings.push(format!(
+            "{untouched} of {} squeezes pressed with no more than {} N on a face and count as soft",
+            felt.len(),
+            model.touch_on_n
+        ));
+    }
     verdict.first_step = rates(|felt| felt.first_step_n_m, model.first_step_n_m)?;
     verdict.threshold = Some(model.whole_n_m);
     Ok(verdict)

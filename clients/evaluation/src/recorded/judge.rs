@@ -10,11 +10,11 @@ use super::model::Model;
 use super::sheet::Sheet;
 use super::steps::steps_s;
 use super::verdict::Verdict;
-use super::{hardness, rupture, slip, touches};
+use super::{hardness, rupture, slip, soundness, touches};
 
 /// What production perception feels in every case of a recording, in the order of the cases.
 enum Felt {
-    Levels(Vec<Vec<slip::Level>>),
+    Sequences(Vec<slip::Sequence>),
     Squeezes(Vec<hardness::Felt>),
     PeaksN(Vec<f64>),
 }
@@ -25,15 +25,23 @@ enum Felt {
 /// Its columns fit nothing, its labels say nothing, or there is too little to fit.
 pub fn judge(sheet: &Sheet, labels: &Labels, model: &Model, fit: Fit) -> anyhow::Result<Verdict> {
     let kind = Kind::of(sheet)?;
+    let look = || soundness::look(sheet, &kind, rate_hz(&kind, model));
+    let (mut warnings, mut verdict);
     if let Kind::Touch { axes, is_counts } = kind {
-        return touches::judge(sheet, labels, model, (axes, is_counts));
+        warnings = look()?;
+        verdict = touches::judge(sheet, labels, model, (axes, is_counts))?;
+    } else {
+        let cases = labelled(sheet, &kind, labels)?;
+        warnings = look()?;
+        verdict = match feel(sheet, &kind, &cases, model)? {
+            Felt::Sequences(felt) => slip::judge(&cases, &felt, labels, model, fit)?,
+            Felt::Squeezes(felt) => hardness::judge(&cases, &felt, labels, model, fit)?,
+            Felt::PeaksN(peaks_n) => rupture::judge(&cases, &peaks_n, model, fit)?,
+        };
     }
-    let cases = labelled(sheet, &kind, labels)?;
-    match feel(sheet, &kind, &cases, model)? {
-        Felt::Levels(levels) => slip::judge(&cases, &levels, labels, model, fit),
-        Felt::Squeezes(felt) => hardness::judge(&cases, &felt, labels, model, fit),
-        Felt::PeaksN(peaks_n) => rupture::judge(&cases, &peaks_n, model, fit),
-    }
+    warnings.append(&mut verdict.warnings);
+    verdict.warnings = warnings;
+    Ok(verdict)
 }
 
 /// Fits what can be fitted to a recording; everything else stays as in `model`.
@@ -44,14 +52,15 @@ pub fn train(sheet: &Sheet, labels: &Labels, model: &Model) -> anyhow::Result<Mo
     let kind = Kind::of(sheet)?;
     let mut fitted = model.clone();
     let cases = labelled(sheet, &kind, labels)?;
+    soundness::look(sheet, &kind, rate_hz(&kind, model))?;
     let source = format!("{} cases of {}", cases.len(), sheet.path.display());
     match feel(sheet, &kind, &cases, model)? {
-        Felt::Levels(levels) => {
+        Felt::Sequences(felt) => {
             let truths = truths(&cases, labels, &[], &model.slip.negative);
-            let scores = levels
-                .iter()
-                .map(|levels| slip::score(levels, f64::INFINITY, &model.slip));
+            let score = |of: &slip::Sequence| slip::score(&of.levels, f64::INFINITY, &model.slip);
+            let scores = felt.iter().map(score);
             fitted.slip.motion_at = slip::fit(&known(scores, &truths))?;
+            fitted.slip.rate_hz = slip::rate_hz(&felt, &model.slip);
             fitted.slip.source = source;
         }
         Felt::Squeezes(felt) => {
@@ -76,10 +85,18 @@ pub fn train(sheet: &Sheet, labels: &Labels, model: &Model) -> anyhow::Result<Mo
 fn feel(sheet: &Sheet, kind: &Kind, cases: &[Case], model: &Model) -> anyhow::Result<Felt> {
     let rate_hz = rate_hz(kind, model);
     match kind {
-        Kind::Slip { elements } => each(sheet, rate_hz, cases, |rows, steps_s| {
-            slip::levels(sheet, elements, rows, steps_s, &model.slip)
-        })
-        .map(Felt::Levels),
+        Kind::Slip { elements } => {
+            let columns: Vec<usize> = elements.iter().flatten().flatten().copied().collect();
+            let is_held = soundness::is_held(sheet, &columns);
+            each(sheet, rate_hz, cases, |rows, steps_s| {
+                let (rows, steps_s) = match is_held {
+                    true => fresh(sheet, &columns, rows, steps_s),
+                    false => (rows.to_vec(), steps_s.to_vec()),
+                };
+                slip::feel(sheet, elements, &rows, &steps_s, &model.slip)
+            })
+            .map(Felt::Sequences)
+        }
         Kind::Squeeze { forces, angles } => each(sheet, rate_hz, cases, |rows, steps_s| {
             hardness::feel(sheet, (forces, angles), rows, steps_s, &model.hardness)
         })
@@ -101,6 +118,27 @@ fn each<T: Send>(
 ) -> anyhow::Result<Vec<T>> {
     let one = |case: &Case| of(&case.rows, &steps_s(sheet, &case.rows, rate_hz));
     cases.par_iter().map(one).collect()
+}
+
+/// The rows that say something new, and the time from each to the next, s.
+fn fresh(
+    sheet: &Sheet,
+    columns: &[usize],
+    rows: &[usize],
+    steps_s: &[f64],
+) -> (Vec<usize>, Vec<f64>) {
+    let mut kept: (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut since_s = 0.0;
+    for (&row, step_s) in rows.iter().zip(steps_s) {
+        since_s += step_s;
+        let before = kept.0.last();
+        if before.is_none_or(|&before| !soundness::repeats(sheet, columns, before, row)) {
+            kept.0.push(row);
+            kept.1.push(since_s);
+            since_s = 0.0;
+        }
+    }
+    kept
 }
 
 fn labelled(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Result<Vec<Case>> {

@@ -95,6 +95,29 @@ impl Kind {
         )
     }
 
+    /// The columns that are read, by what they are.
+    pub(super) fn readings(&self) -> Vec<(&'static str, Vec<usize>)> {
+        match self {
+            Self::Slip { elements } => {
+                let columns = elements.iter().flatten().flatten().copied();
+                vec![("every element", columns.collect())]
+            }
+            Self::Squeeze { forces, angles } => {
+                vec![
+                    ("every force", forces.as_flattened().to_vec()),
+                    ("every angle", angles.clone()),
+                ]
+            }
+            Self::Press { force, position } => {
+                vec![
+                    ("the force", vec![*force]),
+                    ("the position", vec![*position]),
+                ]
+            }
+            Self::Touch { axes, .. } => vec![("every axis", axes.to_vec())],
+        }
+    }
+
     /// What is judged.
     #[must_use]
     pub fn judged(&self) -> Judged {

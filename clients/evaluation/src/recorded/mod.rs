@@ -29,6 +29,7 @@ mod rupture;
 mod sheet;
 mod skin;
 mod slip;
+mod soundness;
 mod steps;
 mod touches;
 mod verdict;

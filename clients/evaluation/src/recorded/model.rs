@@ -35,11 +35,11 @@ pub struct Slip {
     pub motion_window_s: f64,
     /// Share of the time for which the pattern must move.
     pub moving_share: f64,
-    /// Motion that counts, in multiples of the sensor's own noise.
+    /// Motion that counts, in multiples of the sensor's own noise, at `rate_hz`.
     pub motion_at: f64,
     /// Newtons that a count stands for.
     pub newtons_per_count: f64,
-    /// Frames per second of a recording that does not say, Hz.
+    /// Frames per second for which `motion_at` is meant, and of a recording that does not say, Hz.
     pub rate_hz: f64,
     /// Labels that mean a stable touch.
     pub negative: Vec<String>,
@@ -152,6 +152,17 @@ impl Model {
             .with_context(|| format!("could not write {name}; a model never overwrites a file"))?;
         std::io::Write::write_all(&mut file, text.as_bytes())
             .with_context(|| format!("could not write {name}"))
+    }
+
+    /// The same for recordings of this rate where they do not say theirs, Hz.
+    #[must_use]
+    pub fn at_rate(mut self, rate_hz: f64) -> Self {
+        self.slip.motion_at = super::slip::threshold(&self.slip, rate_hz);
+        self.slip.rate_hz = rate_hz;
+        self.hardness.rate_hz = rate_hz;
+        self.rupture.rate_hz = rate_hz;
+        self.touch.rate_hz = rate_hz;
+        self
     }
 
     fn parse(text: &str) -> anyhow::Result<Self> {

@@ -114,6 +114,11 @@ pub(super) fn judge(
 ) -> anyhow::Result<Verdict> {
     let points: Vec<_> = points(cases, peaks_n).collect();
     ensure!(!points.is_empty(), "{}", no_labels());
+    ensure!(
+        points.iter().any(|(_, peak_n, _)| *peak_n > 0.0),
+        "could not judge because no press went beyond {} N; are the forces in newtons?",
+        model.rupture.from_n
+    );
     let truths: Vec<Option<bool>> = cases
         .iter()
         .map(|case| {

@@ -4,13 +4,14 @@ use anyhow::{Context, ensure};
 use atas_core::settings::Settings;
 
 use super::cases::{Case, Labels};
-use super::decision::{Fit, Fitter, decide, no_labels, truths};
+use super::decision::{Fit, Fitter, decide, no_labels, one_class, truths};
 use super::kind::Judged;
 use super::model::{Model, Slip};
 use super::rates::{Rates, Scored};
 use super::sheet::Sheet;
 use super::skin::{Reading, Skin};
 use super::verdict::{After, Verdict};
+use crate::statistics::median;
 
 /// Times after which slip is judged as well: what the waiting buys, s.
 const AFTER_S: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
@@ -22,6 +23,9 @@ const DEVIATION_MIN: f64 = 0.1;
 /// Least score, so that it has a logarithm.
 const SCORE_MIN: f64 = 1e-3;
 
+/// What an element may read at most, N: the settings' own limit, since a count may stand for anything.
+const ANY_N: f64 = 100_000.0;
+
 /// What was felt at one comparison of windows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
@@ -31,18 +35,28 @@ pub(super) struct Level {
     pub(super) level: f64,
 }
 
+/// What was felt in one case.
+#[derive(Clone, Debug)]
+pub(super) struct Sequence {
+    /// At each comparison.
+    pub(super) levels: Vec<Level>,
+    /// Median time from frame to frame, s.
+    pub(super) step_s: f64,
+}
+
 /// What production perception feels in one case.
-pub(super) fn levels(
+pub(super) fn feel(
     sheet: &Sheet,
     elements: &[[Option<usize>; 3]],
     rows: &[usize],
     steps_s: &[f64],
     model: &Slip,
-) -> anyhow::Result<Vec<Level>> {
+) -> anyhow::Result<Sequence> {
     let mut settings = Settings::default();
     for (name, value) in [
         ("perception.motion_window_s", model.motion_window_s),
         ("perception.motion_at", model.motion_at),
+        ("intake.element_force_n", ANY_N),
     ] {
         settings
             .set(name, value)
@@ -70,7 +84,23 @@ pub(super) fn levels(
             });
         }
     }
-    Ok(found)
+    Ok(Sequence {
+        levels: found,
+        step_s: median(steps_s.to_vec()).unwrap_or(1.0 / model.rate_hz),
+    })
+}
+
+/// Frames per second of most cases, Hz.
+pub(super) fn rate_hz(sequences: &[Sequence], model: &Slip) -> f64 {
+    let steps_s = sequences.iter().map(|sequence| sequence.step_s);
+    median(steps_s.collect()).map_or(model.rate_hz, |step_s| 1.0 / step_s)
+}
+
+/// The model's threshold for a sensor of another rate: what a stable touch moves is the same, while the noise of a window's mean
+/// falls with the root of its frames. Both add up by their squares.
+pub(super) fn threshold(model: &Slip, rate_hz: f64) -> f64 {
+    let creep = model.motion_at * model.motion_at - 1.0;
+    (1.0 + creep.max(0.0) * rate_hz / model.rate_hz).sqrt()
 }
 
 /// An element whose first axis is missing says nothing; further axes that are missing are taken to feel nothing.
@@ -124,24 +154,51 @@ pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
 /// Judges what was felt of every case.
 pub(super) fn judge(
     cases: &[Case],
-    levels: &[Vec<Level>],
+    sequences: &[Sequence],
     labels: &Labels,
     model: &Model,
     how: Fit,
 ) -> anyhow::Result<Verdict> {
     let truths = truths(cases, labels, &[], &model.slip.negative);
     let across = (how == Fit::Across).then_some(fit as Fitter);
+    let threshold = threshold(&model.slip, rate_hz(sequences, &model.slip));
     let until = |until_s: f64| -> anyhow::Result<Vec<Scored>> {
-        let scores: Vec<f64> = levels
+        let scores: Vec<f64> = sequences
             .iter()
-            .map(|levels| score(levels, until_s, &model.slip))
+            .map(|sequence| score(&sequence.levels, until_s, &model.slip))
             .collect();
-        decide(cases, &scores, &truths, model.slip.motion_at, across)
+        decide(cases, &scores, &truths, threshold, across)
     };
     let mut verdict = Verdict::of(Judged::Slip, cases, &truths, how);
     ensure!(verdict.n > 0, "{}", no_labels());
-    verdict.rates = Rates::of(&until(f64::INFINITY)?);
-    verdict.threshold = Some(model.slip.motion_at);
+    let rates = Rates::of(&until(f64::INFINITY)?);
+    ensure!(
+        rates.is_some(),
+        "{}",
+        one_class(&truths, ["slip", "stable"])
+    );
+    let levels = || sequences.iter().map(|sequence| &sequence.levels);
+    let short = levels().filter(|levels| levels.is_empty()).count();
+    ensure!(
+        short < sequences.len(),
+        "could not judge because no case is as long as two windows of {} s; which rows belong together is told by a column sequence, \
+         sample or trial",
+        model.slip.motion_window_s
+    );
+    let moves = levels().flatten().any(|level| level.level > 0.0);
+    ensure!(
+        moves,
+        "could not judge because the readings have no noise, by which motion is measured; was the recording smoothed or rounded?"
+    );
+    if short > 0 {
+        verdict.warnings.push(format!(
+            "{short} of {} cases are shorter than two windows of {} s and count as stable",
+            sequences.len(),
+            model.slip.motion_window_s
+        ));
+    }
+    verdict.rates = rates;
+    verdict.threshold = Some(threshold);
     for s in AFTER_S {
         if let Some(rates) = Rates::of(&until(s)?) {
             verdict.after.push(After { s, rates });

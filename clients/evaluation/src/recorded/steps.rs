@@ -4,18 +4,36 @@ use super::sheet::Sheet;
 use super::skin::RATE_MAX_HZ;
 use crate::statistics::median;
 
+/// Columns of time that are known, and their units, s. The first that there is counts.
+pub(super) const TIMES: [(&str, f64); 9] = [
+    ("t_s", 1.0),
+    ("time_s", 1.0),
+    ("timestamp_s", 1.0),
+    ("t_s_approx", 1.0),
+    ("t_ms", 1e-3),
+    ("time_ms", 1e-3),
+    ("t_us", 1e-6),
+    ("t_ns", 1e-9),
+    ("captured_ns", 1e-9),
+];
+
+/// The column of time and its unit, s.
+pub(super) fn time_of(sheet: &Sheet) -> Option<(usize, f64)> {
+    let known = TIMES.iter();
+    known
+        .filter_map(|(name, unit_s)| Some((sheet.column(name)?, *unit_s)))
+        .next()
+}
+
 /// Time from frame to frame, s: as recorded, else as the model says. Time that does not go on is taken to do so, and frames
 /// that came faster than any sensor's were stamped when a file was decoded.
 pub(super) fn steps_s(sheet: &Sheet, rows: &[usize], rate_hz: f64) -> Vec<f64> {
-    let (column, unit_s) = match (
-        sheet.first_of(&["t_s", "time_s", "t_s_approx"]),
-        sheet.column("captured_ns"),
-    ) {
-        (Some(column), _) => (Some(column), 1.0),
-        (None, column) => (column, 1e-9),
-    };
+    let column = time_of(sheet);
     let usual_s = 1.0 / rate_hz;
-    let time_s = |row: usize| Some(sheet.number(row, column?)? * unit_s);
+    let time_s = |row: usize| {
+        let (column, unit_s) = column?;
+        Some(sheet.number(row, column)? * unit_s)
+    };
     let mut before_s: Option<f64> = None;
     let steps: Vec<f64> = rows
         .iter()

@@ -1,10 +1,10 @@
 //! Touches of one fingertip: production touch detection with its hysteresis.
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use atas_core::settings::Settings;
 
 use super::cases::{Case, Labels};
-use super::decision::{Fit, truths};
+use super::decision::{Fit, no_labels, one_class, truths};
 use super::kind::Judged;
 use super::model::{Model, Touch};
 use super::rates::{Rates, Scored};
@@ -111,6 +111,12 @@ pub(super) fn judge(
         (verdict.n, verdict.skipped) = (rows.len(), 0);
     }
     verdict.rates = Rates::of(&scored);
+    ensure!(verdict.n > 0, "{}", no_labels());
+    ensure!(
+        truth.is_none() || verdict.rates.is_some(),
+        "{}",
+        one_class(&truths, ["touch", "none"])
+    );
     verdict.threshold = Some(model.touch.touch_on_n);
     verdict.touches = Some(felt.begins);
     Ok(verdict)

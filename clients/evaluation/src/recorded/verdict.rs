@@ -42,6 +42,9 @@ pub struct Verdict {
     /// Rows at which touches begin, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub touches: Option<Vec<usize>>,
+    /// What was left out or taken for granted.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Slip judged by what was felt until then.
@@ -84,6 +87,7 @@ impl Verdict {
             mae_n: None,
             sorts: BTreeMap::new(),
             touches: None,
+            warnings: Vec::new(),
         }
     }
 }

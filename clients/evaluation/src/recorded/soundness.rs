@@ -1,0 +1,135 @@
+//! What of a recording can say nothing: columns without numbers, that never change, in units that cannot be; rows that repeat.
+//!
+//! Where nothing at all can be said the recording is refused, with what it needs; what is left out is told with the verdict.
+
+use anyhow::ensure;
+
+use super::kind::Kind;
+use super::sheet::Sheet;
+use super::steps::{TIMES, time_of};
+
+/// Columns that a sentence names.
+const NAMED: usize = 3;
+/// Share of the rows that repeat the one before above which they are no frames but what was held (ours: chance repeats all values of
+/// a skin far more seldom, a sensor of half the recording's rate that often).
+const HELD_SHARE: f64 = 0.4;
+
+/// What is left out of a recording, in sentences.
+///
+/// # Errors
+/// Nothing can be said about it.
+pub(super) fn look(sheet: &Sheet, kind: &Kind, rate_hz: f64) -> anyhow::Result<Vec<String>> {
+    let mut warnings = Vec::new();
+    for (what, columns) in kind.readings() {
+        let (mut silent, mut still, mut holes) = (Vec::new(), Vec::new(), 0);
+        for &column in &columns {
+            let seen = Seen::of(sheet, column);
+            holes += if seen.numbers > 0 {
+                sheet.len() - seen.numbers
+            } else {
+                0
+            };
+            match () {
+                () if seen.numbers == 0 => silent.push(column),
+                () if seen.numbers > 1 && seen.least == seen.most => still.push(column),
+                () => {}
+            }
+        }
+        let path = sheet.path.display();
+        ensure!(
+            silent.len() < columns.len(),
+            "could not judge {path} because {what} ({}) holds no number, needs one in each row; is the decimal sign a point?",
+            named(sheet, &columns)
+        );
+        ensure!(
+            silent.len() + still.len() < columns.len(),
+            "could not judge {path} because {what} never changes ({}); was the sensor connected?",
+            named(sheet, &still)
+        );
+        if !silent.is_empty() {
+            warnings.push(format!("no number in {}: left out", named(sheet, &silent)));
+        }
+        if !still.is_empty() {
+            warnings.push(format!("nothing ever changes in {}", named(sheet, &still)));
+        }
+        if holes > 0 {
+            let cells = sheet.len() * (columns.len() - silent.len());
+            let share = 100.0 * holes as f64 / cells as f64;
+            warnings.push(format!(
+                "{holes} readings ({share:.1} %) are no numbers: left out"
+            ));
+        }
+    }
+    warnings.extend(time(sheet, rate_hz));
+    Ok(warnings)
+}
+
+/// What is to be said about time.
+fn time(sheet: &Sheet, rate_hz: f64) -> Option<String> {
+    let Some((column, _)) = time_of(sheet) else {
+        let names: Vec<&str> = TIMES.iter().map(|(name, _)| *name).collect();
+        return Some(format!(
+            "no column of time ({}): taken as {rate_hz} frames a second; say otherwise with --rate-hz",
+            names.join(", ")
+        ));
+    };
+    let told = Seen::of(sheet, column).numbers;
+    (told < sheet.len()).then(|| {
+        format!(
+            "{} rows have no number in {}: taken as a frame later than those before",
+            sheet.len() - told,
+            sheet.columns()[column]
+        )
+    })
+}
+
+/// Whether so many rows repeat all readings of the row before that the sensor was slower than the recording.
+pub(super) fn is_held(sheet: &Sheet, columns: &[usize]) -> bool {
+    let repeats = (1..sheet.len())
+        .filter(|&row| repeats(sheet, columns, row - 1, row))
+        .count();
+    repeats as f64 > HELD_SHARE * sheet.len() as f64
+}
+
+/// Whether two rows say the same.
+pub(super) fn repeats(sheet: &Sheet, columns: &[usize], before: usize, row: usize) -> bool {
+    let same = |&column: &usize| sheet.text(before, column) == sheet.text(row, column);
+    columns.iter().all(same)
+}
+
+/// What a column holds.
+struct Seen {
+    numbers: usize,
+    least: f64,
+    most: f64,
+}
+
+impl Seen {
+    fn of(sheet: &Sheet, column: usize) -> Self {
+        let numbers = (0..sheet.len()).filter_map(|row| sheet.number(row, column));
+        let none = Self {
+            numbers: 0,
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+        };
+        numbers.fold(none, |seen, number| Self {
+            numbers: seen.numbers + 1,
+            least: seen.least.min(number),
+            most: seen.most.max(number),
+        })
+    }
+}
+
+/// The first of some columns by their names.
+fn named(sheet: &Sheet, columns: &[usize]) -> String {
+    let names: Vec<&str> = columns
+        .iter()
+        .take(NAMED)
+        .map(|&column| sheet.columns()[column].as_str())
+        .collect();
+    let more = columns.len().saturating_sub(NAMED);
+    match more {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    }
+}
