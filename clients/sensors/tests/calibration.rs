@@ -134,6 +134,35 @@ fn flux_becomes_force_and_squares_tell_it_better() {
     );
 }
 
+/// Nobody presses twice at the same place: each press reads a few per cent off, each value by its own.
+#[test]
+fn presses_at_places_that_differ_are_not_followed() {
+    let error_n = |placed: f64, ridges: core::ops::RangeInclusive<f64>| {
+        let (mut presses, silence, _) = bench(skin, 0.5);
+        let mut draw = Draw(31);
+        for press in &mut presses {
+            let off: Vec<f64> = (0..15).map(|_| 1.0 + placed * draw.next()).collect();
+            for point in &mut press.points {
+                let values = point.values.iter_mut().zip(&off);
+                values.for_each(|(value, off)| *value *= off);
+            }
+        }
+        let layout = dome_1();
+        let fitted = fit(&presses, &silence, Model::ResultantSquares, &layout, "").expect("a fit");
+        let quality = fitted.calibration.quality;
+        let ridge = quality.ridge.expect("a resultant has one");
+        assert!(ridges.contains(&ridge), "{placed}: {quality:?}");
+        let again = fit(&presses, &silence, Model::ResultantSquares, &layout, "").expect("a fit");
+        assert_eq!(again.calibration, fitted.calibration);
+        quality.error_n[0]
+    };
+    let exact_n = error_n(0.0, 1e-7..=1e-4);
+    assert!(exact_n < 0.01, "{exact_n}");
+    let placed_n = error_n(0.05, 1e-4..=1e-1);
+    // With 1e-7 whatever is pressed it is 0.08 N.
+    assert!(placed_n < 0.06, "{placed_n}");
+}
+
 #[test]
 fn a_file_gives_the_same_calibration_or_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -13,8 +13,9 @@ const FOLDS: usize = 5;
 /// How far the matrices of elements may be expected to lie apart, over their size (ours: gains spread by 3 %, crosstalk is a few
 /// per cent).
 const DEPARTURE: f64 = 0.05;
-/// Ridge of a resultant, over what is seen of each term: it settles only what presses do not.
-const SETTLE: f64 = 1e-7;
+/// Ridges of a resultant that are tried, over what is seen of each term, the weakest first. Ours: from what only settles what presses
+/// do not tell, to what no longer follows them.
+const RIDGES: [f64; 7] = [1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 /// Entries of one element's matrix.
 const ENTRIES: usize = AXES * AXES;
 
@@ -86,7 +87,8 @@ pub fn fit(
 ) -> Result<Fitted, FitError> {
     check(presses, silence, model, layout)?;
     let all: Vec<usize> = (0..presses.len()).collect();
-    let newtons = fit_some(presses, &all, silence, model, layout)?;
+    let ridge = ridge(presses, &all, silence, model)?;
+    let newtons = fit_some(presses, &all, silence, model, layout, ridge)?;
     let mut calibration = Calibration {
         format: FORMAT,
         source: source.to_owned(),
@@ -98,10 +100,11 @@ pub fn fit(
     };
     let mut residuals = Vec::new();
     for fold in 0..FOLDS {
-        let (left_out, others): (Vec<usize>, Vec<usize>) =
-            all.iter().partition(|&&press| press % FOLDS == fold);
+        let (left_out, others) = deal(&all, fold);
+        // Neither the fit nor its ridge has seen what it is judged by.
+        let ridge = self::ridge(presses, &others, silence, model)?;
         let judged = Calibration {
-            newtons: fit_some(presses, &others, silence, model, layout)?,
+            newtons: fit_some(presses, &others, silence, model, layout, ridge)?,
             ..calibration.clone()
         };
         for point in left_out.iter().flat_map(|&press| &presses[press].points) {
@@ -116,6 +119,7 @@ pub fn fit(
     };
     let quality = &mut calibration.quality;
     quality.presses = presses.len() as u32;
+    quality.ridge = ridge;
     quality.error_n = core::array::from_fn(|axis| root(|pair| &pair.1, axis));
     quality.error_share = core::array::from_fn(|axis| {
         let known_n = root(|pair| &pair.0, axis);
@@ -200,29 +204,78 @@ fn check(
 
 type Newtons = Vec<[Vec<f64>; AXES]>;
 
+/// A frame without the silence in it, and its known force, N.
+type Known = (Vec<f64>, [f64; AXES]);
+
+/// The frames of some presses.
+fn frames(presses: &[Press], of: &[usize], silence: &Silence) -> Vec<Known> {
+    let points = of.iter().flat_map(|&press| &presses[press].points);
+    let known = |point: &Point| {
+        let pairs = point.values.iter().zip(&silence.zero);
+        (pairs.map(|(v, zero)| v - zero).collect(), point.force_n)
+    };
+    points.map(known).collect()
+}
+
+/// Some presses as one part that is left out and the others.
+fn deal(of: &[usize], fold: usize) -> (Vec<usize>, Vec<usize>) {
+    let places = of.iter().enumerate();
+    let (left_out, others): (Vec<_>, Vec<_>) = places.partition(|(place, _)| place % FOLDS == fold);
+    let presses = |of: Vec<(usize, &usize)>| of.into_iter().map(|(_, press)| *press).collect();
+    (presses(left_out), presses(others))
+}
+
+/// The ridge that tells presses best which were left out, the weakest of equal ones; `None` for a model that has none. Presses at
+/// places that differ a little look like terms that are not there: a ridge that is too weak follows them.
+fn ridge(
+    presses: &[Press],
+    of: &[usize],
+    silence: &Silence,
+    model: Model,
+) -> Result<Option<f64>, FitError> {
+    if model == Model::Matrix {
+        return Ok(None);
+    }
+    let mut errors = [0.0; RIDGES.len()];
+    for fold in 0..FOLDS {
+        let (left_out, others) = deal(of, fold);
+        let (left_out, others) = (
+            frames(presses, &left_out, silence),
+            frames(presses, &others, silence),
+        );
+        let normals = normals(&others, model);
+        for (error, ridge) in errors.iter_mut().zip(RIDGES) {
+            let rows = solve(&normals, ridge)?;
+            for (values, force_n) in &left_out {
+                let terms = expand(values, model);
+                for (row, force_n) in rows.iter().zip(force_n) {
+                    let told_n: f64 = row.iter().zip(&terms).map(|(n, term)| n * term).sum();
+                    *error += (told_n - force_n).powi(2);
+                }
+            }
+        }
+    }
+    let best = errors.iter().zip(RIDGES).min_by(|a, b| a.0.total_cmp(b.0));
+    Ok(best.map(|(_, ridge)| ridge))
+}
+
 fn fit_some(
     presses: &[Press],
     of: &[usize],
     silence: &Silence,
     model: Model,
     layout: &Layout,
+    ridge: Option<f64>,
 ) -> Result<Newtons, FitError> {
-    let points: Vec<(Vec<f64>, [f64; AXES])> = of
-        .iter()
-        .flat_map(|&press| &presses[press].points)
-        .map(|point| {
-            let pairs = point.values.iter().zip(&silence.zero);
-            (pairs.map(|(v, zero)| v - zero).collect(), point.force_n)
-        })
-        .collect();
-    match model {
-        Model::Matrix => matrices(&points, layout),
-        Model::Resultant | Model::ResultantSquares => resultant(&points, model),
+    let points = frames(presses, of, silence);
+    match ridge {
+        None => matrices(&points, layout),
+        Some(ridge) => Ok(vec![solve(&normals(&points, model), ridge)?]),
     }
 }
 
 /// One matrix for all elements, then how each departs from it.
-fn matrices(points: &[(Vec<f64>, [f64; AXES])], layout: &Layout) -> Result<Newtons, FitError> {
+fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
     let turns: Vec<_> = (0..layout.count).map(|e| turn(layout, e)).collect();
     let shared_row = |values: &[f64], k: usize| {
         let mut row = [0.0; ENTRIES];
@@ -286,31 +339,39 @@ fn matrices(points: &[(Vec<f64>, [f64; AXES])], layout: &Layout) -> Result<Newto
     Ok(departures.chunks_exact(ENTRIES).map(matrix).collect())
 }
 
-/// Each axis of one force from all terms.
-fn resultant(points: &[(Vec<f64>, [f64; AXES])], model: Model) -> Result<Newtons, FitError> {
-    let terms = model.terms();
+/// The terms of all values of a fingertip.
+fn expand(values: &[f64], model: Model) -> Vec<f64> {
+    let elements = values.chunks_exact(AXES);
+    elements
+        .flat_map(|v| {
+            model
+                .expand([v[0], v[1], v[2]])
+                .into_iter()
+                .take(model.terms())
+        })
+        .collect()
+}
+
+/// Sums for each axis of one force from all terms.
+fn normals(points: &[Known], model: Model) -> [Normal; AXES] {
     let elements = points.first().map_or(0, |(values, _)| values.len() / AXES);
-    let unknowns = elements * terms;
-    let mut rows = [const { Vec::new() }; AXES];
-    let mut normals = [
-        Normal::new(unknowns),
-        Normal::new(unknowns),
-        Normal::new(unknowns),
-    ];
+    let mut normals = [(); AXES].map(|()| Normal::new(elements * model.terms()));
     for (values, force_n) in points {
-        let row: Vec<f64> = values
-            .chunks_exact(AXES)
-            .flat_map(|v| model.expand([v[0], v[1], v[2]])[..terms].to_vec())
-            .collect();
+        let row = expand(values, model);
         for (normal, force_n) in normals.iter_mut().zip(force_n) {
             normal.add(&row, *force_n);
         }
     }
-    for (row, normal) in rows.iter_mut().zip(&normals) {
-        let ridge: Vec<f64> = (0..unknowns)
-            .map(|i| SETTLE * normal.scale(i..i + 1))
-            .collect();
-        *row = normal.solve(&ridge).ok_or(FitError::Undetermined)?;
+    normals
+}
+
+/// Each axis of one force, with a ridge over what is seen of each term.
+fn solve(normals: &[Normal; AXES], ridge: f64) -> Result<[Vec<f64>; AXES], FitError> {
+    let mut rows = [const { Vec::new() }; AXES];
+    for (row, normal) in rows.iter_mut().zip(normals) {
+        *row = normal
+            .solve(&normal.scaled(ridge))
+            .ok_or(FitError::Undetermined)?;
     }
-    Ok(vec![rows])
+    Ok(rows)
 }

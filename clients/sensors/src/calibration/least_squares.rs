@@ -33,10 +33,10 @@ impl Normal {
         }
     }
 
-    /// Mean of the diagonal over some unknowns: what a ridge is measured by.
-    pub(super) fn scale(&self, of: core::ops::Range<usize>) -> f64 {
-        let count = of.len().max(1) as f64;
-        of.map(|i| self.squares[i * self.unknowns + i]).sum::<f64>() / count
+    /// A ridge for each unknown, over what was seen of it.
+    pub(super) fn scaled(&self, ridge: f64) -> Vec<f64> {
+        let seen = |i: usize| self.squares[i * self.unknowns + i];
+        (0..self.unknowns).map(|i| ridge * seen(i)).collect()
     }
 
     /// The solution with a ridge on each unknown; `None` if some unknown cannot be told.

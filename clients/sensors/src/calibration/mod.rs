@@ -75,6 +75,9 @@ pub struct Calibration {
 pub struct Quality {
     /// Presses that it was fitted to.
     pub presses: u32,
+    /// Ridge of a resultant, over what was seen of each term: the one of several that told presses best which were left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ridge: Option<f64>,
     /// Root mean square error of the force along `f_n`, `f_t1`, `f_t2` on presses that were left out, N.
     pub error_n: [f64; AXES],
     /// The same over the root mean square of the known force.
