@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::fs::File;
 
 use ::mcap::MessageStream;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
