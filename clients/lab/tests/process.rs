@@ -436,7 +436,7 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     .iter()
     .flat_map(|(option, name)| [(*option).to_owned(), path(name)])
     .collect();
-    let line: Vec<&str> = ["calibrate", "fit", "--format", "json"]
+    let line: Vec<&str> = ["calibrate", "fit", "--format", "json", "--hand", "left"]
         .into_iter()
         .chain(arguments.iter().map(String::as_str))
         .collect();
@@ -499,6 +499,14 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     );
     let daemon = std::fs::read_to_string(path("daemon.toml")).expect("a configuration");
     let told: toml::Table = daemon.parse().expect("TOML");
+    // Ten milliseconds from frame to frame: what the daemon must know of a sensor that is no faster.
+    let rate_hz = told["hands"]["left"]["rate_hz"].as_float();
+    let hold_age_s = told["intake"]["hold_age_s"].as_float();
+    assert_eq!(
+        (rate_hz, hold_age_s),
+        (Some(100.0), Some(0.035)),
+        "{daemon}"
+    );
     let told = told["perception"].as_table().expect("a table");
     let told_on_n = told["touch_on_n"].as_float().expect("a number");
     assert!((told_on_n - on_n).abs() < 1e-9, "{daemon}");

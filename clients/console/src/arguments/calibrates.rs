@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::goals::HandName;
 use super::values::{csv, finite, picture, toml};
 
 /// The steps of a calibration.
@@ -67,6 +68,9 @@ pub struct CalibrateFit {
     /// Thresholds and compression to write, for `atasd --config`
     #[arg(long, value_name = "FILE.toml", value_parser = toml)]
     pub daemon: Option<PathBuf>,
+    /// The hand that carries the fingertip: its rate stands in the daemon's configuration, too
+    #[arg(long, value_enum, requires = "daemon")]
+    pub hand: Option<HandName>,
     /// The errors of the presses to draw
     #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
     pub figure: Option<PathBuf>,

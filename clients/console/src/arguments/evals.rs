@@ -189,6 +189,9 @@ pub struct RecordedEvaluation {
     /// Values of it that mean stable, or soft [default: the model's]; others than these are left out
     #[arg(long, value_name = "VALUE", value_delimiter = ',', requires = "labels")]
     pub negative: Vec<String>,
+    /// Frames per second where FILE has no column of time [default: the model's]
+    #[arg(long, value_name = "HZ", value_parser = super::values::rate)]
+    pub rate_hz: Option<f64>,
     /// Column that tells objects apart, which --cross-validate never splits [default: object, else one per case]
     #[arg(long, value_name = "COLUMN")]
     pub objects: Option<String>,

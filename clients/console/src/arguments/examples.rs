@@ -198,7 +198,7 @@ const HELPS: &[Help] = &[
         &[
             "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml --daemon tip-daemon.toml",
         ],
-        "one object: calibration, model, elements, presses, error_n, error_share, thresholds, motion_at, drift: {watched_s, element_n_min, warmth: {span_k, total_n_k, element_n_k}}, block, warnings",
+        "one object: calibration, model, elements, presses, ridge, error_n, error_share, thresholds, motion_at, drift: {watched_s, element_n_min, warmth: {span_k, total_n_k, element_n_k}}, block, warnings",
     ),
     Help(
         "eval merge",
@@ -212,7 +212,7 @@ const HELPS: &[Help] = &[
             "atas eval recording mine.csv --labels label --train others.csv --save mine.toml",
             "atas eval recording run.mcap --labels label --labels-file spans.csv",
         ],
-        "one object: judged, n, objects, balanced_accuracy, specificity, sensitivity, auc; mae_n; touches",
+        "one object: judged, n, objects, balanced_accuracy, specificity, sensitivity, auc; mae_n; touches; warnings",
     ),
     Help(
         "plot",

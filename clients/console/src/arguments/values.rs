@@ -16,6 +16,15 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Frames per second that a sensor may have.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    let rate_hz = finite(text)?;
+    match rate_hz > 0.0 && rate_hz <= 10_000.0 {
+        true => Ok(rate_hz),
+        false => Err("needs a rate above 0 and up to 10000 Hz".into()),
+    }
+}
+
 pub(super) fn event_kind(text: &str) -> Result<EventKind, String> {
     let known = EventKind::ALL
         .iter()

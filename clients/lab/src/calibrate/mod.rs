@@ -10,20 +10,27 @@ use anyhow::{Context, anyhow, ensure};
 use atas_console::arguments::{Calibrate, CalibrateFit, CalibrationModel};
 use atas_console::{Ended, Exit, Interrupt, Output, table};
 use atas_core::Settings;
-use atas_evaluation::figures;
 use atas_evaluation::recorded::{Sheet, greatest_motion};
+use atas_evaluation::{figures, median};
 use atas_sensors::calibration::{
     Block, Calibration, Drift, Fitted, Model, Quiet, Thresholds, WARMING_MIN_K, fit, listen,
     press_block,
 };
 use serde::Serialize;
-use shm_schemas::Layout;
 use shm_schemas::layout::NamedLayout;
+use shm_schemas::{Hand, Layout};
 
 use crate::picture;
 
 /// How far above what a silent sensor shows motion must lie to count (ours; a stable touch moves more than silence).
 const MOTION_CLEARANCE: f64 = 1.5;
+
+/// Periods of the sensor after which a frame is too old (ours, as the guide says: one that is missing is no reason to hold).
+const HOLD_PERIODS: f64 = 3.5;
+/// The oldest that the daemon may take a frame for a fresh one, s.
+const HOLD_MAX_S: f64 = 0.5;
+/// Rates that the daemon takes, Hz.
+const RATES_HZ: [f64; 2] = [1.0, 10_000.0];
 
 /// What was written, and how good it is.
 #[derive(Serialize)]
@@ -32,6 +39,8 @@ struct Report {
     model: Model,
     elements: usize,
     presses: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ridge: Option<f64>,
     error_n: [f64; 3],
     error_share: [f64; 3],
     thresholds: Thresholds,
@@ -71,7 +80,7 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
             NamedLayout::FORMS
         )
     })?;
-    let (mut fitted, quiet, seconds) = fitted(arguments, &layout)?;
+    let (mut fitted, quiet, seconds, rate_hz) = fitted(arguments, &layout)?;
     let motion_at = motion_at(&fitted.calibration, &quiet.frames, seconds);
     let thresholds = Thresholds::of(&fitted.calibration, &quiet.frames, seconds, arguments.multiple)
         .context("could not tell the noise; record the sensor for some seconds while nothing touches it, and name it with --silence")?;
@@ -82,7 +91,8 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
         Some(path) => Some(block(path, thresholds.touch_on_n, arguments.block_tips)?),
         None => None,
     };
-    let told = daemon(&thresholds, motion_at, block.as_ref())?;
+    let hand = arguments.hand.map(|name| Hand::from(name).name());
+    let told = rate(rate_hz, hand)? + &daemon(&thresholds, motion_at, block.as_ref())?;
     fitted.calibration.save(&arguments.out)?;
     if let Some(path) = &arguments.daemon {
         write_new(path, &told)?;
@@ -97,6 +107,7 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
         model: fitted.calibration.model,
         elements: fitted.calibration.elements_in(),
         presses: quality.presses,
+        ridge: quality.ridge,
         error_n: quality.error_n,
         error_share: quality.error_share,
         warnings: warnings(&fitted, &thresholds, &quiet, seconds),
@@ -107,8 +118,11 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
     })
 }
 
-/// The calibration, silence and how long it lasted, s.
-fn fitted(arguments: &CalibrateFit, layout: &Layout) -> anyhow::Result<(Fitted, Quiet, f64)> {
+/// The calibration, silence and how long it lasted, s, and the sensor's rate, Hz, where the presses say.
+fn fitted(
+    arguments: &CalibrateFit,
+    layout: &Layout,
+) -> anyhow::Result<(Fitted, Quiet, f64, Option<f64>)> {
     let sheet = Sheet::open(&arguments.presses)?;
     let recording = rows::recording(&sheet)?;
     let reference = arguments
@@ -143,7 +157,15 @@ fn fitted(arguments: &CalibrateFit, layout: &Layout) -> anyhow::Result<(Fitted, 
         fit(&presses, &silence, model, layout, &source)?,
         quiet,
         seconds,
+        recording.times_ns.as_deref().and_then(frames_a_second),
     ))
+}
+
+/// By the median time from frame to frame, Hz.
+fn frames_a_second(times_ns: &[f64]) -> Option<f64> {
+    let steps_ns = times_ns.windows(2).map(|pair| pair[1] - pair[0]);
+    let step_ns = median(steps_ns.filter(|step_ns| *step_ns > 0.0).collect())?;
+    Some(1e9 / step_ns)
 }
 
 /// Time that some of a recording's frames took, s.
@@ -185,6 +207,29 @@ fn block(path: &Path, from_n: f64, tips: u32) -> anyhow::Result<Block> {
     })
 }
 
+/// What the daemon is told of the sensor's rate: how old its frames may be, and of a hand by its name how often they come.
+fn rate(rate_hz: Option<f64>, hand: Option<&str>) -> anyhow::Result<String> {
+    let mut text =
+        "# Made by atas calibrate. atasd --config THIS, after your own configuration.\n".to_owned();
+    let Some(rate_hz) = rate_hz else {
+        return Ok(text);
+    };
+    let rate_hz = rate_hz.clamp(RATES_HZ[0], RATES_HZ[1]);
+    if let Some(hand) = hand {
+        writeln!(text, "[hands.{hand}]\nrate_hz = {rate_hz:.1}\n")?;
+    }
+    let usual = Settings::default().intake;
+    let age_s = HOLD_PERIODS / rate_hz;
+    if age_s > usual.hold_age_s {
+        writeln!(text, "[intake]\nhold_age_s = {:.4}", age_s.min(HOLD_MAX_S))?;
+        if age_s >= usual.reject_age_s {
+            writeln!(text, "reject_age_s = {:.4}", 2.0 * age_s.min(HOLD_MAX_S))?;
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
+
 /// What the daemon is told, held to the ranges that it has.
 fn daemon(
     thresholds: &Thresholds,
@@ -213,7 +258,7 @@ fn daemon(
             .set(&name, value)
             .map_err(|error| anyhow!("{error}"))?;
     }
-    let mut text = "# Made by atas calibrate. atasd --config THIS, after your own configuration.\n[perception]\n".to_owned();
+    let mut text = "[perception]\n".to_owned();
     for (key, _) in &told[1..] {
         let name = format!("perception.{key}");
         let value = atas_core::settings::find(&name).map(|known| (known.get)(&settings));
@@ -308,6 +353,11 @@ fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
         "touch from {:.4} N, until {:.4} N; motion from {:.2} times the noise; drift {:.4} N a minute",
         thresholds.touch_on_n, thresholds.touch_off_n, report.motion_at, thresholds.drift_n_min
     ))?;
+    if let Some(ridge) = report.ridge {
+        output.line(format_args!(
+            "ridge {ridge:e} of what was seen of each term: of several it told presses best that were left out"
+        ))?;
+    }
     if let Some(drift) = &report.drift {
         let (worst, most_n) = drift.worst();
         output.line(format_args!(

@@ -32,6 +32,9 @@ fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
         Some(path) => Model::open(path)?,
         None => Model::shipped()?,
     };
+    if let Some(rate_hz) = arguments.rate_hz {
+        model = model.at_rate(rate_hz);
+    }
     if let Some(path) = &arguments.train {
         // The table beside one recording says nothing about another.
         let own = Labels {
@@ -98,6 +101,9 @@ fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<
             "{} touches, beginning in rows {touches:?}",
             touches.len()
         ))?;
+    }
+    for warning in &verdict.warnings {
+        output.line(format_args!("beware: {warning}"))?;
     }
     let constants = match verdict.fit {
         Fit::Given => "constants of the model",
