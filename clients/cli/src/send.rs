@@ -1,6 +1,6 @@
 //! A goal as the operator wants it sent: its progress shown, its end told in one sentence.
 
-use atas_client::{Cancelled, GoalProgress, Pursuit, Session, json};
+use atas_client::{Cancelled, GoalProgress, Pursuit, Run, Session, json, words};
 use atas_console::arguments::Sending;
 use atas_console::{Ended, Exit, Interrupt, Output, Progress, number};
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, GoalState};
@@ -23,6 +23,8 @@ pub(crate) fn send(
     };
     let session = Session::existing(&sending.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
+    let fingers = Run::of(session.bus(), &status)?.fingers(&status);
+    let fingers = fingers[goal.hand.index().unwrap_or(0)];
     let mut live = Progress::new(name(&goal));
     let pursuit = Pursuit {
         session: &session,
@@ -31,7 +33,7 @@ pub(crate) fn send(
     };
     let (progress, cancelled) = pursuit.run(&goal, |so_far| {
         statuses.newest(&mut status)?;
-        live.show(so_far, Some(&status), &carried(&goal, so_far));
+        live.show(so_far, fingers, Some(&status), &carried(&goal, so_far));
         anyhow::Ok(())
     })?;
     drop(live);
@@ -40,7 +42,7 @@ pub(crate) fn send(
     }
     match progress.last().state {
         GoalState::SUCCEEDED if output.is_json() => Ok(()),
-        GoalState::SUCCEEDED => output.line(success(&goal, &progress)),
+        GoalState::SUCCEEDED => output.line(success(&goal, &progress, fingers)),
         _ => Err(failure(&goal, &progress, cancelled)),
     }
 }
@@ -62,19 +64,19 @@ fn name(goal: &GoalRequest) -> &str {
     }
 }
 
-fn success(goal: &GoalRequest, progress: &GoalProgress) -> String {
+fn success(goal: &GoalRequest, progress: &GoalProgress, fingers: usize) -> String {
     let figures = progress.figures();
-    let [first, second, ..] = figures.normal_n;
+    let pressed = words::newtons(&figures.normal_n[..fingers]);
     match goal.kind {
         GoalKind::GRASP => format!(
-            "holds with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m, lifted {:.1} mm",
+            "holds with F_n {pressed} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m, lifted {:.1} mm",
             figures.f1_n,
             figures.f2_n,
             figures.stiffness_n_m,
             figures.lifted_m * 1e3
         ),
         GoalKind::PICK_PLACE => format!(
-            "set down and let go; carried with F_n {first:.2} and {second:.2} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m; \
+            "set down and let go; carried with F_n {pressed} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m; \
              the hand is at home",
             figures.f1_n, figures.f2_n, figures.stiffness_n_m,
         ),

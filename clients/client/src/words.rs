@@ -81,8 +81,8 @@ pub fn evidence(module: ModuleId, hand: &HandReport, fingers: usize) -> String {
     };
     let n = |value: f32| number(value, 2);
     let each = |value: fn(&FingerReport) -> f32| {
-        let values: Vec<String> = fingers.iter().map(|f| n(value(f))).collect();
-        listed(&values)
+        let values: Vec<f32> = fingers.iter().map(value).collect();
+        newtons(&values)
     };
     let pressed = || each(|f| f.normal_n);
     let sheared = || each(|f| f.tangential_n);
@@ -110,6 +110,13 @@ pub fn evidence(module: ModuleId, hand: &HandReport, fingers: usize) -> String {
         }
         _ => format!("F_n {} N, F_t {} N", pressed(), sheared()),
     }
+}
+
+/// Forces in newtons as a sentence lists them, for example `0.30, 0.12 and 0.50`.
+#[must_use]
+pub fn newtons(forces_n: &[f32]) -> String {
+    let words: Vec<String> = forces_n.iter().map(|n| number(*n, 2)).collect();
+    listed(&words)
 }
 
 /// Words as a sentence lists them.

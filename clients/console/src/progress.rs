@@ -64,15 +64,22 @@ impl Progress {
         }
     }
 
-    /// Shows where the goal stands. `status` adds the active modules, `live` what else is worth watching.
-    pub fn show(&mut self, goal: &GoalProgress, status: Option<&Status>, live: &str) {
+    /// Shows where the goal of a hand with so many fingers stands. `status` adds the active modules, `live` what else is worth
+    /// watching.
+    pub fn show(
+        &mut self,
+        goal: &GoalProgress,
+        fingers: usize,
+        status: Option<&Status>,
+        live: &str,
+    ) {
         let last = goal.last();
         let step = last.step.as_str();
         // A goal that was rejected has no step: nothing has begun.
         if step.is_empty() || last.state == GoalState::REJECTED {
             return;
         }
-        let mut line = format!("{step:8} {}", forces(&last.figures));
+        let mut line = format!("{step:8} {}", forces(&last.figures, fingers));
         if let Some(status) = status {
             let active = status
                 .hands
@@ -106,9 +113,26 @@ impl Drop for Progress {
 }
 
 /// F_n of each finger between its two thresholds.
-fn forces(figures: &GraspFigures) -> String {
-    let [first, second, ..] = figures.normal_n;
-    let (f1_n, f2_n) = (figures.f1_n, figures.f2_n);
-    let [first, second] = [first, second].map(|force_n| number(force_n.into(), 2));
-    format!("F_n {first} {second} N  F_1 {f1_n:.2}  F_2 {f2_n:.2}")
+fn forces(figures: &GraspFigures, fingers: usize) -> String {
+    let pressed = figures.normal_n.iter().take(fingers);
+    let pressed: Vec<String> = pressed.map(|n| number((*n).into(), 2)).collect();
+    let (pressed, f1_n, f2_n) = (pressed.join(" "), figures.f1_n, figures.f2_n);
+    format!("F_n {pressed} N  F_1 {f1_n:.2}  F_2 {f2_n:.2}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_finger_has_its_force() {
+        let figures = GraspFigures {
+            normal_n: [0.5, 1.25, 2.0, 0.0],
+            ..GraspFigures::default()
+        };
+        assert_eq!(
+            forces(&figures, 3),
+            "F_n 0.50 1.25 2.00 N  F_1 0.00  F_2 0.00"
+        );
+    }
 }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use atas_client::GoalProgress;
-use atas_client::{Cancelled, POLL, Pursuit, Session};
+use atas_client::{Cancelled, POLL, Pursuit, Run, Session};
 use atas_console::arguments::Running;
 use atas_console::{Interrupt, Progress};
 use shm_bus::Subscriber;
@@ -56,7 +56,11 @@ fn watch(
     interrupt: &Interrupt,
     live: &mut Progress,
 ) -> anyhow::Result<Seen> {
-    let mut observer = Observer::join(session, scenario.goal().hand)?;
+    let hand = scenario.goal().hand;
+    let (_, status) = session.watch_status()?;
+    let fingers = Run::of(session.bus(), &status)?.fingers(&status);
+    let fingers = fingers[hand.index().unwrap_or(0)];
+    let mut observer = Observer::join(session, hand)?;
     let pursuit = Pursuit {
         session,
         stop: interrupt.flag(),
@@ -67,6 +71,7 @@ fn watch(
         observer.look()?;
         live.show(
             progress,
+            fingers,
             Some(&observer.status),
             &scenario.live(&observer.now),
         );
