@@ -387,6 +387,8 @@ enum atas_cause {
     ATAS_CAUSE_NO_WORKSPACE = 63,
     // The hand holds nothing that the task could go on with.
     ATAS_CAUSE_HAND_EMPTY = 64,
+    // Closed to this width, the jaws' domes would not face each other well enough to feel.
+    ATAS_CAUSE_DOMES_ASKEW = 65,
     // The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
     ATAS_CAUSE_TARGETS_STOPPED = 70,
     // A target failed its checksum.

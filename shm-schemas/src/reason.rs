@@ -122,6 +122,8 @@ code! {
         NO_WORKSPACE = 63, "no-workspace";
         /// The hand holds nothing that the task could go on with.
         HAND_EMPTY = 64, "hand-empty";
+        /// Closed to this width, the jaws' domes would not face each other well enough to feel.
+        DOMES_ASKEW = 65, "domes-askew";
         /// The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
         TARGETS_STOPPED = 70, "targets-stopped";
         /// A target failed its checksum.

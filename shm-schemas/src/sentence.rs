@@ -58,6 +58,22 @@ impl Reason {
                 "the task leads through more than {limit:.0} postures, which is the most that a check follows; let the hands wait \
                  for each other at meeting points, or split the task"
             ),
+            Cause::UNREACHABLE if goal_value(index).ends_with("yaw") => write!(
+                f,
+                "the arm cannot close in this direction there: {} is {}, the nearest that it can is {}; turn the closing axis or \
+                 move the place",
+                goal_value(index),
+                of_goal(index, value),
+                of_goal(index, limit)
+            ),
+            Cause::DOMES_ASKEW => write!(
+                f,
+                "closed to this width at the place {:?}, a fingertip would face {:.1}° beside the closing axis, and its dome bears \
+                 {:.1}°; grasp where the object is of another width, see `atas robot check`",
+                goal_place(index),
+                value.to_degrees(),
+                limit.to_degrees()
+            ),
             // No limit of one number is at fault: the arm has no posture for all of them together.
             Cause::UNREACHABLE if limit == 0.0 => write!(
                 f,

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::model::HandModel;
+use crate::solve::{POSTURE_DOME_ERROR_MAX_RAD, Unreachable};
 use crate::target::GraspFrame;
 
 /// How far it must be able to rise from where it rests, or sink, m (ours: a lift).
@@ -62,19 +63,71 @@ impl HandModel {
         self.posture_for(&frame).is_ok()
     }
 
-    /// Whether it reaches both ends of a turn of a cap where it rests.
+    /// Whether its domes cannot all face each other within 1° wherever it closes: jaws that turn, as one that is fixed and one on a
+    /// joint do, face each other at one opening only.
+    #[must_use]
+    pub fn domes_tilt(&self) -> bool {
+        self.domes_tilt
+    }
+
+    /// How far beside the closing axis its domes may face where they touch, radians: 1°, or what domes that tilt bear.
+    #[must_use]
+    pub fn dome_error_max_rad(&self) -> f64 {
+        let bears_rad = |radius_m: &f64| self.skin.tilt_max_rad(*radius_m).unwrap_or(0.0);
+        let tilted_rad = self.tip_radius_m().iter().map(bears_rad);
+        let tilted_rad = tilted_rad
+            .filter(|_| self.domes_tilt)
+            .fold(f64::INFINITY, f64::min);
+        if tilted_rad.is_finite() {
+            tilted_rad.max(POSTURE_DOME_ERROR_MAX_RAD)
+        } else {
+            POSTURE_DOME_ERROR_MAX_RAD
+        }
+    }
+
+    /// How far the worst dome faces beside the closing axis where the hand rests, closed to `opening_m`, radians; `None` where its
+    /// fingertips do not get to that opening.
+    #[must_use]
+    pub fn dome_error_at_home_rad(&self, opening_m: f64) -> Option<f64> {
+        let frame = GraspFrame::from_above(self.home_m, self.home_yaw_rad, opening_m);
+        let best = match self.posture_for(&frame) {
+            Ok(best) | Err(Unreachable { best, .. }) => best,
+        };
+        best.meets_tips().then_some(best.dome_error_rad)
+    }
+
+    /// Tried at openings up to that of rest.
+    fn find_domes_tilt(&self) -> bool {
+        let step_m = self.home_opening_m / OPENINGS as f64;
+        (1..=OPENINGS).any(|step| {
+            self.dome_error_at_home_rad(step_m * step as f64)
+                .is_some_and(|error_rad| error_rad > POSTURE_DOME_ERROR_MAX_RAD)
+        })
+    }
+
+    /// Whether it reaches both ends of a turn of a cap where it rests, its fingertips turned no farther than domes that do not tilt
+    /// may be: a hand that turns as a whole does not pass one by the other.
     fn turns_both_ways(&self) -> bool {
         [PASS_M, -PASS_M].into_iter().all(|by_m| {
             let frame = GraspFrame {
                 tangential_m: [by_m, -by_m],
                 ..GraspFrame::from_above(self.home_m, self.home_yaw_rad, CAP_M)
             };
-            self.posture_for(&frame).is_ok()
+            let dome_error_max_rad = if self.turns_by_wrist {
+                self.dome_error_max_rad()
+            } else {
+                POSTURE_DOME_ERROR_MAX_RAD
+            };
+            self.posture_within(&frame, dome_error_max_rad).is_ok()
         })
     }
 
-    /// How far open it can be where it rests: at least as far as it rests.
+    /// How far open it can be where it rests: at least as far as it rests. A hand whose domes tilt does so the more the wider it is open;
+    /// that the arm can follow where it rests is no sign that it can elsewhere, so it opens no farther than that.
     fn find_widest_m(&self) -> f64 {
+        if self.domes_tilt {
+            return self.home_opening_m;
+        }
         let (mut reached_m, mut beyond_m) = (self.home_opening_m, OPEN_MAX_M);
         for _ in 0..HALVINGS {
             let opening_m = (reached_m + beyond_m) / 2.0;
@@ -109,8 +162,10 @@ impl HandModel {
         slowest_m_s
     }
 
-    /// Finds out how far and how fast it opens, whether it has to turn caps by its wrist, and whether it can shift and turn a little.
+    /// Finds out whether its domes tilt, how far and how fast it opens, whether it has to turn caps by its wrist, and whether it can
+    /// shift and turn a little.
     pub(crate) fn find_abilities(&mut self) {
+        self.domes_tilt = self.find_domes_tilt();
         self.widest_m = self.find_widest_m();
         self.finger_speed_m_s = self.find_finger_speed_m_s();
         self.turns_by_wrist = self.turning.wrist.is_some() && !self.turns_both_ways();

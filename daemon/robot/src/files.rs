@@ -9,7 +9,7 @@ use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 
 use crate::robot::RobotModel;
 use crate::robot_file::RobotFile;
-use crate::urdf::ModelError;
+use crate::urdf::{ModelError, remarks};
 
 /// The two texts of a robot, and what users call it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,6 +84,14 @@ impl RobotFiles {
     pub fn hash(&self) -> u64 {
         let urdf = fnv1a(FNV_OFFSET, self.urdf.as_bytes());
         fnv1a(urdf, self.robot_file.as_bytes())
+    }
+
+    /// What of its collision shapes is passed over or taken for something else, a sentence each.
+    ///
+    /// # Errors
+    /// As [`RobotModel::load`].
+    pub fn remarks(&self) -> Result<Vec<String>, ModelError> {
+        remarks(&self.urdf, &self.robot_file)
     }
 
     /// Makes the robot of them.

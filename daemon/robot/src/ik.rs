@@ -45,6 +45,9 @@ pub struct IkWeights {
     pub posture: f64,
     /// w of the finger roots, the joints that tilt a finger about the closing axis.
     pub root_posture: f64,
+    /// w of a joint that is its finger's only one: how far both sides are open is asked of the tips, so it says how evenly they share
+    /// it. Ours: the posture of the arm would otherwise move the hand aside until one jaw of two stood at its stop.
+    pub lone_posture: f64,
     /// λ, damping of dq.
     pub damping: f64,
     /// g, the fraction of each secondary error removed per step; the same for all of them, because unequal gains jump
@@ -72,6 +75,7 @@ impl IkWeights {
         hand_axis: 0.15,
         posture: 0.02,
         root_posture: 0.05,
+        lone_posture: 1.0,
         damping: 1e-3,
         secondary_gain: 0.05,
         within_side_m2: 3e-4,
@@ -280,6 +284,9 @@ impl HandModel {
         for root in self.tilting_joints() {
             weight[root] = weights.root_posture * weights.root_posture;
             wanted[root] = root_rad;
+        }
+        for lone in self.lone_joints() {
+            weight[lone] = weights.lone_posture * weights.lone_posture;
         }
         let mut rows = PostureRows {
             h: weight.map(|weight| weight + weights.damping * weights.damping),

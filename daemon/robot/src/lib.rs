@@ -118,6 +118,6 @@ pub use solve::{
 pub use target::{GraspFrame, HandTarget};
 pub use transform::Transform;
 #[cfg(feature = "std")]
-pub use urdf::{Misfit, ModelError};
+pub use urdf::{Misfit, ModelError, ModelFile};
 pub use vector::{HandVector, JointVector, RobotVector};
 pub use workspace::Workspace;

@@ -45,6 +45,8 @@ pub struct HandModel {
     /// Per joint: whether it tilts its finger about the closing axis, as a wrist would.
     pub(crate) tilts: [bool; HAND_JOINTS_MAX],
     pub(crate) turning: Turning,
+    /// See [`HandModel::domes_tilt`].
+    pub(crate) domes_tilt: bool,
     /// Its fingertips cannot pass each other, but its wrist turns it about the vertical.
     pub(crate) turns_by_wrist: bool,
     /// Whether it can shift and turn a little where it rests.
@@ -174,6 +176,7 @@ impl HandModel {
             reference_rad: HandVector::zeros(0),
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
+            domes_tilt: false,
             turns_by_wrist: false,
             moves_aside: false,
             home_m: Vector3::zeros(),
@@ -325,6 +328,13 @@ impl HandModel {
     /// Joints that tilt their finger about the closing axis.
     pub(crate) fn tilting_joints(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joint_count).filter(|joint| self.tilts[*joint])
+    }
+
+    /// Joints that are their finger's only one.
+    pub(crate) fn lone_joints(&self) -> impl Iterator<Item = usize> + '_ {
+        let fingers = self.fingers[..self.finger_count].iter();
+        let lone = fingers.filter(|finger| finger.joint_count == 1);
+        lone.map(|finger| finger.first_joint)
     }
 
     /// Mean angle of the joints that tilt the fingers, radians; 0 if the hand has none.

@@ -25,6 +25,10 @@ pub const POSTURE_SPREAD_ERROR_MAX_M: f64 = 2e-3;
 /// Dome-axis error below which a posture counts as reached, radians (1°). Ours.
 pub const POSTURE_DOME_ERROR_MAX_RAD: f64 = 0.0175;
 
+/// The same for a hand whose domes cannot all face each other, radians (ours: 45°): open, it touches nothing. What its domes bear
+/// where they touch is [`HandModel::dome_error_max_rad`].
+const TILTED_DOME_ERROR_MAX_RAD: f64 = core::f64::consts::FRAC_PI_4;
+
 /// A posture with what is left of the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
@@ -43,19 +47,45 @@ pub struct Solution {
 pub struct Unreachable {
     /// The best posture found.
     pub best: Solution,
+    /// Dome-axis error that it might have had, radians.
+    pub dome_error_max_rad: f64,
 }
 
 impl fmt::Display for Unreachable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "could not reach the grasp because the best posture left {:.3} mm of tip error and {:.2}° of dome axis, \
-             needs at most {:.3} mm and {:.2}°; move the object into the workspace or choose another closing yaw",
-            self.best.tip_error_m * 1e3,
-            self.best.dome_error_rad.to_degrees(),
-            POSTURE_TIP_ERROR_MAX_M * 1e3,
-            POSTURE_DOME_ERROR_MAX_RAD.to_degrees(),
-        )
+        let Solution {
+            tip_error_m,
+            spread_error_m,
+            dome_error_rad,
+            ..
+        } = self.best;
+        f.write_str("could not reach the grasp because in the best posture ")?;
+        // Written so that NaN is told.
+        if !(tip_error_m <= POSTURE_TIP_ERROR_MAX_M) {
+            write!(
+                f,
+                "the fingertips of one side stayed {:.3} mm off, needs at most {:.3} mm; move the object into the workspace or \
+                 choose another closing yaw",
+                tip_error_m * 1e3,
+                POSTURE_TIP_ERROR_MAX_M * 1e3,
+            )
+        } else if !(spread_error_m <= POSTURE_SPREAD_ERROR_MAX_M) {
+            write!(
+                f,
+                "one of several fingertips of a side stayed {:.1} mm beside its place while their middle was met, needs at most \
+                 {:.1} mm; let fingertips of one side stand in a line across the hand's `down` and the closing axis",
+                spread_error_m * 1e3,
+                POSTURE_SPREAD_ERROR_MAX_M * 1e3,
+            )
+        } else {
+            write!(
+                f,
+                "a fingertip faced {:.2}° beside the closing axis, needs at most {:.2}°; choose another closing yaw or opening, or \
+                 correct `facing`",
+                dome_error_rad.to_degrees(),
+                self.dome_error_max_rad.to_degrees(),
+            )
+        }
     }
 }
 
@@ -73,17 +103,10 @@ impl HandModel {
     ) -> Solution {
         let mut pose = self.forward(start_rad);
         for _ in 0..iterations {
-            let step = self.ik_step(
-                &pose,
-                &self.jacobian(&pose),
-                target,
-                SOLVE_STEP_S,
-                &IkWeights::SOLVE,
-            );
-            if step.status == IkStatus::Failed {
+            let Some(next) = self.solve_step(&pose, target) else {
                 break;
-            }
-            pose = self.forward(&step.q_rad);
+            };
+            pose = next;
         }
         Solution::new(self, &pose, target)
     }
@@ -94,24 +117,78 @@ impl HandModel {
     ///
     /// # Errors
     /// [`Unreachable`] if tips or dome axes stay farther off than [`POSTURE_TIP_ERROR_MAX_M`] and
-    /// [`POSTURE_DOME_ERROR_MAX_RAD`].
+    /// [`POSTURE_DOME_ERROR_MAX_RAD`]; where the hand's domes cannot all face each other
+    /// ([`HandModel::domes_tilt`]), only a hand turned away is refused.
     pub fn posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
-        let mut start = self.reference_rad;
-        let yaw_rad = grasp.as_done_by(self).closing_yaw_rad;
-        self.turn_towards(&mut start, &grasp.centre_m, yaw_rad);
-        let best = self.solve(
-            &self.clamp_to_limits(&start),
-            &grasp.target(self),
-            POSTURE_ITERATIONS,
-        );
-        let reached = best.tip_error_m <= POSTURE_TIP_ERROR_MAX_M
-            && best.spread_error_m <= POSTURE_SPREAD_ERROR_MAX_M
-            && best.dome_error_rad <= POSTURE_DOME_ERROR_MAX_RAD;
-        if reached {
+        self.posture_within(grasp, self.open_dome_error_max_rad())
+    }
+
+    /// Whether [`posture_for`](Self::posture_for) gets to a grasp. It ends as soon as it is there, which is some five times as fast.
+    #[must_use]
+    pub fn reaches(&self, grasp: &GraspFrame) -> bool {
+        let target = grasp.target(self);
+        let mut pose = self.forward(&self.start_for(grasp));
+        for _ in 0..POSTURE_ITERATIONS {
+            let so_far = Solution::new(self, &pose, &target);
+            if so_far.is_within(self.open_dome_error_max_rad()) {
+                return true;
+            }
+            let Some(next) = self.solve_step(&pose, &target) else {
+                break;
+            };
+            pose = next;
+        }
+        Solution::new(self, &pose, &target).is_within(self.open_dome_error_max_rad())
+    }
+
+    /// How far its domes may be off where they need not touch, radians.
+    fn open_dome_error_max_rad(&self) -> f64 {
+        if self.domes_tilt {
+            TILTED_DOME_ERROR_MAX_RAD
+        } else {
+            POSTURE_DOME_ERROR_MAX_RAD
+        }
+    }
+
+    /// The same, of a hand that touches what it grasps: its domes must bear how far they are turned from the closing axis.
+    ///
+    /// # Errors
+    /// [`Unreachable`], as [`posture_for`](Self::posture_for), with [`dome_error_max_rad`](Self::dome_error_max_rad).
+    pub fn touching_posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
+        self.posture_within(grasp, self.dome_error_max_rad())
+    }
+
+    /// The same for dome axes that are off by so much at most, radians.
+    pub(crate) fn posture_within(
+        &self,
+        grasp: &GraspFrame,
+        dome_error_max_rad: f64,
+    ) -> Result<Solution, Unreachable> {
+        let start_rad = self.start_for(grasp);
+        let best = self.solve(&start_rad, &grasp.target(self), POSTURE_ITERATIONS);
+        if best.is_within(dome_error_max_rad) {
             Ok(best)
         } else {
-            Err(Unreachable { best })
+            Err(Unreachable {
+                best,
+                dome_error_max_rad,
+            })
         }
+    }
+
+    /// The reference posture with the arm turned towards a grasp and the wrist rolled to its closing yaw.
+    fn start_for(&self, grasp: &GraspFrame) -> HandVector {
+        let mut start_rad = self.reference_rad;
+        let yaw_rad = grasp.as_done_by(self).closing_yaw_rad;
+        self.turn_towards(&mut start_rad, &grasp.centre_m, yaw_rad);
+        self.clamp_to_limits(&start_rad)
+    }
+
+    /// The pose after one step without regard for time; `None` if it fails.
+    fn solve_step(&self, pose: &HandPose, target: &HandTarget) -> Option<HandPose> {
+        let (jacobian, weights) = (self.jacobian(pose), &IkWeights::SOLVE);
+        let step = self.ik_step(pose, &jacobian, target, SOLVE_STEP_S, weights);
+        (step.status != IkStatus::Failed).then(|| self.forward(&step.q_rad))
     }
 
     /// The nearest posture inside the limits; angles that are not finite become the reference posture's.
@@ -129,6 +206,18 @@ impl HandModel {
 }
 
 impl Solution {
+    /// Whether tips and domes are as near as they must be.
+    fn is_within(&self, dome_error_max_rad: f64) -> bool {
+        self.meets_tips() && self.dome_error_rad <= dome_error_max_rad
+    }
+
+    /// Whether all tips are as near to their places as they must be: the middle of each side, and each tip beside it.
+    #[must_use]
+    pub fn meets_tips(&self) -> bool {
+        self.tip_error_m <= POSTURE_TIP_ERROR_MAX_M
+            && self.spread_error_m <= POSTURE_SPREAD_ERROR_MAX_M
+    }
+
     fn new(hand: &HandModel, pose: &HandPose, target: &HandTarget) -> Solution {
         let worst = |error: fn(&HandPose, &HandTarget, usize) -> f64| {
             let fingers = 0..pose.base_from_tip().len();

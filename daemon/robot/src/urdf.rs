@@ -14,10 +14,12 @@ mod tip;
 mod tree;
 
 use std::format;
+use std::string::String;
+use std::vec::Vec;
 
 use error::Findings;
 pub(crate) use error::misfit;
-pub use error::{Misfit, ModelError};
+pub use error::{Misfit, ModelError, ModelFile};
 use hand::load_hand;
 use joint::{joint_axis, load_joint};
 use tree::Tree;
@@ -32,19 +34,16 @@ impl RobotModel {
     ///
     /// # Errors
     /// [`ModelError`] if either is not what it says, or with everything in which they do not fit.
-    pub fn load(urdf: &str, robot_file: &str) -> Result<RobotModel, ModelError> {
+    pub fn load(urdf_text: &str, robot_file: &str) -> Result<RobotModel, ModelError> {
         let file = RobotFile::parse(robot_file)?;
-        let robot = urdf_rs::read_from_string(urdf)?;
-        let mut findings = Findings::default();
+        let robot = urdf_rs::read_from_string(urdf_text)?;
+        let mut findings = Findings::new(urdf_text, robot_file);
         let tree = Tree::new(&robot, &mut findings);
         check_entries(&tree, &file, &mut findings);
         let entries = [&file.hands.left, &file.hands.right];
         if entries.iter().all(|entry| entry.is_none()) {
-            findings.add(misfit(
-                "the robot file",
-                "without a hand",
-                "[hands.left] or [hands.right]",
-            ));
+            let needs = "[hands.left] or [hands.right]";
+            findings.add(misfit("the robot file", "without a hand", needs).of_robot_file());
         }
         let alone = entries.iter().any(|entry| entry.is_none());
         let mut hand = |side: Side| match entries[side.index()] {
@@ -64,6 +63,17 @@ impl RobotModel {
     }
 }
 
+/// What of a robot's collision shapes is passed over or taken for something else, a sentence each.
+///
+/// # Errors
+/// [`ModelError`] if either text is not what it says.
+pub(crate) fn remarks(urdf_text: &str, robot_file: &str) -> Result<Vec<String>, ModelError> {
+    let file = RobotFile::parse(robot_file)?;
+    let robot = urdf_rs::read_from_string(urdf_text)?;
+    let tree = Tree::new(&robot, &mut Findings::new(urdf_text, robot_file));
+    Ok(collision::remarks(&tree, &file))
+}
+
 /// Every joint that the robot file speaks of must be one, of numbers that make sense: also those that no hand is found to have.
 fn check_entries(tree: &Tree, file: &RobotFile, findings: &mut Findings) {
     for (name, entry) in &file.joints {
@@ -71,11 +81,8 @@ fn check_entries(tree: &Tree, file: &RobotFile, findings: &mut Findings) {
             Err(misfit) => findings.add(misfit),
             Ok(joint) if joint.joint_type == urdf_rs::JointType::Fixed => {
                 let item = format!("the type of joint `{name}`");
-                findings.add(misfit(
-                    item,
-                    "fixed",
-                    "a moving joint, or no entry in the robot file",
-                ));
+                let needs = "a moving joint, or no entry in the robot file";
+                findings.add(misfit(item, "fixed", needs));
             }
             Ok(joint) => {
                 let _ = load_joint(joint, Some(entry), findings);

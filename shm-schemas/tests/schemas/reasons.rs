@@ -112,6 +112,16 @@ fn table() -> Vec<(Reason, &'static str)> {
              prints one",
         ),
         (
+            limit(Cause::DOMES_ASKEW, 0.3, 0.2, 0),
+            "closed to this width at the place \"from\", a fingertip would face 17.2° beside the closing axis, and its dome bears \
+             11.5°; grasp where the object is of another width, see `atas robot check`",
+        ),
+        (
+            limit(Cause::UNREACHABLE, 1.5, 0.5, 3),
+            "the arm cannot close in this direction there: from yaw is 85.9°, the nearest that it can is 28.6°; turn the closing \
+             axis or move the place",
+        ),
+        (
             limit(Cause::ARMS_COLLIDE, 0.003, 0.01, 0),
             "the arms would come within 3.0 mm of each other, needs 10.0 mm; move the places apart",
         ),

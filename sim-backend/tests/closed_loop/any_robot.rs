@@ -1,7 +1,7 @@
 //! Robots of other structures before the simulated world: the same controller, the same contacts.
 
 use crate::rig::{Rig, displace, goal, object};
-use robot_model::{RobotFiles, RobotModel, Side};
+use robot_model::{GraspFrame, RobotFiles, RobotModel, Side};
 use shm_schemas::{Cause, GoalKind, GoalState};
 use sim_backend::{Scene, simulated_skin};
 
@@ -204,4 +204,51 @@ fn what_seems_to_turn_while_it_still_stands_is_put_back() {
     assert_ne!(end.reason.cause, Cause::NONE);
     let truth = rig.object();
     assert_eq!((truth.stands, truth.pressed), (1, 0), "{truth:?}");
+}
+
+/// A 5-DOF arm whose gripper has one fixed and one turning jaw: its domes face each other at one opening only, and the hand tilts as
+/// it closes.
+#[test]
+fn a_fixed_and_a_turning_jaw_grasp_and_let_go() {
+    let robot = RobotModel::load(
+        include_str!("../../../daemon/robot/tests/robots/angular-jaw.urdf"),
+        include_str!("../../../daemon/robot/tests/robots/angular-jaw.toml"),
+    )
+    .expect("it fits");
+    for name in ["wood", "slippery-50", "paper-box", "sponge", "bottle"] {
+        let scene = Scene::grasp(object(name), Side::Right).before(robot.hand(Side::Right));
+        let mut rig = Rig::of(robot.clone(), &scene.varied(1), 1);
+        rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+        let truth = rig.object();
+        assert!(truth.lifted_m > 0.045, "{name}: {truth:?}");
+        assert_eq!((truth.dropped, truth.crushed), (0, 0), "{name}: {truth:?}");
+        rig.achieve(&goal(GoalKind::RELEASE, &scene, Side::Right));
+    }
+}
+
+/// Regression: jaws that each have a drive of their own stood at their stops, because the arm moved the hand aside for its posture.
+#[test]
+fn jaws_with_a_drive_each_share_the_opening() {
+    let files = RobotFiles::find("arm7-gripper").expect("it ships");
+    let mimic = "<mimic joint=\"left_jaw\"/>";
+    assert!(files.urdf.contains(mimic));
+    let file = format!(
+        "{}right_jaw = {{ rest_m = 0.035, stiffness = 20000, inertia = 0.4 }}\n",
+        files.robot_file
+    );
+    let robot = RobotModel::load(&files.urdf.replace(mimic, ""), &file).expect("it fits");
+    let hand = robot.hand(Side::Right);
+    for x_m in [0.24, 0.32, 0.42] {
+        let centre_m = nalgebra::Vector3::new(x_m, -0.10, 0.05);
+        let frame = GraspFrame::from_above(centre_m, hand.home_yaw_rad(), 0.07);
+        let posture = hand.posture_for(&frame).expect("a posture").q_rad;
+        let apart_m = (posture[7] - posture[8]).abs();
+        assert!(apart_m < 0.001, "at {x_m} m: {posture:?}");
+    }
+    for name in ["wood", "sponge"] {
+        let scene = Scene::pick_place(object(name), Side::Right).before(hand);
+        let mut rig = Rig::of(robot.clone(), &scene, 1);
+        rig.achieve(&goal(GoalKind::PICK_PLACE, &scene, Side::Right));
+        assert_eq!(rig.object().dropped, 0, "{name}: {:?}", rig.object());
+    }
 }

@@ -8,6 +8,7 @@
 //! * **Invariants:** everything that does not fit is told at once, by the loader. What a hand can do is tried by the inverse
 //!   kinematics, and told for the tasks as `demo` and `eval` will judge it.
 
+mod facing;
 mod reach;
 mod views;
 
@@ -20,6 +21,7 @@ use robot_model::{HandModel, Joint, JointKind, RobotFiles, RobotModel, SHIPPED, 
 use serde_json::{Value, json};
 
 use crate::picture;
+use facing::Facing;
 use reach::Reach;
 
 /// How far a dome may be turned from the other side, as the cosine between them (ours: 60°).
@@ -157,6 +159,9 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
             "fingertip {link} does not face the other side where the hand rests: say `facing`, or mend `side` or `rest_deg`"
         ))?;
     }
+    for line in Facing::of(hand).lines() {
+        output.line(line)?;
+    }
     let home_m = hand.home_m();
     output.line(format_args!(
         "rests at {:.3},{:.3},{:.3} m, {:.0} mm open, closing axis {:.0}°",
@@ -259,6 +264,7 @@ fn hand_json(hand: &HandModel) -> Value {
             "x_m": space.x_m, "y_m": space.y_m, "z_m": space.z_m, "opening_m": space.opening_m,
         })),
         "turned_away": turned_away(hand),
+        "facing": Facing::of(hand).json(),
         "abilities": { "lifts": able.lifts, "carries": able.carries, "turns_caps": able.turns_caps, "turns_by_wrist": able.turns_by_wrist },
     })
 }

@@ -16,10 +16,10 @@ use crate::goal::Goal;
 use crate::kinematics::frame_of;
 use crate::planning::{OVER_TOP_M, descent_m};
 use clearance::check_paths;
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, MAX_FORCE, TO_X, TO_YAW, TOP, WIDTH};
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandModel, RobotVector, Side};
+use robot_model::{GraspFrame, HandModel, RobotVector, Side, Unreachable};
 use shm_schemas::{Cause, GoalRequest, Reason};
 
 /// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
@@ -130,10 +130,20 @@ fn openings_m(hand: &HandModel) -> (f64, f64) {
 fn check_reach(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
     let request = goal.request();
     if goal.demands().visits_source {
-        check_place(goal, now, request.from_m, request.from_yaw_rad, FROM_X)?;
+        check_place(
+            goal,
+            now,
+            (request.from_m, FROM_X),
+            (request.from_yaw_rad, FROM_YAW),
+        )?;
     }
     if goal.demands().visits_target {
-        check_place(goal, now, request.to_m, request.to_yaw_rad, TO_X)?;
+        check_place(
+            goal,
+            now,
+            (request.to_m, TO_X),
+            (request.to_yaw_rad, TO_YAW),
+        )?;
     }
     Ok(())
 }
@@ -146,9 +156,8 @@ const EDGE_M: f64 = 1e-6;
 fn check_place(
     goal: &Goal,
     now: &Circumstances<'_>,
-    [x, y, z]: [f64; 3],
-    yaw_rad: f64,
-    index: usize,
+    ([x, y, z], index): ([f64; 3], usize),
+    (told_rad, yaw_index): (f64, usize),
 ) -> Result<(), Reason> {
     let (side, width_m) = (goal.side(), goal.request().width_m);
     let hand = now.robot.hand(side);
@@ -162,9 +171,9 @@ fn check_place(
             ..r
         })
     };
-    // The hand comes open by the clearance on each side.
+    // The hand comes open by the clearance on each side, or as far as it can.
     let wide_m = 2.0 * now.settings.motion.clearance_m;
-    let mut open_m = width_m + wide_m;
+    let mut open_m = (width_m + wide_m).min(hand.widest_m().max(width_m));
     if let Some(workspace) = hand.workspace() {
         reach(x, workspace.x_m, index)?;
         reach(y, workspace.y_m, index + 1)?;
@@ -175,23 +184,55 @@ fn check_place(
         // Every opening of the box has a posture.
         open_m = width_m;
     }
-    let posture = |height_m: f64, index: usize| {
+    let frame = |height_m: f64, opening_m: f64, yaw_rad: f64| {
         let centre_m = Vector3::new(x, y, height_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
-        let frame = GraspFrame::from_above(centre_m, yaw_rad, open_m);
-        hand.posture_for(&frame).map_err(|error| {
-            let error_m = error.best.tip_error_m;
-            Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(index)
-        })
+        GraspFrame::from_above(centre_m, yaw_rad, opening_m)
     };
-    let grasp = posture(z, index)?;
-    posture(travel_m, index)?;
+    let goes = |yaw_rad: f64| {
+        let grasp = hand.posture_for(&frame(z, open_m, yaw_rad))?;
+        hand.posture_for(&frame(travel_m, open_m, yaw_rad))?;
+        hand.touching_posture_for(&frame(z, width_m, yaw_rad))?;
+        Ok(grasp)
+    };
+    let grasp = goes(told_rad).map_err(|error| {
+        let nearest_rad = nearest_yaw_rad(told_rad, |yaw_rad| goes(yaw_rad).is_ok());
+        nearest_rad.map_or_else(
+            || why_unreachable(&error).about(index),
+            |nearest_rad| Reason::limit(Cause::UNREACHABLE, told_rad, nearest_rad).about(yaw_index),
+        )
+    })?;
     let top_m = goal.request().top_m;
     if top_m > 0.0 {
         // What rises above the grasp must fit under what carries the fingers, and the hand must come from above it.
         let room_m = hand.lowest_of_palm_m(&hand.forward(&grasp.q_rad)) - z - OVER_TOP_M;
         check_range(top_m, (0.0, room_m), TOP)?;
-        posture(z + descent_m(hand, goal.request(), now.settings), TOP)?;
+        let over_m = z + descent_m(hand, goal.request(), now.settings);
+        let over = hand.posture_for(&frame(over_m, open_m, told_rad));
+        over.map_err(|error| why_unreachable(&error).about(TOP))?;
     }
     Ok(())
+}
+
+/// How far a closing axis is turned in search of one that the hand can take, rad, and in how many steps (ours: by 90° all are tried,
+/// because sides may be exchanged).
+const TURN_STEP_RAD: f64 = PI / 36.0;
+const TURN_STEPS: usize = 18;
+
+/// The yaw next to the one that was told that a hand can take, rad.
+fn nearest_yaw_rad(told_rad: f64, takes: impl Fn(f64) -> bool) -> Option<f64> {
+    let turns_rad = (1..=TURN_STEPS).map(|step| step as f64 * TURN_STEP_RAD);
+    let mut yaws_rad = turns_rad.flat_map(|by_rad| [told_rad + by_rad, told_rad - by_rad]);
+    yaws_rad.find(|yaw_rad| takes(*yaw_rad))
+}
+
+/// What keeps a hand from a place: how its domes face, or the place.
+fn why_unreachable(error: &Unreachable) -> Reason {
+    let best = &error.best;
+    if best.meets_tips() {
+        let (askew_rad, bears_rad) = (best.dome_error_rad, error.dome_error_max_rad);
+        return Reason::limit(Cause::DOMES_ASKEW, askew_rad, bears_rad);
+    }
+    let error_m = best.tip_error_m.max(best.spread_error_m);
+    Reason::limit(Cause::UNREACHABLE, error_m, 0.0)
 }

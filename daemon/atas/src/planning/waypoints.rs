@@ -336,7 +336,7 @@ pub fn home(hand: &HandModel, now: &GraspFrame) -> GraspFrame {
         hand,
         now,
         hand.home_m().into(),
-        FRAC_PI_2,
+        hand.home_yaw_rad(),
         hand.home_opening_m(),
     )
 }

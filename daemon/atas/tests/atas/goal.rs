@@ -5,7 +5,7 @@ use atas_core::check::{self, Circumstances};
 use atas_core::goal::ActiveGoal;
 use atas_core::tasks::{GRASP, RELEASE, Task};
 use atas_core::{Goal, Settings, Wiring};
-use robot_model::Side;
+use robot_model::{RobotModel, Side};
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, Text};
 
 fn goal() -> GoalRequest {
@@ -168,4 +168,42 @@ fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
         let reached = [right, left].map(|g| check(&g, &Wiring::default()).is_ok());
         assert_eq!(reached[0], reached[1], "y = {y}");
     }
+}
+
+/// A 5-DOF arm with one fixed and one turning jaw: a yaw that it cannot take is refused with the nearest that it can, a width at which
+/// its domes would not face each other by how far they would be off.
+#[test]
+fn what_an_angular_jaw_cannot_do_is_refused_by_name() {
+    let robot = RobotModel::load(
+        include_str!("../../../robot/tests/robots/angular-jaw.urdf"),
+        include_str!("../../../robot/tests/robots/angular-jaw.toml"),
+    )
+    .expect("it fits");
+    let wiring = Wiring::of(&robot);
+    let refused = |yaw_deg: f64, width_m: f64| {
+        let goal = GoalRequest {
+            from_m: [0.21, 0.0, 0.035],
+            from_yaw_rad: yaw_deg.to_radians(),
+            width_m,
+            lift_m: 0.04,
+            ..goal()
+        };
+        let now = Circumstances {
+            robot: &robot,
+            wiring: &wiring,
+            settings: &Settings::default(),
+            tasks: &[],
+            commanded_rad: None,
+        };
+        check::check(&goal, &now).err()
+    };
+    assert_eq!(refused(0.0, 0.05), None);
+    assert_eq!(refused(180.0, 0.05), None);
+    let yaw = refused(90.0, 0.05).expect("it tilts in the plane of its arm");
+    assert_eq!((yaw.cause, yaw.index), (Cause::UNREACHABLE, 3), "{yaw}");
+    assert!(yaw.to_string().contains("from yaw is 90.0°"), "{yaw}");
+    let nearest = refused(yaw.limit.to_degrees(), 0.05);
+    assert_eq!(nearest, None, "{yaw}");
+    let narrow = refused(0.0, 0.015).expect("too narrow");
+    assert_eq!(narrow.cause, Cause::DOMES_ASKEW, "{narrow}");
 }

@@ -2,14 +2,16 @@
 
 use std::format;
 use std::string::String;
+use std::vec::Vec;
 
 use nalgebra::Vector3;
 use urdf_rs::Geometry;
 
-use super::error::{Misfit, misfit};
+use super::error::{Findings, Misfit, misfit};
 use super::framed::Framed;
 use super::tree::{Tree, finite, transform};
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
+use crate::robot_file::RobotFile;
 
 /// The collision capsules of every link that a hand's frames move, each in its frame. A hand that is alone has no other to
 /// keep apart from, so what is no capsule may be passed over.
@@ -17,10 +19,11 @@ pub(super) fn load_capsules(
     tree: &Tree,
     frames: &[Framed],
     alone: bool,
-) -> Result<Capsules, Misfit> {
+    findings: &mut Findings,
+) -> Option<Capsules> {
     let mut capsules = Capsules::new();
     for link in &tree.robot().links {
-        let Some((mover, path)) = tree.mover(&link.name)? else {
+        let Some((mover, path)) = findings.note(tree.mover(&link.name))? else {
             continue;
         };
         let Some(index) = frames.iter().position(|it| it.joint.name == mover.name) else {
@@ -32,11 +35,12 @@ pub(super) fn load_capsules(
             if alone && matches!(collision.geometry, Geometry::Mesh { .. }) {
                 continue;
             }
-            let (radius_m, along_m) = capsule_size(&collision.geometry, what)?;
-            let frame_from_shape = framed
-                .frame_from_link
-                .then(&path)
-                .then(&transform(&collision.origin, what)?);
+            let size = findings.note(capsule_size(&collision.geometry, what));
+            let origin = findings.note(transform(&collision.origin, what));
+            let (Some((radius_m, along_m)), Some(origin)) = (size, origin) else {
+                continue;
+            };
+            let frame_from_shape = framed.frame_from_link.then(&path).then(&origin);
             let end = |sign: f64| frame_from_shape.point(&(along_m * sign));
             let capsule = Capsule {
                 a_m: end(-1.0),
@@ -45,15 +49,52 @@ pub(super) fn load_capsules(
                 joint: framed.driver,
             };
             if !capsules.push(capsule, index) {
-                return Err(misfit(
-                    what(),
-                    format!("shape {} of its hand", CAPSULES_MAX + 1),
-                    format!("at most {CAPSULES_MAX} shapes per hand"),
-                ));
+                let was = format!("shape {} of its hand", CAPSULES_MAX + 1);
+                let needs = format!("at most {CAPSULES_MAX} shapes per hand");
+                findings.add(misfit(what(), was, needs));
+                return None;
             }
         }
     }
-    Ok(capsules)
+    Some(capsules)
+}
+
+/// What becomes of the collision shapes that are not taken as they are.
+pub(super) fn remarks(tree: &Tree, file: &RobotFile) -> Vec<String> {
+    let hands = [&file.hands.left, &file.hands.right];
+    let tips = hands.iter().filter_map(|hand| hand.as_ref());
+    let tips = tips.flat_map(|hand| &hand.fingers);
+    let moved: Vec<&str> = tips
+        .filter_map(|finger| tree.chain(&finger.tip).ok())
+        .flat_map(|chain| chain.steps)
+        .map(|step| &*step.joint.name)
+        .collect();
+    let mut remarks = Vec::new();
+    for link in &tree.robot().links {
+        let mover = tree.mover(&link.name).ok().flatten();
+        let moves = mover.is_some_and(|(joint, _)| moved.contains(&&*joint.name));
+        let shapes = |is: fn(&Geometry) -> bool| {
+            let shapes = link.collision.iter();
+            shapes.filter(|it| is(&it.geometry)).count()
+        };
+        let meshes = shapes(|it| matches!(it, Geometry::Mesh { .. }));
+        let boxes = shapes(|it| matches!(it, Geometry::Box { .. }));
+        let name = &link.name;
+        if !moves && !link.collision.is_empty() {
+            remarks.push(format!(
+                "collision of link `{name}` is passed over: nothing that moves a fingertip moves it"
+            ));
+        } else if meshes > 0 {
+            remarks.push(format!(
+                "collision of link `{name}` is passed over where it is a mesh: one hand alone keeps apart from no other"
+            ));
+        } else if boxes > 0 {
+            remarks.push(format!(
+                "collision of link `{name}` is a box, taken as the capsule around it"
+            ));
+        }
+    }
+    remarks
 }
 
 /// Radius of the capsule around a shape, and the way from its middle to an end, in the shape's frame, metres.

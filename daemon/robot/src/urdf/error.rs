@@ -1,6 +1,7 @@
 //! Why a robot was not loaded.
 
 use std::fmt;
+use std::format;
 use std::path::PathBuf;
 use std::string::{String, ToString};
 use std::vec;
@@ -56,15 +57,45 @@ pub struct Misfit {
     pub was: String,
     /// What is needed instead.
     pub needs: String,
+    /// The file in which to change it.
+    pub file: ModelFile,
+    /// The line there at which what it names is, counted from 1; `None` if it names nothing that is there.
+    pub line: Option<usize>,
+}
+
+/// One of the two files that a robot is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelFile {
+    /// The URDF.
+    Urdf,
+    /// The robot file.
+    RobotFile,
 }
 
 impl fmt::Display for Misfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Misfit { item, was, needs } = self;
+        let Misfit {
+            item, was, needs, ..
+        } = self;
         write!(
             f,
-            "could not load the robot because {item} was {was}, needs {needs}; change the URDF or its robot file"
-        )
+            "could not load the robot because {item} was {was}, needs {needs}; change "
+        )?;
+        if let Some(line) = self.line {
+            write!(f, "line {line} of ")?;
+        }
+        f.write_str(match self.file {
+            ModelFile::Urdf => "the URDF",
+            ModelFile::RobotFile => "the robot file",
+        })
+    }
+}
+
+impl Misfit {
+    /// The same, of something that the robot file says.
+    pub(super) fn of_robot_file(mut self) -> Self {
+        self.file = ModelFile::RobotFile;
+        self
     }
 }
 
@@ -84,18 +115,57 @@ pub(crate) fn misfit(item: impl ToString, was: impl ToString, needs: impl ToStri
         item: item.to_string(),
         was: was.to_string(),
         needs: needs.to_string(),
+        file: ModelFile::Urdf,
+        line: None,
     }
 }
 
-/// Everything that was found wrong so far.
-#[derive(Debug, Default)]
-pub(super) struct Findings(Vec<Misfit>);
+/// Everything that was found wrong so far, and the texts in which its places are looked up.
+#[derive(Debug)]
+pub(super) struct Findings<'a> {
+    misfits: Vec<Misfit>,
+    urdf: &'a str,
+    robot_file: &'a str,
+}
 
-impl Findings {
-    /// Notes what is wrong, once.
-    pub(super) fn add(&mut self, misfit: Misfit) {
-        if !self.0.contains(&misfit) {
-            self.0.push(misfit);
+impl<'a> Findings<'a> {
+    pub(super) fn new(urdf: &'a str, robot_file: &'a str) -> Self {
+        Self {
+            misfits: Vec::new(),
+            urdf,
+            robot_file,
+        }
+    }
+
+    /// Notes what is wrong, once, with its place.
+    pub(super) fn add(&mut self, mut misfit: Misfit) {
+        self.find(&mut misfit);
+        if !self.misfits.contains(&misfit) {
+            self.misfits.push(misfit);
+        }
+    }
+
+    /// The line of the first thing that a misfit names in its file; what the URDF has not got is what the robot file speaks of.
+    fn find(&self, misfit: &mut Misfit) {
+        let names: Vec<&str> = misfit.item.split('`').skip(1).step_by(2).collect();
+        let line_of = |text: &str, form: &dyn Fn(&str) -> String| {
+            let forms: Vec<String> = names.iter().map(|name| form(name)).collect();
+            let lines = text.lines().enumerate();
+            let holds = |line: &str| forms.iter().any(|form| line.contains(form));
+            let mut found = lines.filter(|(_, line)| holds(line));
+            found.next().map(|(index, _)| index + 1)
+        };
+        let in_urdf = || line_of(self.urdf, &|name| format!("name=\"{name}\""));
+        let in_robot_file = || line_of(self.robot_file, &|name| name.to_string());
+        if misfit.file == ModelFile::Urdf {
+            misfit.line = in_urdf();
+            if misfit.line.is_some() {
+                return;
+            }
+        }
+        misfit.line = in_robot_file();
+        if misfit.line.is_some() {
+            misfit.file = ModelFile::RobotFile;
         }
     }
 
@@ -107,8 +177,8 @@ impl Findings {
     /// The whole, unless something was wrong.
     pub(super) fn unless_any<T>(self, whole: Option<T>) -> Result<T, ModelError> {
         match whole {
-            Some(whole) if self.0.is_empty() => Ok(whole),
-            _ => Err(ModelError::Misfits(self.0)),
+            Some(whole) if self.misfits.is_empty() => Ok(whole),
+            _ => Err(ModelError::Misfits(self.misfits)),
         }
     }
 }

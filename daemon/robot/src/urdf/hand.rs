@@ -59,8 +59,9 @@ pub(super) fn load_hand(
     let order = order_joints(&mut hand, &chains, findings)?;
     load_joints(&mut hand, &order, tree, entries, findings)?;
     let frames = load_frames(&mut hand, &order, &chains, findings)?;
-    load_links(&mut hand, tree, entry, &chains, &frames, findings)?;
-    hand.capsules = findings.note(load_capsules(tree, &frames, alone))?;
+    let linked = load_links(&mut hand, tree, entry, &chains, &frames, findings);
+    hand.capsules = load_capsules(tree, &frames, alone, findings)?;
+    linked?;
     turn_tips(&mut hand, entry, findings);
     settle(&mut hand, entry);
     check_rest(&hand, entry, findings);
@@ -73,18 +74,18 @@ fn check_sides(entry: &HandEntry, findings: &mut Findings) {
     let item = || format!("the fingers of palm `{}`", entry.palm);
     if !(VIRTUAL_FINGERS..=FINGERS_MAX).contains(&fingers.len()) {
         let needs = format!("{VIRTUAL_FINGERS} to {FINGERS_MAX}");
-        findings.add(misfit(item(), fingers.len(), needs));
+        findings.add(misfit(item(), fingers.len(), needs).of_robot_file());
     }
     for finger in fingers {
         if !(1..=VIRTUAL_FINGERS).contains(&finger.side) {
             let item = format!("the side of fingertip `{}`", finger.tip);
-            findings.add(misfit(item, finger.side, "1 or 2"));
+            findings.add(misfit(item, finger.side, "1 or 2").of_robot_file());
         }
     }
     for side in 1..=VIRTUAL_FINGERS {
         if !fingers.iter().any(|finger| finger.side == side) {
             let was = format!("none on side {side}");
-            findings.add(misfit(item(), was, "at least one on each side"));
+            findings.add(misfit(item(), was, "at least one on each side").of_robot_file());
         }
     }
 }
@@ -95,7 +96,8 @@ fn check_down(entry: &HandEntry, findings: &mut Findings) -> Option<Vector3<f64>
     let is_direction = down.iter().all(|x| x.is_finite()) && down.norm() > 1e-9;
     if !is_direction {
         let item = format!("the `down` of palm `{}`", entry.palm);
-        findings.add(misfit(item, format!("{:?}", entry.down), "a direction"));
+        let was = format!("{:?}", entry.down);
+        findings.add(misfit(item, was, "a direction").of_robot_file());
         return None;
     }
     Some(down.normalize())
@@ -319,20 +321,25 @@ fn load_links(
 ) -> Option<()> {
     hand.pointing = check_down(entry, findings)?;
     hand.palm = mounted(&chains.palm, frames).0;
+    let mut complete = true;
     for (index, (chain, entry)) in chains.tips.iter().zip(&entry.fingers).enumerate() {
         let link = findings.note(name(&entry.tip));
         let radius_m = findings.note(tip_radius_m(tree, entry, hand.skin.layout));
         let origin_m = findings.note(tip_origin_m(entry, radius_m.unwrap_or_default()));
         let finger = &mut hand.fingers[index];
-        (finger.link, hand.tip_radius_m[index]) = (link?, radius_m?);
+        let (Some(link), Some(radius_m), Some(origin_m)) = (link, radius_m, origin_m) else {
+            complete = false;
+            continue;
+        };
+        (finger.link, hand.tip_radius_m[index]) = (link, radius_m);
         let (tip, moved_by) = mounted(chain, frames);
         finger.tip = tip;
-        finger.tip.frame_from_link.translation_m = tip.frame_from_link.point(&origin_m?);
+        finger.tip.frame_from_link.translation_m = tip.frame_from_link.point(&origin_m);
         for frame in moved_by {
             finger.moved_by[frame] = true;
         }
     }
-    Some(())
+    complete.then_some(())
 }
 
 /// Turns the tip frames of links whose sensor faces a direction of its own, as [`crate::HandPose::base_from_tip`] has them.
@@ -350,7 +357,8 @@ fn turn_tips(hand: &mut HandModel, entry: &HandEntry, findings: &mut Findings) {
         let (Some(down), true) = (down, axis.iter().all(|x| x.is_finite())) else {
             let item = format!("the facing of fingertip `{}`", finger.tip);
             let needs = "a direction across that in which the hand points";
-            findings.add(misfit(item, format!("{:?}", facing.as_slice()), needs));
+            let was = format!("{:?}", facing.as_slice());
+            findings.add(misfit(item, was, needs).of_robot_file());
             continue;
         };
         let link_from_tip = Matrix3::from_columns(&[down, axis.cross(&down), axis]);
@@ -421,7 +429,7 @@ fn check_rest(hand: &HandModel, entry: &HandEntry, findings: &mut Findings) {
         &hand.object_m,
     ];
     if numbers.concat().iter().any(|value| !value.is_finite()) {
-        findings.add(misfit(item("home"), "not finite", "finite numbers"));
+        findings.add(misfit(item("home"), "not finite", "finite numbers").of_robot_file());
         return;
     }
     if hand
@@ -429,10 +437,7 @@ fn check_rest(hand: &HandModel, entry: &HandEntry, findings: &mut Findings) {
         .is_some_and(|workspace| !workspace.is_sound())
     {
         let needs = "finite numbers, the least before the greatest";
-        findings.add(misfit(
-            item("workspace"),
-            format!("{:?}", entry.workspace),
-            needs,
-        ));
+        let was = format!("{:?}", entry.workspace);
+        findings.add(misfit(item("workspace"), was, needs).of_robot_file());
     }
 }

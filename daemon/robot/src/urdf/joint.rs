@@ -48,11 +48,8 @@ pub(super) fn load_joint(
     let label = &urdf.name;
     let Some(entry) = entry else {
         let item = format!("joint `{label}` in the robot file");
-        findings.add(misfit(
-            item,
-            "missing",
-            "its stiffness and inertia under [joints]",
-        ));
+        let needs = "its stiffness and inertia under [joints]";
+        findings.add(misfit(item, "missing", needs));
         return None;
     };
     let kind = findings.note(kind(urdf))?;
@@ -77,11 +74,18 @@ pub(super) fn load_joint(
     };
     if other.is_some() {
         let item = format!("the rest of joint `{label}`");
-        findings.add(misfit(item, "in the other unit", format!("`{needs}`")));
+        let needs = format!("`{needs}`");
+        findings.add(misfit(item, "in the other unit", needs).of_robot_file());
     }
     let rest = rest.unwrap_or(0.0);
-    for misfit in unsound(label, &joint, rest) {
-        findings.add(misfit);
+    // What the robot file says instead of the URDF is wrong there.
+    let limit_said = entry.lower.is_some() || entry.upper.is_some();
+    let (speed_said, effort_said) = (entry.velocity.is_some(), entry.effort.is_some());
+    let said = [limit_said, speed_said, effort_said, true, true, true];
+    for (misfit, said) in unsound(label, &joint, rest).into_iter().zip(said) {
+        if let Some(misfit) = misfit {
+            findings.add(if said { misfit.of_robot_file() } else { misfit });
+        }
     }
     let in_order = joint.lower_rad < joint.upper_rad;
     let rest = if in_order {
@@ -92,8 +96,8 @@ pub(super) fn load_joint(
     Some((joint, rest))
 }
 
-/// What of a joint's numbers cannot be.
-fn unsound(label: &str, joint: &Joint, rest: f64) -> impl Iterator<Item = Misfit> {
+/// What of a joint's numbers cannot be: its limit, velocity, effort, stiffness, inertia and rest.
+fn unsound(label: &str, joint: &Joint, rest: f64) -> [Option<Misfit>; 6] {
     let (unit, turning) = match joint.kind {
         JointKind::Revolute => ("rad", "N·m"),
         JointKind::Prismatic => ("m", "N"),
@@ -138,8 +142,7 @@ fn unsound(label: &str, joint: &Joint, rest: f64) -> impl Iterator<Item = Misfit
             format!("a finite number ({unit})"),
         ),
     ];
-    let wrong = checks.into_iter().filter(|(sound, ..)| !sound);
-    wrong.map(|(_, item, was, needs)| misfit(item, was, needs))
+    checks.map(|(sound, item, was, needs)| (!sound).then(|| misfit(item, was, needs)))
 }
 
 pub(super) fn joint_axis(urdf: &urdf_rs::Joint) -> Result<Vector3<f64>, Misfit> {

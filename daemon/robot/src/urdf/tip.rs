@@ -31,14 +31,17 @@ pub(super) fn skin(entry: &HandEntry) -> Result<Skin, Misfit> {
             format!("{:?}", said.layout),
             NamedLayout::FORMS,
         )
+        .of_robot_file()
     })?;
     if !COMPRESSION_M.contains(&said.compression_m) {
         let needs = format!("{COMPRESSION_M:?} m");
-        return Err(misfit(item("compression_m"), said.compression_m, needs));
+        let wrong = misfit(item("compression_m"), said.compression_m, needs);
+        return Err(wrong.of_robot_file());
     }
     if !EXPONENT.contains(&said.exponent) {
         let needs = format!("{EXPONENT:?}");
-        return Err(misfit(item("exponent"), said.exponent, needs));
+        let wrong = misfit(item("exponent"), said.exponent, needs);
+        return Err(wrong.of_robot_file());
     }
     Ok(Skin {
         layout,
@@ -59,8 +62,8 @@ pub(super) fn tip_origin_m(entry: &FingerEntry, radius_m: f64) -> Result<Vector3
     let out = facing.and_then(|facing| facing.try_normalize(1e-9));
     match out {
         Some(out) if entry.dome_m.is_none() => Ok(face_m - out * radius_m),
-        Some(_) => Err(misfit(item(), "given beside `dome_m`", "one of both")),
-        None => Err(misfit(item(), "given without `facing`", "both")),
+        Some(_) => Err(misfit(item(), "given beside `dome_m`", "one of both").of_robot_file()),
+        None => Err(misfit(item(), "given without `facing`", "both").of_robot_file()),
     }
 }
 

@@ -8,6 +8,7 @@ mod jacobian;
 mod path;
 mod skeleton;
 mod support;
+mod tilt;
 mod unreachable;
 mod urdf;
 mod workspace;

@@ -244,3 +244,83 @@ fn limits_come_from_the_file() {
         "the reference posture moves inside the limits"
     );
 }
+
+/// Everything that is wrong is told with the file and the line in which it is changed.
+#[test]
+fn a_finding_has_its_place() {
+    let line_of = |text: &str, part: &str| {
+        let lines = text.lines().position(|line| line.contains(part));
+        lines.expect("it is there") + 1
+    };
+    let urdf = TWO_HAND_ARM.urdf.replacen(
+        ELBOW,
+        r#"<axis xyz="0 2 0"/><limit lower="0" upper="1" effort="1" velocity="1"/>"#,
+        1,
+    );
+    let joint = "left_wrist_roll = { rest_deg = 0, stiffness = 512";
+    let file = TWO_HAND_ARM
+        .robot_file
+        .replace(joint, "left_wrist_roll = { rest_deg = 0, stiffness = -512");
+    let error = RobotModel::load(&urdf, &file).expect_err("refused");
+    let ModelError::Misfits(misfits) = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(misfits.len(), 2, "{error}");
+    let places = [
+        format!(
+            "line {} of the URDF",
+            line_of(&urdf, "name=\"left_elbow_pitch\"")
+        ),
+        format!(
+            "line {} of the robot file",
+            line_of(&file, "left_wrist_roll")
+        ),
+    ];
+    for place in places {
+        assert!(
+            error.to_string().contains(&place),
+            "{error}\nlacks: {place}"
+        );
+    }
+}
+
+/// Two arms must keep apart, so every mesh is told at once; one hand alone passes them over and says so.
+#[test]
+fn meshes_are_told_at_once_or_said_to_be_passed_over() {
+    let mesh = r#"<geometry><mesh filename="part.stl"/></geometry></collision>"#;
+    let end = "</geometry></collision>";
+    let with_meshes = |urdf: &str| {
+        let shapes = urdf.split(end).collect::<Vec<_>>();
+        let (last, all) = shapes.split_last().expect("shapes");
+        let all = all.iter().map(|text| {
+            let (before, _) = text.rsplit_once("<geometry>").expect("a shape");
+            format!("{before}{mesh}")
+        });
+        all.collect::<String>() + last
+    };
+    let error = with_urdf(&with_meshes(&TWO_HAND_ARM.urdf)).expect_err("refused");
+    let ModelError::Misfits(misfits) = &error else {
+        panic!("{error}");
+    };
+    let meshes = misfits.iter().filter(|misfit| misfit.was == "a mesh");
+    assert!(meshes.count() > 10, "{error}");
+    let bench = RobotFiles::find("test-bench").expect("it ships");
+    let urdf = with_meshes(&bench.urdf);
+    // The dome's radius is read off its collision sphere.
+    let file = bench
+        .robot_file
+        .replace("side = 1 }", "side = 1, dome_radius_m = 0.015 }")
+        .replace("side = 2 }", "side = 2, dome_radius_m = 0.015 }");
+    let alone = RobotFiles {
+        urdf: urdf.into(),
+        robot_file: file.into(),
+        ..bench
+    };
+    alone.load().expect("a hand alone");
+    let remarks = alone.remarks().expect("understood");
+    let told = |remark: &String| remark.contains("passed over where it is a mesh");
+    assert!(
+        remarks.iter().filter(|remark| told(remark)).count() >= 4,
+        "{remarks:?}"
+    );
+}
