@@ -60,8 +60,7 @@ impl fmt::Display for Unreachable {
             ..
         } = self.best;
         f.write_str("could not reach the grasp because in the best posture ")?;
-        // Written so that NaN is told.
-        if !(tip_error_m <= POSTURE_TIP_ERROR_MAX_M) {
+        if tip_error_m > POSTURE_TIP_ERROR_MAX_M {
             write!(
                 f,
                 "the fingertips of one side stayed {:.3} mm off, needs at most {:.3} mm; move the object into the workspace or \
@@ -69,7 +68,7 @@ impl fmt::Display for Unreachable {
                 tip_error_m * 1e3,
                 POSTURE_TIP_ERROR_MAX_M * 1e3,
             )
-        } else if !(spread_error_m <= POSTURE_SPREAD_ERROR_MAX_M) {
+        } else if spread_error_m > POSTURE_SPREAD_ERROR_MAX_M {
             write!(
                 f,
                 "one of several fingertips of a side stayed {:.1} mm beside its place while their middle was met, needs at most \

@@ -346,10 +346,15 @@ impl<'a> Walk<'a> {
     /// Takes the posture of a pose.
     fn bend(&mut self, frame: &GraspFrame, rests: bool) -> Result<(), Reason> {
         // Domes that tilt do so the more the wider the hand is open; how they touch is checked at the grasp.
-        let (iterations, off_axis_rad) = match rests {
-            true if self.hand.domes_tilt() => (ITERATIONS_AT_REST, f64::INFINITY),
-            true => (ITERATIONS_AT_REST, OFF_AXIS_RAD),
-            false => (ITERATIONS, f64::INFINITY),
+        let iterations = if rests {
+            ITERATIONS_AT_REST
+        } else {
+            ITERATIONS
+        };
+        let off_axis_rad = if rests && !self.hand.domes_tilt() {
+            OFF_AXIS_RAD
+        } else {
+            f64::INFINITY
         };
         let target = frame.target(self.hand);
         let posture = self.hand.solve(&self.q_rad, &target, iterations);
