@@ -1,14 +1,15 @@
 //! The production tick on a real bus: frames and joint state are taken in, the controller steps, the command is
-//! published. Prints percentiles of the body and of its stages, and the speed of the run.
+//! published. Prints percentiles of the body and of its stages, and the speed of the run; with several robots, what the body of
+//! each costs beside the first one's, their ticks in turn.
 //!
-//! `cargo bench -p system-tests --bench tick -- [TICKS]`
+//! `cargo bench -p system-tests --bench tick -- [TICKS] [--robot NAME|FILE]... [--all-robots]`
 
 #![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
 
 use atas_core::Settings;
 use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use hdrhistogram::Histogram;
-use robot_model::{RobotModel, Side};
+use robot_model::{RobotFiles, RobotModel, SHIPPED, TWO_HAND_ARM};
 use sim_backend::{Object, Scene};
 use system_tests::loopback::Loopback;
 
@@ -25,56 +26,141 @@ const STAGES: [&str; 8] = [
 ];
 const BODY: usize = STAGES.len() - 1;
 
+/// Ticks that a robot has before the next one's turn: short beside what makes the machine faster or slower.
+const TURN: u64 = 500;
+
+/// One robot and what its ticks cost.
+struct Measured {
+    name: String,
+    robot: RobotModel,
+    loopback: Loopback,
+    histograms: [Histogram<u64>; STAGES.len()],
+}
+
 fn main() {
     let ticks: u64 = std::env::args()
         .skip(1)
         .find_map(|a| a.parse().ok())
         .unwrap_or(15_000);
-    let mut histograms =
-        STAGES.map(|_| Histogram::<u64>::new_with_bounds(1, 1_000_000_000, 3).expect("bounds"));
-    run(ticks, &mut histograms);
-    println!("tick body over {ticks} ticks of a grasp, both hands, 22 joints, µs");
-    println!(
-        "{:12} {:>8} {:>8} {:>8} {:>8}",
-        "stage", "p50", "p99", "p99.9", "max"
-    );
-    for (name, h) in STAGES.iter().zip(&histograms) {
-        let at = |q: f64| h.value_at_quantile(q) as f64 * 1e-3;
+    let mut all: Vec<Measured> = robots().into_iter().map(Measured::new).collect();
+    for _ in 0..ticks.div_ceil(TURN) {
+        all.iter_mut().for_each(Measured::take_turn);
+    }
+    all.iter().for_each(Measured::print);
+    if all.len() > 1 {
+        print_beside(&all);
+    }
+}
+
+/// The two-hand arm, and what is asked for beside it.
+fn robots() -> Vec<RobotFiles> {
+    let mut robots = vec![TWO_HAND_ARM];
+    let arguments: Vec<String> = std::env::args().collect();
+    if arguments.iter().any(|a| a == "--all-robots") {
+        robots = SHIPPED.into();
+    }
+    for pair in arguments.windows(2) {
+        if let [option, robot] = pair
+            && option == "--robot"
+        {
+            robots.push(RobotFiles::find(robot).unwrap_or_else(|error| panic!("{error}")));
+        }
+    }
+    robots
+}
+
+impl Measured {
+    fn new(files: RobotFiles) -> Self {
+        let robot = files.load().unwrap_or_else(|error| panic!("{error}"));
+        Self {
+            name: files.name.into_owned(),
+            loopback: Loopback::of(&robot, false),
+            robot,
+            histograms: STAGES
+                .map(|_| Histogram::new_with_bounds(1, 1_000_000_000, 3).expect("bounds")),
+        }
+    }
+
+    fn take_turn(&mut self) {
+        for _ in 0..TURN {
+            self.loopback.sense();
+            self.loopback.tick();
+            let record = self.loopback.act();
+            let stages = self.histograms[..BODY].iter_mut();
+            for (histogram, ns) in stages.zip(record.report.stage_ns) {
+                histogram.saturating_record(ns.into());
+            }
+            self.histograms[BODY].saturating_record(record.body_ns.into());
+        }
+    }
+
+    fn print(&self) {
+        let (ticks, joints) = (self.histograms[BODY].len(), self.robot.joint_count());
+        let name = &self.name;
+        println!("{name}: tick body over {ticks} ticks of a grasp, {joints} joints, µs");
         println!(
-            "{name:12} {:8.2} {:8.2} {:8.2} {:8.1}",
-            at(0.5),
-            at(0.99),
-            at(0.999),
-            h.max() as f64 * 1e-3
+            "{:12} {:>8} {:>8} {:>8} {:>8}",
+            "stage", "p50", "p99", "p99.9", "max"
+        );
+        for (stage, h) in STAGES.iter().zip(&self.histograms) {
+            let at = |q: f64| h.value_at_quantile(q) as f64 * 1e-3;
+            println!(
+                "{stage:12} {:8.2} {:8.2} {:8.2} {:8.1}",
+                at(0.5),
+                at(0.99),
+                at(0.999),
+                h.max() as f64 * 1e-3
+            );
+        }
+        let factor = realtime_factor(&self.robot);
+        println!("run: {factor:.0} x real time on one core\n");
+    }
+
+    fn joints(&self) -> usize {
+        self.robot.joint_count()
+    }
+
+    fn fingertips(&self) -> usize {
+        let hands = self.robot.sides().map(|side| self.robot.hand(side));
+        hands.map(|hand| hand.finger_count()).sum()
+    }
+
+    /// Median of the body, µs.
+    fn body_us(&self) -> f64 {
+        self.histograms[BODY].value_at_quantile(0.5) as f64 * 1e-3
+    }
+}
+
+/// What each body costs by joint and by fingertip, and by how much more than the first one's.
+fn print_beside(all: &[Measured]) {
+    println!(
+        "{:14} {:>6} {:>10} {:>8} {:>12} {:>14}",
+        "robot", "joints", "fingertips", "body p50", "per joint", "per fingertip"
+    );
+    for of in all {
+        let shown = |count: fn(&Measured) -> usize| {
+            let per = |of: &Measured| of.body_us() / count(of) as f64;
+            format!("{:.2} x {:.2}", per(of), per(of) / per(&all[0]))
+        };
+        println!(
+            "{:14} {:>6} {:>10} {:>8.2} {:>12} {:>14}",
+            of.name,
+            of.joints(),
+            of.fingertips(),
+            of.body_us(),
+            shown(Measured::joints),
+            shown(Measured::fingertips),
         );
     }
-    println!("run: {:.0} x real time on one core", realtime_factor());
 }
 
-fn run(ticks: u64, histograms: &mut [Histogram<u64>]) {
-    let mut loopback = Loopback::new(false);
-    for _ in 0..ticks {
-        loopback.sense();
-        loopback.tick();
-        let record = loopback.act();
-        for (histogram, ns) in histograms[..BODY].iter_mut().zip(record.report.stage_ns) {
-            histogram.saturating_record(ns.into());
-        }
-        histograms[BODY].saturating_record(record.body_ns.into());
-    }
-}
-
-fn realtime_factor() -> f64 {
-    let robot = RobotModel::two_hand_arm().expect("built in");
-    let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
-    let goal = grasp_goal(
-        &scene.grasp_hint(0).expect("an object"),
-        Side::Right,
-        0.03,
-        2.0,
-    );
+fn realtime_factor(robot: &RobotModel) -> f64 {
+    let side = robot.acting_side();
+    let scene = Scene::grasp(Object::built_in("wood").expect("built in"), side);
+    let scene = scene.before(robot.hand(side));
+    let goal = grasp_goal(&scene.grasp_hint(0).expect("an object"), side, 0.03, 2.0);
     let begin = std::time::Instant::now();
-    let mut run = OfflineRun::new(&robot, &scene, 1, Settings::default()).expect("a world");
+    let mut run = OfflineRun::new(robot, &scene, 1, Settings::default()).expect("a world");
     let trial = run.run(&goal, 60.0, |_, _| ());
     trial.simulated_s / begin.elapsed().as_secs_f64()
 }

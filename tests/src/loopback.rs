@@ -16,7 +16,7 @@ use atasd::input_log::LogReader;
 use atasd::link::{SupervisorEnd, TickRecord, link};
 use atasd::pacer::{LockStep, Pacer};
 use atasd::tick::TickLoop;
-use robot_model::{RobotModel, Side};
+use robot_model::RobotModel;
 use shm_bus::{Bus, BusName, FreshBus, Publisher, Realtime, Subscriber};
 use shm_schemas::{HandFrame, JointCommand, JointState, TickInputs, service};
 use sim_backend::{Object, Scene, Sensed, World};
@@ -28,7 +28,7 @@ const LIFT_M: f64 = 0.05;
 /// Pause of the drain; shorter than the supervisor's, because ticks come faster here.
 const ROUND: Duration = Duration::from_micros(500);
 
-/// A grasp of wood, both hands, 22 joints.
+/// A grasp of wood by the hand that acts.
 #[derive(Debug)]
 pub struct Loopback {
     world: World,
@@ -45,27 +45,37 @@ pub struct Loopback {
 }
 
 impl Loopback {
-    /// Sets the scene; with `recording`, every tick is recorded.
+    /// The scene before the two-hand arm; with `recording`, every tick is recorded.
     ///
     /// # Panics
     /// If the bus cannot be opened.
     #[must_use]
     pub fn new(recording: bool) -> Self {
-        let robot = RobotModel::two_hand_arm().expect("built in");
-        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+        Self::of(&RobotModel::two_hand_arm().expect("built in"), recording)
+    }
+
+    /// The same before another robot.
+    ///
+    /// # Panics
+    /// If the bus cannot be opened, or the robot has no home.
+    #[must_use]
+    pub fn of(robot: &RobotModel, recording: bool) -> Self {
+        let side = robot.acting_side();
+        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), side);
+        let scene = scene.before(robot.hand(side));
         let hint = scene.grasp_hint(0).expect("an object");
         let name = FreshBus::new("loop");
         let open = |role| Bus::open(&name, role, Realtime::Yes).expect("a bus");
         let (robot_side, daemon_side) = (open("robot"), open("daemon"));
-        let controller = Controller::new(&robot, Wiring::default(), Settings::default());
+        let controller = Controller::new(robot, Wiring::of(robot), Settings::default());
         let (tick_end, mut link) = link(recording, Arc::default());
-        let goal = grasp_goal(&hint, Side::Right, LIFT_M, HOLD_S);
+        let goal = grasp_goal(&hint, side, LIFT_M, HOLD_S);
         let goal = Goal::resolve(&goal, &[]).expect("built in");
         link.order(Order::Start(goal)).expect("room for an order");
         let pacer = Pacer::LockStep(LockStep::new());
         let ticks = TickLoop::open(&daemon_side, Box::new(controller), pacer, tick_end, 1000);
         Self {
-            world: World::new(&robot, &scene, 1).expect("a world"),
+            world: World::new(robot, &scene, 1).expect("a world"),
             sensed: Sensed::default(),
             command: JointCommand::default(),
             frames: service::HAND_FRAME.map(|s| robot_side.publisher(s).expect("a port")),
@@ -88,8 +98,10 @@ impl Loopback {
     pub fn sense(&mut self) {
         self.world.sense(&mut self.sensed);
         for (port, frame) in self.frames.iter().zip(&self.sensed.frames) {
-            let frame = frame.as_ref().expect("a full-rate sensor");
-            port.send(frame).expect("sent");
+            // A hand that the robot has not got feels nothing.
+            if let Some(frame) = frame {
+                port.send(frame).expect("sent");
+            }
         }
         self.joints.send(&self.sensed.joints).expect("sent");
     }

@@ -136,6 +136,27 @@ fn a_robot_file_of_ones_own_is_checked_and_drawn() {
     );
 }
 
+/// The picture in the folder of each robot that ships is what the command draws now.
+#[test]
+fn the_pictures_of_those_that_ship_are_up_to_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for files in SHIPPED {
+        let (name, drawn) = (&files.name, folder.path().join("robot.svg"));
+        let out = drawn.display();
+        let (code, _, error) = atas(&format!("robot check {name} --out {out} --format json"));
+        assert_eq!(code, 0, "{error}");
+        let kept = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../daemon/robot/robots")
+            .join(&**name)
+            .join("robot.svg");
+        let [drawn, kept] = [&drawn, &kept].map(|path| std::fs::read(path).expect("readable"));
+        assert!(
+            drawn == kept,
+            "robot.svg of {name} is not what `atas robot check {name} --out` draws; draw it again"
+        );
+    }
+}
+
 /// A robot that has only a left hand acts with that.
 #[test]
 fn a_left_hand_alone_grasps() {

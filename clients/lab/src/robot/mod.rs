@@ -17,7 +17,9 @@ use std::path::Path;
 use atas_console::arguments::RobotAction;
 use atas_console::{Ended, Exit, Output, number, table};
 use atas_evaluation::Task;
-use robot_model::{HandModel, Joint, JointKind, RobotFiles, RobotModel, SHIPPED, Side};
+use robot_model::{
+    HandModel, Joint, JointKind, RobotFiles, RobotModel, SHIPPED, Side, VIRTUAL_FINGERS,
+};
 use serde_json::{Value, json};
 
 use crate::picture;
@@ -65,17 +67,17 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
         let svg = views::draw(&files, &robot).map_err(unusable)?;
         picture::write(out, &svg)?;
     }
-    let hands: Vec<Value> = robot
-        .sides()
-        .map(|side| hand_json(robot.hand(side)))
-        .collect();
+    let remarks = files.remarks().map_err(unusable)?;
     if output.is_json() {
+        let hands = robot.sides().map(|side| robot.hand(side));
+        let hands: Vec<Value> = hands.map(hand_json).collect();
         return output.json(&json!({
             "name": files.name,
             "joints": robot.joint_count(),
             "fingers": fingers(&robot),
             "tasks": tasks(&robot),
             "hands": hands,
+            "remarks": remarks,
         }));
     }
     output.line(format_args!(
@@ -86,6 +88,9 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
     ))?;
     for side in robot.sides() {
         print_hand(robot.hand(side), output)?;
+    }
+    for remark in remarks {
+        output.line(remark)?;
     }
     let (can, cannot): (Vec<Task>, Vec<Task>) = Task::ALL
         .into_iter()
@@ -159,6 +164,13 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
             "fingertip {link} does not face the other side where the hand rests: say `facing`, or mend `side` or `rest_deg`"
         ))?;
     }
+    for (side, apart_m) in apart_m(hand) {
+        let apart_mm = apart_m * 1e3;
+        output.line(format_args!(
+            "fingertips of side {} stand {apart_mm:.0} mm apart: what is shorter across than that meets them with its edges",
+            side + 1
+        ))?;
+    }
     for line in Facing::of(hand).lines() {
         output.line(line)?;
     }
@@ -171,21 +183,7 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         hand.home_opening_m() * 1e3,
         hand.home_yaw_rad().to_degrees()
     ))?;
-    match (hand.workspace(), Reach::of(hand)) {
-        (Some(space), _) => output.line(format_args!(
-            "workspace of its robot file: {}",
-            reach::entry(space)
-        ))?,
-        (None, Some(reach)) => output.line(format_args!(
-            "reaches with this closing axis, on a grid of {:.0} mm; as an entry of its robot file:\n  workspace = {}",
-            reach::STEP_M * 1e3,
-            reach::entry(&reach.space)
-        ))?,
-        (None, None) => output.line(format_args!(
-            "reaches nothing about where it rests: {}; see `rest_deg`, `down` and `home_m`",
-            reach::why_nothing(hand)
-        ))?,
-    }
+    print_reach(hand, output)?;
     let able = hand.abilities();
     let turn = if able.turns_by_wrist {
         "turn a cap by its wrist"
@@ -204,6 +202,39 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         ))?;
     }
     Ok(())
+}
+
+/// The workspace of its robot file, or what it is found to reach.
+fn print_reach(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
+    if let Some(space) = hand.workspace() {
+        let space = reach::entry(space);
+        return output.line(format_args!("workspace of its robot file: {space}"));
+    }
+    match Reach::of(hand) {
+        Some(reach) => output.line(format_args!(
+            "reaches with this closing axis, on a grid of {:.0} mm; as an entry of its robot file:\n  workspace = {}",
+            reach::STEP_M * 1e3,
+            reach::entry(&reach.space)
+        )),
+        None => output.line(format_args!(
+            "reaches nothing about where it rests: {}; see `rest_deg`, `down` and `home_m`",
+            reach::why_nothing(hand)
+        )),
+    }
+}
+
+/// The sides of several fingertips, and how far apart the outermost of them stand in the reference posture, m.
+fn apart_m(hand: &HandModel) -> Vec<(usize, f64)> {
+    let pose = hand.forward(hand.reference_rad());
+    let apart_m = |side: usize| {
+        let tips = || hand.fingers_of(side).map(|finger| pose.tip_m(finger));
+        let pairs = tips().flat_map(|a| tips().map(move |b| (a - b).norm()));
+        pairs.fold(0.0_f64, f64::max)
+    };
+    (0..VIRTUAL_FINGERS)
+        .filter(|side| hand.fingers_of(*side).count() > 1)
+        .map(|side| (side, apart_m(side)))
+        .collect()
 }
 
 /// Fingertips whose domes do not face the other side in the reference posture, so that nothing can be held.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use atas_console::Progress;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, Workspace};
 
@@ -27,6 +28,7 @@ struct Grid<'a> {
     hand: &'a HandModel,
     lowest_m: f64,
     known: HashMap<[i32; 3], bool>,
+    progress: Progress,
 }
 
 impl Reach {
@@ -37,6 +39,7 @@ impl Reach {
             hand,
             lowest_m,
             known: HashMap::new(),
+            progress: Progress::new("robot check"),
         };
         let mut bounds = [[0, 0]; 3];
         if !grid.reaches([0, 0, 0]) {
@@ -102,7 +105,7 @@ fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
 fn has_posture(hand: &HandModel, centre_m: Vector3<f64>, opening_m: f64) -> bool {
     let yaw_rad = hand.closing_yaw_rad(&centre_m, hand.home_yaw_rad());
     let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
-    hand.posture_for(&frame).is_ok()
+    hand.reaches(&frame)
 }
 
 impl Grid<'_> {
@@ -138,6 +141,9 @@ impl Grid<'_> {
                 .into_iter()
                 .all(|opening_m| has_posture(self.hand, centre_m, opening_m));
         self.known.insert(at, reached);
+        let tried = self.known.len();
+        self.progress
+            .live(&format!("tries what it reaches: {tried} places"));
         reached
     }
 }
