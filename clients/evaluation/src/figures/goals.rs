@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn the_task_that_only_lets_go_is_known_by_its_first_step() {
         for task in atas_core::tasks::BUILT_IN {
-            let first = at(1, EventKind::STEP, task.acting.steps()[0].name.as_str());
+            let first = at(1, EventKind::STEP, task.acting[0].name.as_str());
             let only_lets_go = account::only_lets_go(&[first]);
             assert_eq!(only_lets_go, task.name == "release", "{}", task.name);
         }
