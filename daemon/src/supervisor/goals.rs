@@ -3,7 +3,7 @@
 use atas_core::Order;
 use robot_model::RobotVector;
 use shm_bus::{ActiveGoal, Bus, GoalServer, now_ns};
-use shm_schemas::{Cause, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
+use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
 use super::checker::{Checked, Checker};
 use super::{OpenError, SupervisorState};
@@ -36,6 +36,7 @@ struct Candidate {
 #[derive(Debug)]
 struct OpenGoal {
     id: u64,
+    kind: GoalKind,
     client: ActiveGoal,
     cancelled: bool,
     ended: bool,
@@ -60,12 +61,16 @@ impl GoalService {
             }
         }
         if self.candidate.is_none() {
+            let busy = self.busy();
             match self.server.poll() {
                 // No check could make it possible, and its first finding would hide that.
                 Ok(Some(client)) if !state.wiring.joints_required => {
                     reject(&client, Reason::of(Cause::SENSE_ONLY), state);
                 }
-                Ok(Some(client)) => self.check(Candidate { client, checks: 0 }, state),
+                Ok(Some(client)) => match busy {
+                    Some(reason) => reject(&client, reason, state),
+                    None => self.check(Candidate { client, checks: 0 }, state),
+                },
                 Ok(None) => {}
                 Err(error) => tracing::warn!(%error, "a goal could not be read"),
             }
@@ -81,6 +86,12 @@ impl GoalService {
             goal.ended = update.state.is_final();
         }
         self.open.retain(|goal| !goal.ended);
+    }
+
+    /// Why no other goal can begin. While the arms move for one, a check of ways that begin where they are would not hold anyway.
+    fn busy(&self) -> Option<Reason> {
+        let goes_on = self.open.iter().find(|goal| !goal.cancelled);
+        goes_on.map(|goal| Reason::limit(Cause::BUSY, f64::from(goal.kind.0), 0.0))
     }
 
     /// Begins a check.
@@ -117,6 +128,7 @@ impl GoalService {
         match goal {
             Ok(()) => self.open.push(OpenGoal {
                 id: request.goal_id,
+                kind: request.kind,
                 client,
                 cancelled: false,
                 ended: false,

@@ -74,10 +74,12 @@ fn a_stopped_process_is_told_by_name_and_takes_the_stop_when_it_goes_on() {
 fn a_stop_that_no_tick_took_is_a_failure() {
     let _shared = in_virtual_time();
     let rig = Rig::new(&["--lockstep"]);
-    // No frame, no tick.
     rig.robot.signal(Signal::STOP);
+    // The frame that was on its way has its tick yet. No frame, no tick.
+    rig.atas("estop");
     let process = format!("process {}", rig.daemon.pid());
     rig.check("estop", 1, &["no tick took it within 1s", &process]);
     rig.robot.signal(Signal::CONT);
     rig.until_stopped();
+    rig.check("estop", 0, &["stopped; `atas recover` re-arms"]);
 }

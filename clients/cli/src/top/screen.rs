@@ -112,16 +112,7 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
     let mode = status.mode.name().to_uppercase();
     let flag = |flag, word| if status.flags & flag != 0 { word } else { "" };
     let first = Line::from(vec![
-        Span::raw(format!(
-            "atas top · bus {}{} · atasd {} ({}) · {} Hz{}{} · ",
-            seen.bus,
-            robot(seen),
-            status.version,
-            status.pid,
-            status.rate_hz,
-            flag(StatusFlags::LOCKSTEP, " lock-step"),
-            flag(StatusFlags::DEGRADED, " DEGRADED"),
-        )),
+        Span::raw(format!("atas top · bus {} · ", seen.bus)),
         Span::styled(
             mode,
             if is_stopped {
@@ -130,6 +121,16 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
                 look.strong()
             },
         ),
+        // What a narrow terminal cuts off is told last.
+        Span::raw(format!(
+            " · {} Hz{}{}{} · atasd {} ({})",
+            status.rate_hz,
+            flag(StatusFlags::LOCKSTEP, " lock-step"),
+            flag(StatusFlags::DEGRADED, " DEGRADED"),
+            robot(seen),
+            status.version,
+            status.pid,
+        )),
     ]);
     let second = if let Some(frozen) = standstill(status, now_ns()) {
         let told = format!(

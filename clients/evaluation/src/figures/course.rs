@@ -39,8 +39,10 @@ impl Course {
     pub fn recorded(name: &str, files: &[PathBuf], choice: &Choice) -> anyhow::Result<Self> {
         let goals = Goals::recorded(name, files)?;
         let mut course = Self::remembered(name, &goals, choice)?;
-        let ticks = course.events.first().zip(course.events.last());
-        let ticks = ticks.map_or(1..=0, |(first, last)| first.tick..=last.tick);
+        let Some((first, last)) = course.events.first().zip(course.events.last()) else {
+            return Ok(course);
+        };
+        let ticks = first.tick..=last.tick;
         // Another time, because which goal is meant is only known at the end.
         for row in Rows::open(files)? {
             let row = row?;

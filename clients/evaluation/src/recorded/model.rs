@@ -47,6 +47,16 @@ pub struct Slip {
     pub source: String,
 }
 
+impl Slip {
+    /// Motion that counts for a sensor of another rate, Hz: what a stable touch moves is the same, while the noise of a window's mean
+    /// falls with the root of its frames. Both add up by their squares. A faster sensor is another one, and need not creep more.
+    pub(super) fn motion_at(&self, rate_hz: f64) -> f64 {
+        let creep = self.motion_at * self.motion_at - 1.0;
+        let share = (rate_hz / self.rate_hz).min(1.0);
+        (1.0 + creep.max(0.0) * share).sqrt()
+    }
+}
+
 /// Hard against soft.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -157,7 +167,7 @@ impl Model {
     /// The same for recordings of this rate where they do not say theirs, Hz.
     #[must_use]
     pub fn at_rate(mut self, rate_hz: f64) -> Self {
-        self.slip.motion_at = super::slip::threshold(&self.slip, rate_hz);
+        self.slip.motion_at = self.slip.motion_at(rate_hz);
         self.slip.rate_hz = rate_hz;
         self.hardness.rate_hz = rate_hz;
         self.rupture.rate_hz = rate_hz;

@@ -96,13 +96,6 @@ pub(super) fn rate_hz(sequences: &[Sequence], model: &Slip) -> f64 {
     median(steps_s.collect()).map_or(model.rate_hz, |step_s| 1.0 / step_s)
 }
 
-/// The model's threshold for a sensor of another rate: what a stable touch moves is the same, while the noise of a window's mean
-/// falls with the root of its frames. Both add up by their squares.
-pub(super) fn threshold(model: &Slip, rate_hz: f64) -> f64 {
-    let creep = model.motion_at * model.motion_at - 1.0;
-    (1.0 + creep.max(0.0) * rate_hz / model.rate_hz).sqrt()
-}
-
 /// An element whose first axis is missing says nothing; further axes that are missing are taken to feel nothing.
 fn reading(sheet: &Sheet, elements: &[[Option<usize>; 3]], row: usize, scale: f64) -> Reading {
     let axis = |column: Option<usize>| column.and_then(|column| sheet.number(row, column));
@@ -161,7 +154,7 @@ pub(super) fn judge(
 ) -> anyhow::Result<Verdict> {
     let truths = truths(cases, labels, &[], &model.slip.negative);
     let across = (how == Fit::Across).then_some(fit as Fitter);
-    let threshold = threshold(&model.slip, rate_hz(sequences, &model.slip));
+    let threshold = model.slip.motion_at(rate_hz(sequences, &model.slip));
     let until = |until_s: f64| -> anyhow::Result<Vec<Scored>> {
         let scores: Vec<f64> = sequences
             .iter()

@@ -12,7 +12,7 @@ use super::Look;
 use crate::top::seen::Seen;
 
 /// Characters of a bar, at most.
-const BAR: usize = 20;
+const BAR: usize = 18;
 /// Rows of a fingertip, and its columns at most.
 const MAP: [usize; 2] = [5, 13];
 /// Columns between two fingertips, and for the force of the strongest shade.
