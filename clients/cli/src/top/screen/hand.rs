@@ -232,7 +232,7 @@ mod tests {
                 f2_n,
                 ..HandReport::default()
             };
-            assert_eq!(bar(force_n, &report, BAR), expected);
+            assert_eq!(bar(force_n, &report, 20), expected);
         };
         check(0.0, 0.0, 0.0, "····················");
         check(0.5, 0.0, 0.0, "██████████··········");
