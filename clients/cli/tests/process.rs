@@ -1,4 +1,5 @@
 //! The program as a process: exit codes, messages, and what it leaves behind.
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
@@ -167,9 +168,11 @@ fn the_laboratorys_commands_are_one_program_with_the_operators() {
 
 #[test]
 fn a_program_without_its_laboratory_says_how_to_build_it() {
-    let folder = tempfile::tempdir().expect("a folder");
+    // Linked, not copied: what another thread's child still holds open for writing cannot be started.
+    let program = Path::new(env!("CARGO_BIN_EXE_atas"));
+    let folder = tempfile::tempdir_in(program.parent().expect("a folder")).expect("a folder");
     let alone = folder.path().join("atas");
-    std::fs::copy(env!("CARGO_BIN_EXE_atas"), &alone).expect("copied");
+    std::fs::hard_link(program, &alone).expect("linked");
     let output = Command::new(&alone)
         .args(["demo", "grasp"])
         .env("PATH", folder.path())

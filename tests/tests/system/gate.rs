@@ -38,8 +38,9 @@ const GRASP: [&str; 7] = [
 fn a_member_does_what_the_configuration_lets_it() {
     let _alone = alone();
     let Some(house) = House::new() else { return };
+    let mode = |house: &House| house.json(MEMBER, &["status"])["mode"].clone();
     // Looking on is everybody's in the group, and nobody's outside.
-    assert_eq!(house.json(MEMBER, &["status"])["mode"], "ready");
+    wait_for("the start", || (mode(&house) == "ready").then_some(()));
     house.check(
         STRANGER,
         &["status"],
@@ -64,7 +65,6 @@ fn a_member_does_what_the_configuration_lets_it() {
 
     // Whatever may be stopped may be stopped by anyone of the group.
     house.check(MEMBER, &["estop"], 0, "");
-    let mode = |house: &House| house.json(MEMBER, &["status"])["mode"].clone();
     house.allow("command");
     wait_for("the stop", || (mode(&house) == "safe-stop").then_some(()));
     house.check(MEMBER, &["recover"], 0, "");

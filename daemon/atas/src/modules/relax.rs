@@ -28,6 +28,7 @@ const DOUBT: f64 = 2.2;
 const SCATTER_SHARE: f64 = 0.8;
 /// Time constant over which the utilisation is judged, s (ours: it only ever opens, so it must not follow single readings).
 const FILTER_S: f64 = 0.1;
+const FORCE_FILTER_S: f64 = 0.03;
 /// How long everything must have been steady before it opens, s (ours: two windows of dF_t are not).
 const SETTLE_S: f64 = 0.1;
 /// Utilisation down to which a grip is relaxed where a slip costs nothing and a test follows (ours).
@@ -35,8 +36,12 @@ const TRY_BELOW: f64 = 0.96;
 /// Share of the moment that friction could carry beyond which it is not (ours: below where Module 2 answers; at 0.42 objects
 /// have turned by 12°).
 const TRY_TORSION: f64 = 0.35;
-/// Utilisation below `relax_below` from which on it begins to open (ours): what it has reached once it does not leave again.
-const BEGIN_BELOW: f64 = 0.02;
+/// Share of it below which it begins to open (ours): like the two that follow, less by more than a trembling hand changes it, so
+/// that what has ended does not begin again.
+const BEGIN_TORSION: f64 = 0.33;
+/// Spare utilisation, and low-passed share of the force that is more than the least, above which it begins to open (ours).
+const BEGIN_SPARE: f64 = 0.025;
+const BEGIN_ABOVE: f64 = 0.05;
 /// How long after it opened pressing is blamed on it, s (ours).
 const BLAME_S: f64 = 0.5;
 /// Momentary utilisation above which a patch is sheared so much alike that it does not open (ours).
@@ -54,6 +59,10 @@ const LOAD_FLOOR_N: f64 = 0.03;
 pub(super) struct Relax {
     /// Low-passed utilisation of the finger that uses most of its friction; `None` while it is unknown.
     utilisation: Option<f64>,
+    /// Low-passed share of the weakest finger's force that is more than the least.
+    above: f64,
+    /// Low-passed share of the moment of the finger that carries most of its own.
+    torsion: f64,
     /// How long everything has been steady, s.
     steady_s: f64,
     /// Whether it opened in the tick before.
@@ -79,37 +88,24 @@ impl Module for Relax {
     const ID: ModuleId = ModuleId::RELAX;
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
-        let settings = &context.settings.grasp;
         let (weakest_n, _) = force_range_n(percept);
         let weakest_n = weakest_n / context.overread;
         let load_n = load_n(percept);
         self.remember(weakest_n, load_n, context);
         self.settle(percept, context);
         self.prove(weakest_n, load_n, context);
-        let remembered_n = (REMEMBERED_MARGIN * self.slipped_at).max(self.proved_at) * load_n;
-        let least_n = (LEAST_MARGIN * context.least_n).max(remembered_n);
-        let below = if context.tries {
-            TRY_BELOW
-        } else {
-            settings.relax_below
-        };
-        let below = below - if self.active { 0.0 } else { BEGIN_BELOW };
-        let utilisation = self.watch(percept, context);
-        let spare = utilisation.map_or(0.0, |utilisation| {
-            1.0 - utilisation * context.overread / below
-        });
-        let turns = context.tries
-            && percept
-                .virtual_fingers
-                .iter()
-                .any(|finger| finger.torsion > TRY_TORSION);
+        let above = self.above_least(weakest_n, load_n, context);
+        let spare = self.spare(percept, context);
+        let may = self.steady_s >= SETTLE_S && spare > 0.0 && above > 0.0;
+        let turns = self.turns(percept) && context.tries;
         if !self.opened {
             self.listen(percept);
         }
-        self.active = self.steady_s >= SETTLE_S && weakest_n > least_n && spare > 0.0 && !turns;
+        let begins = spare > BEGIN_SPARE && above > BEGIN_ABOVE;
+        self.active = may && !turns && (self.active || begins);
         self.opened |= self.active;
         let opening_m_s = if self.active {
-            settings.relax_m_s * (spare / SPARE_FULL).min(1.0)
+            context.settings.grasp.relax_m_s * (spare.min(above) / SPARE_FULL).min(1.0)
         } else {
             0.0
         };
@@ -163,6 +159,45 @@ impl Relax {
         } else {
             0.0
         };
+    }
+
+    /// Share of the force that is more than a grip needs at least, for all that is known without friction; low-passed as well.
+    fn above_least(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) -> f64 {
+        let remembered_n = (REMEMBERED_MARGIN * self.slipped_at).max(self.proved_at) * load_n;
+        let least_n = (LEAST_MARGIN * context.least_n).max(remembered_n);
+        let above = if weakest_n > least_n {
+            1.0 - least_n / weakest_n
+        } else {
+            weakest_n / least_n - 1.0
+        };
+        self.above += (above - self.above) * context.step_s / (FORCE_FILTER_S + context.step_s);
+        self.above
+    }
+
+    /// Share of the utilisation that may still be used up; nothing while it is unknown.
+    fn spare(&mut self, percept: &Percept, context: &Context<'_>) -> f64 {
+        let below = if context.tries {
+            TRY_BELOW
+        } else {
+            context.settings.grasp.relax_below
+        };
+        let utilisation = self.watch(percept, context);
+        utilisation.map_or(0.0, |utilisation| {
+            1.0 - utilisation * context.overread / below
+        })
+    }
+
+    /// Whether a patch carries so much of the moment that friction could that what is tried would turn.
+    fn turns(&mut self, percept: &Percept) -> bool {
+        let fingers = &percept.virtual_fingers;
+        let most = fingers.iter().fold(0.0, |most: f64, f| most.max(f.torsion));
+        self.torsion += (most - self.torsion) * percept.step_s / (FILTER_S + percept.step_s);
+        let limit = if self.active {
+            TRY_TORSION
+        } else {
+            BEGIN_TORSION
+        };
+        self.torsion > limit
     }
 
     /// Low-passes what the elements disagree about.

@@ -52,7 +52,10 @@ impl Peer {
     /// Starts a peer as another user, from a copy that this user can reach.
     pub(crate) fn spawn_as(bus: &BusName, role: &str, uid: u32) -> Self {
         let copy = std::env::temp_dir().join(bus.as_str());
-        std::fs::copy(std::env::current_exe().expect("own path"), &copy).expect("copied");
+        // By a process of its own: what another thread's child still holds open for writing cannot be started.
+        let program = std::env::current_exe().expect("own path");
+        let copied = Command::new("cp").args([&program, &copy]).status();
+        assert!(copied.expect("cp starts").success(), "copied");
         let mut command = Command::new(&copy);
         command.uid(uid).gid(uid).current_dir("/");
         command.env_remove("XDG_RUNTIME_DIR");

@@ -245,7 +245,11 @@ pub(super) fn reachable(folder: &Path) -> PathBuf {
         return built.parent().expect("a folder").to_owned();
     }
     for name in ["atas", "atas-gate", "atas-lab", "atas-sim", "atasd"] {
-        fs::copy(binary(name), folder.join(name)).expect("copied");
+        // By a process of its own: what another thread's child still holds open for writing cannot be started.
+        let copied = Command::new("cp")
+            .args([binary(name), folder.join(name)])
+            .status();
+        assert!(copied.expect("cp starts").success(), "{name} copied");
     }
     folder.to_owned()
 }

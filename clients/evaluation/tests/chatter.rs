@@ -1,0 +1,66 @@
+//! Modules do not chatter: how often slip and relax are switched on in one lift, over the families of all objects. Slip presses in
+//! steps while the load grows, and stops in between as the paper has it; relax opens and is done.
+
+use atas_core::Settings;
+use atas_evaluation::Task;
+use atas_evaluation::offline::{OfflineRun, grasp_goal};
+use robot_model::{RobotModel, Side};
+use shm_schemas::ModuleId;
+use sim_backend::{Object, Scene};
+
+const SIDE: Side = Side::Right;
+const LIFT_M: f64 = 0.04;
+const HOLD_S: f64 = 1.0;
+const LIMIT_S: f64 = 120.0;
+/// What switches back and forth where a grip is neither enough nor too much.
+const MODULES: [ModuleId; 2] = [ModuleId::SLIP, ModuleId::RELAX];
+/// Members of each family that are tried, of the seeds for tuning.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
+/// Most times that each may be switched on in a lift (ours: a fifth above the most of any of these).
+const MOST: [u32; 2] = [1000, 1000];
+
+/// How often each of [`MODULES`] is switched on from the first touch to the end of the hold.
+fn switches(robot: &RobotModel, object: &Object, seed: u64) -> [u32; 2] {
+    let scene = Scene::grasp(object.clone(), SIDE).varied(seed);
+    let hint = scene.grasp_hint(0).expect("an object");
+    let goal = grasp_goal(&hint, SIDE, LIFT_M, HOLD_S);
+    let run = OfflineRun::new(robot, &scene, seed, Settings::default());
+    let (mut count, mut before) = ([0; 2], 0);
+    run.expect("a scene").run(&goal, LIMIT_S, |outputs, _| {
+        let active = outputs.report.hands[SIDE.index()].modules_active;
+        let begun = active & !before;
+        for (count, module) in count.iter_mut().zip(MODULES) {
+            *count += begun >> module.0 & 1;
+        }
+        before = active;
+    });
+    count
+}
+
+#[test]
+fn slip_and_relax_are_switched_no_more_often_than_a_lift_needs() {
+    let robot = RobotModel::two_hand_arm().expect("built in");
+    let mut most = [0; 2];
+    for object in Task::Grasp.objects().expect("built in") {
+        for seed in SEEDS {
+            let switched = switches(&robot, &object, seed);
+            for index in 0..2 {
+                most[index] = switched[index].max(most[index]);
+                assert!(
+                    switched[index] <= MOST[index],
+                    "{} is switched on {} times in a lift of {}, seed {seed}, allowed {}",
+                    MODULES[index],
+                    switched[index],
+                    object.name,
+                    MOST[index]
+                );
+            }
+        }
+    }
+    // A bound far from what happens holds nothing.
+    let close = most
+        .iter()
+        .zip(MOST)
+        .all(|(most, allowed)| 2 * most >= allowed);
+    assert!(close, "{most:?} of {MOST:?}: lower the bounds");
+}
