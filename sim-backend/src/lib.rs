@@ -19,7 +19,8 @@
 //!   * Whatever is commanded, the world stays finite; if it ever does not, it says so ([`World::fault`]) and stands still.
 //!   * Simulating allocates nothing.
 //! * **Beside it:** [`swarm`], the field of methodology 2 as its host runs it, frame by frame; [`course`], a field with wheeled
-//!   bases that carry robots: how a base moves is told to the world of its robot ([`World::ride`]).
+//!   bases that carry robots: how a base moves is told to the world of its robot ([`World::ride`]); a [`Fingertip`] off its hand,
+//!   under loads that are known.
 //! * **Two ways to use it:** in process, in virtual time (tests, `atas eval`), or as the process `atas-sim` on the bus.
 //! * **Absent on purpose:** contact of links other than the fingertips, of fingertips with each other and with the table,
 //!   and of objects with each other, but for a cap and its bottle (`closure.rs`); fingertips do not feel plates; rigid-body coupling between joints (the servos hide it, see `plant.rs`). A fingertip
@@ -34,6 +35,7 @@ pub mod course;
 mod drive;
 mod encoder;
 pub mod faults;
+mod fingertip;
 mod hand;
 mod hold;
 mod object;
@@ -56,6 +58,7 @@ mod world_object;
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
+pub use fingertip::Fingertip;
 pub use object::{Neck, Object, ObjectError};
 pub use pad::{NoPlaces, simulated_skin};
 pub use range::OutOfRange;

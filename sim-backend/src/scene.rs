@@ -342,6 +342,8 @@ pub(crate) mod stream {
     /// A course's layout, and the floor under its robots, plus the robot's index.
     pub(crate) const COURSE: u64 = 90;
     pub(crate) const FLOOR: u64 = 91;
+    /// The noise of a fingertip off its hand.
+    pub(crate) const BENCH: u64 = 45;
     /// Plus five for every object before it.
     pub(crate) const OBJECT_ERRORS: u64 = 50;
 }

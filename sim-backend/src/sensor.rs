@@ -12,7 +12,7 @@ use crate::clock::Clock;
 use crate::contact::Contact;
 use crate::pad::Pad;
 use crate::random::Random;
-use crate::scene::Errors;
+use crate::scene::{Errors, stream};
 
 /// Additive noise per element and axis, N, standard deviation (tactile design).
 const NOISE_N: f64 = 0.003;
@@ -38,7 +38,7 @@ pub(crate) struct HandSensor {
 
 /// One fingertip's electronics.
 #[derive(Clone, Debug)]
-struct TipSensor {
+pub(crate) struct TipSensor {
     /// Per element, as the next two.
     gain: Vec<f64>,
     /// Readings over forces along the element's axes, but for the gain.
@@ -106,6 +106,13 @@ impl HandSensor {
         frame.seal();
     }
 
+    /// The electronics of a fingertip, with noise of another stream; `None` if there is no such fingertip.
+    pub(crate) fn tip(&self, finger: usize) -> Option<TipSensor> {
+        let mut tip = self.tips.get(finger)?.clone();
+        tip.random = Random::new(tip.random.bits(), stream::BENCH);
+        Some(tip)
+    }
+
     /// Whether a sample falls into this tick: the sample count rises.
     fn is_due(&self, tick: u64) -> bool {
         let samples = |ticks: u64| ticks * self.rate_hz / 1000;
@@ -140,7 +147,12 @@ impl TipSensor {
     }
 
     /// Forces of the object on the elements, tip frame, become readings along the elements' axes.
-    fn sample(&mut self, layout: &Layout, force_n: &[Vector3<f64>], reading_n: &mut [[f32; 3]]) {
+    pub(crate) fn sample(
+        &mut self,
+        layout: &Layout,
+        force_n: &[Vector3<f64>],
+        reading_n: &mut [[f32; 3]],
+    ) {
         let mut draws = [0.0; AXES * ELEMENTS];
         let draws = &mut draws[..AXES * force_n.len()];
         self.random.fill_gaussian(draws);

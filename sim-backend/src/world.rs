@@ -8,6 +8,7 @@ use crate::clock::Clock;
 use crate::closure::Closure;
 use crate::drive::Drive;
 use crate::encoder;
+use crate::fingertip::Fingertip;
 use crate::hand::Hand;
 use crate::random::Random;
 use crate::range::{OutOfRange, in_range};
@@ -221,6 +222,16 @@ impl World {
         let hand = self.hands.get(hand);
         let contact = hand.and_then(|hand| hand.contacts.get(finger));
         contact.map_or(0.0, |contact| contact.sliding_share)
+    }
+
+    /// One of its fingertips on a bench, with the skin and the electronics that it has here. Hand 0 is left; `None` if there is no
+    /// such fingertip.
+    #[must_use]
+    pub fn fingertip(&self, hand: usize, finger: usize) -> Option<Fingertip> {
+        let (sensor, hand) = (self.sensors.get(hand)?, self.hands.get(hand)?);
+        let radius_m = *hand.model().tip_radius_m().get(finger)?;
+        let (tip, layout) = (sensor.tip(finger)?, hand.model().skin().layout);
+        Some(Fingertip::new(&hand.pads()[finger], radius_m, tip, layout))
     }
 
     /// Time of the present instant, ns.

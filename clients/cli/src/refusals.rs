@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use atas_client::{POLL, Session};
+use atas_client::{POLL, Session, layouts};
 use shm_bus::{BusError, Subscriber};
-use shm_schemas::{Cause, Hand, HandFrame, HandStatus, Layout, Status, service};
+use shm_schemas::{Cause, Hand, HandFrame, HandStatus, Status, service};
 
 /// How long to wait for a frame to look at (ours: three of the slowest sensor, 30 Hz).
 const FRAME: Duration = Duration::from_millis(100);
@@ -127,17 +127,13 @@ fn foreign(hand: Hand, sensor: &HandStatus, sent: Option<&HandFrame>) -> String 
 
 /// A layout by its name, or its hash if it has none here.
 fn layout(hash: u64) -> String {
-    let named = |name: &&&str| Layout::named(name).is_some_and(|layout| layout.hash() == hash);
-    Layout::NAMES.iter().find(named).map_or_else(
-        || format!("an unknown layout (hash {hash:016x})"),
-        |name| (*name).to_owned(),
-    )
+    layouts::name(hash).unwrap_or_else(|| format!("an unknown layout (hash {hash:016x})"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::Reason;
+    use shm_schemas::{Layout, Reason};
 
     #[test]
     fn what_is_refused_is_not_told_as_silence() {

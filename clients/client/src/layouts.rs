@@ -6,9 +6,16 @@ use shm_schemas::capacity::ELEMENTS;
 /// The layout of this hash, if it is one that has a name.
 #[must_use]
 pub fn named(hash: u64) -> Option<Layout> {
-    let named = Layout::NAMES.iter().filter_map(|name| Layout::named(name));
-    let pads = (1..=ELEMENTS).filter_map(|count| Layout::named(&format!("pad-{count}")));
-    named.chain(pads).find(|layout| layout.hash() == hash)
+    Layout::named(&name(hash)?)
+}
+
+/// The name of the layout of this hash, if it is one of those whose names say it all: grids of any pitch have none here.
+#[must_use]
+pub fn name(hash: u64) -> Option<String> {
+    let names = Layout::NAMES.iter().map(|name| (*name).to_owned());
+    let pads = (1..=ELEMENTS).map(|count| format!("pad-{count}"));
+    let is_it = |name: &String| Layout::named(name).is_some_and(|layout| layout.hash() == hash);
+    names.chain(pads).find(is_it)
 }
 
 #[cfg(test)]
@@ -25,6 +32,7 @@ mod tests {
                 (layout.count, layout.normal),
                 "{name}"
             );
+            assert_eq!(super::name(layout.hash()).as_deref(), Some(name));
         }
         assert!(named(7).is_none());
     }

@@ -37,8 +37,8 @@ pub use demos::{
     Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoPickPlace, DemoScrew, DemoSwarm, Running,
 };
 pub use evals::{
-    Eval, Evaluation, HybridEvaluation, Merging, RecordedEvaluation, ReflexEvaluation, Summary,
-    TaskName, Tuning, Variants,
+    CalibrationEvaluation, Eval, Evaluation, HybridEvaluation, Merging, RecordedEvaluation,
+    ReflexEvaluation, Summary, TaskName, Tuning, Variants,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
@@ -68,6 +68,16 @@ pub struct Arguments {
     /// What to do
     #[command(subcommand)]
     pub command: Command,
+}
+
+impl Arguments {
+    /// What these words say, the program's name first.
+    ///
+    /// # Errors
+    /// They are no command line.
+    pub fn of(words: &[&str]) -> Result<Self, clap::Error> {
+        Self::try_parse_from(words)
+    }
 }
 
 /// The commands of both programs.

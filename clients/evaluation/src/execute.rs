@@ -6,13 +6,15 @@ use std::time::Instant;
 
 use parking_lot::Mutex;
 use rayon::prelude::*;
-use sim_backend::simulated_skin;
+use robot_model::RobotModel;
+use sim_backend::{World, simulated_skin};
 
 use crate::parts::{self, Part};
 use crate::plan::{Job, Plan, Shard};
 use crate::report::Report;
 use crate::rows::TrialRow;
 use crate::trial::{self, Record};
+use crate::worn::Worn;
 
 /// What became of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +79,28 @@ impl Plan {
         Ok(self.evaluated(&self.sort(records), wall_s))
     }
 
+    /// Runs every trial of ours once with each of what `wear` makes for its world and seed: the records of each, and what else was
+    /// made, in the order of the plan. `None` if `stop` was set meanwhile.
+    ///
+    /// # Errors
+    /// As [`Plan::run`], or if `wear` fails.
+    pub fn run_worn<T: Send>(
+        &self,
+        stop: &AtomicBool,
+        done: impl Fn() + Sync,
+        wear: impl Fn(&World, u64) -> anyhow::Result<(Vec<Worn>, T)> + Sync,
+    ) -> anyhow::Result<Option<Vec<(Vec<Record>, T)>>> {
+        self.each(
+            |_| true,
+            stop,
+            |robot, _, job| {
+                let records = trial::run_worn(robot, self, job, &wear)?;
+                done();
+                Ok(records)
+            },
+        )
+    }
+
     /// The trials of the jobs that are wanted, in the order of the plan; `ended` takes each as it ends, from any thread.
     fn trials_of(
         &self,
@@ -84,6 +108,20 @@ impl Plan {
         stop: &AtomicBool,
         ended: impl Fn(usize, &Record) -> anyhow::Result<()> + Sync,
     ) -> anyhow::Result<Option<Vec<Record>>> {
+        self.each(wanted, stop, |robot, index, job| {
+            let record = trial::run(robot, self, job)?;
+            ended(index, &record)?;
+            Ok(record)
+        })
+    }
+
+    /// What comes of the jobs that are wanted, in the order of the plan.
+    fn each<T: Send>(
+        &self,
+        wanted: impl Fn(usize) -> bool,
+        stop: &AtomicBool,
+        run: impl Fn(&RobotModel, usize, &Job) -> anyhow::Result<T> + Sync,
+    ) -> anyhow::Result<Option<Vec<T>>> {
         anyhow::ensure!(
             !self.objects.is_empty(),
             "could not evaluate because there is no object; name one with --objects"
@@ -102,18 +140,14 @@ impl Plan {
             .num_threads(self.threads)
             .build()?;
         let one = |(index, job): (usize, Job)| {
-            if stop.load(Ordering::Relaxed) {
-                return Ok(None);
-            }
-            let record = trial::run(&robot, self, &job)?;
-            ended(index, &record)?;
-            Ok(Some(record))
+            let stopped = stop.load(Ordering::Relaxed);
+            (!stopped).then(|| run(&robot, index, &job)).transpose()
         };
         let jobs = self.deal().into_iter().enumerate();
         let jobs: Vec<_> = jobs.filter(|(index, _)| wanted(*index)).collect();
-        let records: anyhow::Result<Vec<Option<Record>>> =
+        let ended: anyhow::Result<Vec<Option<T>>> =
             pool.install(|| jobs.into_par_iter().with_max_len(1).map(one).collect());
-        Ok(records?.into_iter().collect())
+        Ok(ended?.into_iter().collect())
     }
 
     fn evaluated(&self, series: &[Vec<Record>], wall_s: f64) -> Evaluated {

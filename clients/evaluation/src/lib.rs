@@ -48,6 +48,7 @@ mod statistics;
 mod tally;
 mod task;
 mod trial;
+mod worn;
 
 pub use condition::{Condition, Named, Noise};
 pub use execute::Evaluated;
@@ -63,3 +64,4 @@ pub use statistics::{median, wilson};
 pub use tally::Tally;
 pub use task::{SIDE, Task};
 pub use trial::{Record, trial_seed};
+pub use worn::Worn;

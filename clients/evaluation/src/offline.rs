@@ -54,13 +54,18 @@ impl OfflineRun {
         settings: Settings,
     ) -> Result<Self, SceneError> {
         let mut run = Self::at_rest(robot, scene, seed, settings)?;
+        run.make_ready(&mut |_| {});
+        Ok(run)
+    }
+
+    /// Brings the controller to READY; `skin` is what fingertips are felt through, see [`OfflineRun::step_through`].
+    pub(crate) fn make_ready(&mut self, skin: &mut dyn FnMut(&mut HandFrame)) {
         for _ in 0..READY_WITHIN_TICKS {
-            run.step(None);
-            if run.controller.mode().0 == Mode::READY {
+            self.step_through(None, &mut *skin);
+            if self.controller.mode().0 == Mode::READY {
                 break;
             }
         }
-        Ok(run)
     }
 
     /// Sets the scene; no tick has passed yet.
@@ -159,10 +164,21 @@ impl OfflineRun {
         &mut self,
         goal: &GoalRequest,
         limit_s: f64,
+        watch: impl FnMut(&Outputs, &World),
+    ) -> Trial {
+        self.run_through(goal, limit_s, &mut |_| {}, watch)
+    }
+
+    /// The same with something between fingertips and controller, see [`OfflineRun::step_through`].
+    pub(crate) fn run_through(
+        &mut self,
+        goal: &GoalRequest,
+        limit_s: f64,
+        skin: &mut dyn FnMut(&mut HandFrame),
         mut watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
         let (first, start) = (self.index, self.world.truth());
-        let end = self.pursue(goal, limit_s, &mut watch);
+        let end = self.pursue(goal, limit_s, skin, &mut watch);
         Trial {
             end,
             start,
@@ -176,6 +192,7 @@ impl OfflineRun {
         &mut self,
         goal: &GoalRequest,
         limit_s: f64,
+        skin: &mut dyn FnMut(&mut HandFrame),
         watch: &mut impl FnMut(&Outputs, &World),
     ) -> GoalUpdate {
         let ended = |state, reason| GoalUpdate {
@@ -188,7 +205,7 @@ impl OfflineRun {
             Err(reason) => return ended(GoalState::REJECTED, reason),
         };
         for _ in 0..(limit_s * 1e9) as u64 / TICK_NS {
-            let outputs = *self.step(order.take().as_ref());
+            let outputs = *self.step_through(order.take().as_ref(), &mut *skin);
             watch(&outputs, &self.world);
             let is_end = |u: &GoalUpdate| u.goal_id == goal.goal_id && u.state.is_final();
             if let Some(end) = outputs.goal_update.filter(is_end) {

@@ -1,7 +1,7 @@
 //! Trials apart by what physics allows: what can be held shall be, what cannot shall be refused.
 //!
 //! Twice: under the paper's rule, whose F_2 says what an object bears ([`Load::is_feasible`]), and by physics alone
-//! ([`Load::is_physically_feasible`]), which is the fair measure of a law that knows no F_2.
+//! ([`Load::is_physically_feasible`]), which is the fair measure of a policy that knows no F_2.
 //!
 //! [`Load::is_feasible`]: crate::judge::Load::is_feasible
 //! [`Load::is_physically_feasible`]: crate::judge::Load::is_physically_feasible

@@ -80,7 +80,7 @@ pub(crate) struct Job {
     /// Number of the trial among those of its object.
     pub(crate) number: u64,
     /// What governs the grip.
-    pub(crate) law: GripPolicy,
+    pub(crate) policy: GripPolicy,
     /// Under which condition.
     pub(crate) condition: Condition,
 }
@@ -111,19 +111,19 @@ impl Plan {
             .count() as u64
     }
 
-    /// Every law with its condition: ours under all of them, then each baseline.
+    /// Every policy with its condition: ours under all of them, then each baseline.
     pub(crate) fn series(&self) -> Vec<(GripPolicy, Condition)> {
         let compared = match self.compare_everywhere {
             true => self.conditions.len(),
             false => 1.min(self.conditions.len()),
         };
-        let under = |law: GripPolicy, conditions: &[Condition]| {
+        let under = |policy: GripPolicy, conditions: &[Condition]| {
             let conditions = conditions.iter().cloned();
-            conditions.map(move |c| (law, c)).collect::<Vec<_>>()
+            conditions.map(move |c| (policy, c)).collect::<Vec<_>>()
         };
         let ours = under(GripPolicy::Ours, &self.conditions);
         let baselines = self.baselines.iter();
-        let baselines = baselines.flat_map(|law| under(*law, &self.conditions[..compared]));
+        let baselines = baselines.flat_map(|policy| under(*policy, &self.conditions[..compared]));
         ours.into_iter().chain(baselines).collect()
     }
 
@@ -140,10 +140,10 @@ impl Plan {
         let trial = |k: u64| {
             let object = (k % objects as u64) as usize;
             let number = self.first_seed + k / objects as u64;
-            series.iter().map(move |(law, condition)| Job {
+            series.iter().map(move |(policy, condition)| Job {
                 object,
                 number,
-                law: *law,
+                policy: *policy,
                 condition: condition.clone(),
             })
         };

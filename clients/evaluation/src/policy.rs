@@ -34,7 +34,7 @@ const START_N: [f64; 3] = [0.35, 0.6, 1.0];
 /// Most that it presses with, as tried, N.
 const CEILING_N: [f64; 3] = [2.0, 4.0, 8.0];
 
-/// A law of the grip.
+/// A policy of the grip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GripPolicy {
     /// Modules 1, 2, 3, the stiffness probe and relaxing, as the built-in tasks have them.
@@ -128,7 +128,7 @@ impl GripPolicy {
         }
     }
 
-    /// The controller's settings under this law.
+    /// The controller's settings under this policy.
     #[must_use]
     pub fn settings(self, ours: &Settings) -> Settings {
         let mut settings = *ours;
@@ -143,7 +143,7 @@ impl GripPolicy {
         settings
     }
 
-    /// The goal under this law: for a baseline, the same with a task of its own.
+    /// The goal under this policy: for a baseline, the same with a task of its own.
     #[must_use]
     pub fn goal(self, goal: &GoalRequest) -> (GoalRequest, Option<Task>) {
         let own = tasks::of(goal.kind).and_then(|task| self.task(task));
@@ -158,7 +158,7 @@ impl GripPolicy {
         (goal, Some(task))
     }
 
-    /// A task that moves as a built-in one does and grips by this law; `None` for ours.
+    /// A task that moves as a built-in one does and grips by this policy; `None` for ours.
     fn task(self, built_in: &Task) -> Option<Task> {
         let govern = |track: &Track| match self {
             Self::Ours => None,
@@ -260,18 +260,18 @@ mod tests {
             start_n: 0.5,
             ceiling_n: 8.0,
         };
-        let laws = [GripPolicy::FixedForce(3.0), slip_reactive];
-        for (kind, law) in kinds.into_iter().flat_map(|k| laws.map(|l| (k, l))) {
+        let policies = [GripPolicy::FixedForce(3.0), slip_reactive];
+        for (kind, policy) in kinds.into_iter().flat_map(|k| policies.map(|l| (k, l))) {
             let ours = tasks::of(kind).expect("built in");
             let asked = GoalRequest {
                 kind,
                 ..GoalRequest::default()
             };
-            let (goal, task) = law.goal(&asked);
+            let (goal, task) = policy.goal(&asked);
             let task = task.expect("a baseline has its own task");
             assert_eq!(
                 (goal.kind, task.name.as_str()),
-                (GoalKind::CUSTOM, law.name())
+                (GoalKind::CUSTOM, policy.name())
             );
             assert_eq!(task.demands(), ours.demands());
             let motions = |track: &Track| -> Vec<_> {
@@ -300,12 +300,12 @@ mod tests {
 
     /// The modules of a baseline's step that lifts.
     fn slip_reactive_lift() -> Selection {
-        let law = GripPolicy::baselines(EvaluatedTask::Grasp, None)[1];
+        let policy = GripPolicy::baselines(EvaluatedTask::Grasp, None)[1];
         let asked = GoalRequest {
             kind: GoalKind::GRASP,
             ..GoalRequest::default()
         };
-        let task = law.goal(&asked).1.expect("a baseline has its own task");
+        let task = policy.goal(&asked).1.expect("a baseline has its own task");
         let lift = task
             .acting
             .iter()
@@ -315,9 +315,9 @@ mod tests {
 
     #[test]
     fn every_candidate_can_be_set() {
-        for law in GripPolicy::candidates() {
-            let settings = law.settings(&Settings::default());
-            assert_eq!(settings.check(), Ok(()), "{law:?}");
+        for policy in GripPolicy::candidates() {
+            let settings = policy.settings(&Settings::default());
+            assert_eq!(settings.check(), Ok(()), "{policy:?}");
         }
         for task in [
             EvaluatedTask::Grasp,

@@ -170,10 +170,10 @@ impl Row {
 }
 
 impl Baseline {
-    fn of((law, condition): &(GripPolicy, Condition), records: &Vec<Record>) -> Self {
+    fn of((policy, condition): &(GripPolicy, Condition), records: &Vec<Record>) -> Self {
         Self {
-            baseline: law.name(),
-            setting: law.setting(),
+            baseline: policy.name(),
+            setting: policy.setting(),
             row: Row::of((condition, records)),
         }
     }

@@ -5,8 +5,10 @@ use atas_client::GoalProgress;
 use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
+use shm_schemas::GoalRequest;
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use sim_backend::random::split_mix;
+use sim_backend::{Scene, World};
 
 use crate::drawn::Drawn;
 use crate::finding::{Finding, judge};
@@ -14,6 +16,7 @@ use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
 use crate::task::Task;
+use crate::worn::Worn;
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -72,51 +75,96 @@ pub fn trial_seed(object: &str, seed: u64) -> u64 {
     split_mix(fnv1a(FNV_OFFSET, object.as_bytes()) ^ split_mix(seed))
 }
 
+/// One trial as its plan has it.
 pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
-    let begin_s = cpu_s();
-    let nominal = &plan.objects[job.object];
-    let seed = trial_seed(&nominal.name, job.number);
-    let errors = &job.condition.errors.errors;
-    let mut scene = plan
-        .task
-        .scene(robot, nominal.clone())?
-        .varied(seed)
-        .with_errors(errors, seed);
-    scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
-    scene.sensor_rate_hz = [job.condition.rate_hz; 2];
-    let goal = plan.task.goal(&scene, robot.acting_side())?;
-    let load = Load::of(&scene.objects[0].object, &plan.settings.grasp);
-    let mut progress = GoalProgress::default();
-    let settings = job.law.settings(&plan.settings);
-    let mut run = OfflineRun::new(robot, &scene, seed, settings)?;
-    let (goal, task) = job.law.goal(&goal);
-    run.teach(task);
-    let trial = run.run(&goal, plan.task.limit_s(), |outputs, _| {
-        outputs.goal_update.iter().for_each(|u| progress.add(u));
-    });
-    if let Some(fault) = run.world().fault() {
-        let name = &nominal.name;
-        return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
+    let settings = job.policy.settings(&plan.settings);
+    Stage::set(robot, plan, job)?.run(Worn::bare(settings))
+}
+
+/// One trial, once with each of what `wear` makes for its fingertips; and what else it makes.
+pub(super) fn run_worn<T>(
+    robot: &RobotModel,
+    plan: &Plan,
+    job: &Job,
+    wear: impl Fn(&World, u64) -> anyhow::Result<(Vec<Worn>, T)>,
+) -> anyhow::Result<(Vec<Record>, T)> {
+    let stage = Stage::set(robot, plan, job)?;
+    let world = World::new(robot, &stage.scene, stage.seed)?;
+    let (worn, made) = wear(&world, stage.seed)?;
+    let records: anyhow::Result<_> = worn.into_iter().map(|worn| stage.run(worn)).collect();
+    Ok((records?, made))
+}
+
+/// What a trial begins with: a member of an object's family in its scene, and what is asked.
+struct Stage<'a> {
+    robot: &'a RobotModel,
+    plan: &'a Plan,
+    job: &'a Job,
+    seed: u64,
+    scene: Scene,
+    goal: GoalRequest,
+}
+
+impl<'a> Stage<'a> {
+    fn set(robot: &'a RobotModel, plan: &'a Plan, job: &'a Job) -> anyhow::Result<Self> {
+        let nominal = &plan.objects[job.object];
+        let seed = trial_seed(&nominal.name, job.number);
+        let errors = &job.condition.errors.errors;
+        let mut scene = plan
+            .task
+            .scene(robot, nominal.clone())?
+            .varied(seed)
+            .with_errors(errors, seed);
+        scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
+        scene.sensor_rate_hz = [job.condition.rate_hz; 2];
+        let goal = plan.task.goal(&scene, robot.acting_side())?;
+        Ok(Self {
+            robot,
+            plan,
+            job,
+            seed,
+            scene,
+            goal,
+        })
     }
-    let [x_m, y_m, _] = goal.to_m;
-    let objects = trial.truth.objects.iter();
-    Ok(Record {
-        object: job.object,
-        number: job.number,
-        drawn: Drawn::of(&scene).context("a task's scene has its objects")?,
-        load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
-        finding: judge(
-            plan.task,
-            robot.hand(robot.acting_side()),
-            &trial,
-            &progress,
-            load,
-            [x_m, y_m],
-        ),
-        max_force_n: objects.map(|o| o.max_force_n).fold(0.0, f64::max),
-        simulated_s: trial.simulated_s,
-        cpu_s: cpu_s() - begin_s,
-    })
+
+    fn run(&self, mut worn: Worn) -> anyhow::Result<Record> {
+        let begin_s = cpu_s();
+        let (plan, job) = (self.plan, self.job);
+        let load = Load::of(&self.scene.objects[0].object, &plan.settings.grasp);
+        let mut progress = GoalProgress::default();
+        let mut run = OfflineRun::at_rest(self.robot, &self.scene, self.seed, worn.settings)?;
+        run.make_ready(&mut worn.skin);
+        let (goal, task) = job.policy.goal(&self.goal);
+        run.teach(task);
+        let limit_s = plan.task.limit_s();
+        let trial = run.run_through(&goal, limit_s, &mut worn.skin, |outputs, _| {
+            outputs.goal_update.iter().for_each(|u| progress.add(u));
+        });
+        if let Some(fault) = run.world().fault() {
+            let name = &plan.objects[job.object].name;
+            return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
+        }
+        let [x_m, y_m, _] = goal.to_m;
+        let objects = trial.truth.objects.iter();
+        Ok(Record {
+            object: job.object,
+            number: job.number,
+            drawn: Drawn::of(&self.scene).context("a task's scene has its objects")?,
+            load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
+            finding: judge(
+                plan.task,
+                self.robot.hand(self.robot.acting_side()),
+                &trial,
+                &progress,
+                load,
+                [x_m, y_m],
+            ),
+            max_force_n: objects.map(|o| o.max_force_n).fold(0.0, f64::max),
+            simulated_s: trial.simulated_s,
+            cpu_s: cpu_s() - begin_s,
+        })
+    }
 }
 
 /// A number from 0 to 1 from a seed.

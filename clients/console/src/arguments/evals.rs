@@ -31,6 +31,9 @@ pub enum Eval {
     /// A reflex beneath a policy: one that closes too weakly or too hard and moves with jerks, ten times a second and 50 ms late,
     /// with the daemon's touch beneath it and without
     Reflex(ReflexEvaluation),
+    /// Grasps with fingertips of unknown gain, axes, noise and compression, calibrated by `atas calibrate` from guided presses on
+    /// them, beside the same grasps under the exact calibration
+    Calibration(CalibrationEvaluation),
     /// Both methodologies in one robot: fetch an object, carry it over a field on wheels, set it down at a goal. A behaviour table
     /// drives the base, modules move the hand
     Hybrid(HybridEvaluation),
@@ -97,6 +100,26 @@ pub struct ReflexEvaluation {
     /// Number of the first seed of each object. 1 to 20000 are for tuning, all others for judging [default: 20001]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     pub first_seed: Option<u64>,
+    /// Threads; 0 for one per core. The numbers do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// How a calibration is evaluated.
+#[derive(Args, Clone, Debug)]
+pub struct CalibrationEvaluation {
+    /// The robot: one that ships (`atas robot list`), or a robot file
+    #[arg(long, value_name = "NAME|FILE", default_value = super::values::ROBOT)]
+    pub robot: String,
+    /// Trials, dealt in turn to the built-in objects; each with fingertips of its own
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub trials: u64,
+    /// Number of the first seed of each object. 1 to 20000 are for tuning, all others for judging [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
+    /// Frames per second of the fingertip sensors in the grasps
+    #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rate_hz: u32,
     /// Threads; 0 for one per core. The numbers do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

@@ -167,6 +167,11 @@ const HELPS: &[Help] = &[
         "one object: with{trials, success, crushed, failures}, without{…}, slip_to_command_ms{count, p50, p99, max}",
     ),
     Help(
+        "eval calibration",
+        &["atas eval calibration --trials 40"],
+        "one object: trials, exact{success, ci95, failures}, fitted{…}, lost_points, only_exact, only_fitted, fit{error_share, …}",
+    ),
+    Help(
         "eval hybrid",
         &[
             "atas eval hybrid --robots 1 --seeds 100",
@@ -345,7 +350,7 @@ const HELPS: &[Help] = &[
     Help(
         "bench observers",
         &["atas bench observers --seconds 10 --repeats 5"],
-        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, ratio), missed_ticks",
+        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, ratio, neighbours_us, …), missed_ticks",
     ),
     Help(
         "record",

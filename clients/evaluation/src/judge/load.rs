@@ -20,7 +20,7 @@ pub struct Load {
     pub crush_n: f64,
     /// Most that the hand may press with (`grasp.f2_max_n`), whatever the object.
     pub press_n: f64,
-    /// F_2 that the law in force gives for its true stiffness.
+    /// F_2 that the policy in force gives for its true stiffness.
     pub f2_n: f64,
 }
 
@@ -44,7 +44,7 @@ impl Load {
         self.needed_n < self.f2_n && self.needed_n < self.crush_n
     }
 
-    /// Feasible by physics alone, whatever law governs the grip: what holds it steady neither crushes it nor is more than
+    /// Feasible by physics alone, whatever policy governs the grip: what holds it steady neither crushes it nor is more than
     /// the hand can press.
     #[must_use]
     pub fn is_physically_feasible(&self) -> bool {

@@ -1,12 +1,17 @@
 //! `atas bench observers`: whether looking on costs the tick anything. One daemon, in turn alone and with eight observers: two of
-//! each kind, of which one hangs and the other is killed and comes back, again and again.
+//! each kind, of which one hangs and the other is killed and comes back, again and again. And, for what of that is the machine's and
+//! not the bus's, with neighbours that keep the other cores as busy and have never heard of it.
 //!
-//! * **Invariants:** both halves of a comparison are of the same daemon, in one run, next to each other in time.
+//! * **Invariants:** all parts of a comparison are of the same daemon, in one run, next to each other in time.
 //! * **Absent on purpose:** a limit. `tests/benches` hold ratios; a busy machine's are noise.
 
+use std::hint::black_box;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
+use anyhow::anyhow;
 use atas_client::percentiles;
 use atas_console::arguments::BenchObservers;
 use atas_console::{Interrupt, Output, table};
@@ -26,15 +31,18 @@ use crate::demo::child::Child;
 /// What looks on, as a program and its arguments; the bus comes after them.
 const KINDS: [(&str, &str); 4] = [
     ("atas", "status --watch"),
-    ("atas", "topic echo view"),
     ("atas", "topic hz tick-report"),
     ("atas-live", "dashboard --port 0"),
+    ("atas-live", "foxglove --port 0"),
 ];
 /// How long an observer looks on before it hangs, or is killed.
 const LOOKS: Duration = Duration::from_millis(500);
 
-/// A figure of a half, by its name, ns.
-type Measure = (&'static str, fn(&Half) -> u64);
+/// What a busy neighbour copies over and over, bytes (ours: more than a core's own caches hold).
+const COPIES_BYTES: usize = 8 << 20;
+
+/// A figure of a part, by its name, ns.
+type Measure = (&'static str, fn(&Part) -> u64);
 
 /// `atas bench observers`.
 pub(super) fn observers(
@@ -53,24 +61,65 @@ pub(super) fn observers(
         Child::start("atasd", control, site.folder())
     })?;
     pair.wait_until_ready(interrupt)?;
-    let mut alone = Vec::new();
-    let mut observed = Vec::new();
+    let [mut alone, mut observed, mut beside] = [const { Vec::new() }; 3];
     for _ in 0..plan.repeats {
-        alone.push(Half::measure(&mut pair, &plan, || Ok(()))?);
+        alone.push(Part::measure(&mut pair, &plan, || Ok(()))?);
         let mut crowd = Crowd::gather(pair.site())?;
-        observed.push(Half::measure(&mut pair, &plan, || crowd.change())?);
+        observed.push(Part::measure(&mut pair, &plan, || crowd.change())?);
+        drop(crowd);
+        beside.push(among_neighbours(plan.core, || {
+            Part::measure(&mut pair, &plan, || Ok(()))
+        })?);
     }
-    print(&alone, &observed, output)
+    print(&alone, &observed, &beside, output)
 }
 
-/// Half of a comparison.
-struct Half {
+/// Does something while every core but this one copies memory.
+fn among_neighbours<T>(
+    core: usize,
+    something: impl FnOnce() -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let done = AtomicBool::new(false);
+    let cores = thread::available_parallelism()?.get();
+    thread::scope(|scope| {
+        let others = (0..cores).filter(|other| *other != core);
+        let neighbours: Vec<_> = others
+            .map(|other| {
+                let done = &done;
+                scope.spawn(move || copy_memory(other, done))
+            })
+            .collect();
+        let came = something();
+        done.store(true, Ordering::Relaxed);
+        for neighbour in neighbours {
+            neighbour
+                .join()
+                .map_err(|_| anyhow!("a neighbour panicked"))??;
+        }
+        came
+    })
+}
+
+/// Keeps one core busy with memory until it is done.
+fn copy_memory(core: usize, done: &AtomicBool) -> anyhow::Result<()> {
+    machine::pin(core)?;
+    let from = vec![1_u8; COPIES_BYTES];
+    let mut to = vec![0; COPIES_BYTES];
+    while !done.load(Ordering::Relaxed) {
+        to.copy_from_slice(black_box(&from));
+        black_box(&mut to);
+    }
+    Ok(())
+}
+
+/// One part of a comparison.
+struct Part {
     wake: Percentiles,
     body: Percentiles,
     missed_ticks: u64,
 }
 
-impl Half {
+impl Part {
     /// Listens for the plan's window; `meanwhile` is called every half second.
     fn measure(
         pair: &mut Pair,
@@ -144,45 +193,59 @@ fn start(bus: &BusName, logs: &Path) -> anyhow::Result<Vec<Child>> {
     KINDS.iter().map(one).collect()
 }
 
-fn print(alone: &[Half], observed: &[Half], output: &mut Output) -> anyhow::Result<()> {
-    let us = |halves: &[Half], of: fn(&Half) -> u64| {
-        let values = halves.iter().map(|half| of(half) as f64 * 1e-3);
+fn print(
+    alone: &[Part],
+    observed: &[Part],
+    beside: &[Part],
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let us = |parts: &[Part], of: fn(&Part) -> u64| {
+        let values = parts.iter().map(|part| of(part) as f64 * 1e-3);
         median(values.collect()).unwrap_or(f64::NAN)
     };
     let rows: [Measure; 4] = [
-        ("tick body, p50 µs", |half| half.body.p50_ns),
-        ("tick body, p99 µs", |half| half.body.p99_ns),
-        ("wake-up, p50 µs", |half| half.wake.p50_ns),
-        ("wake-up, p99 µs", |half| half.wake.p99_ns),
+        ("tick body, p50 µs", |part| part.body.p50_ns),
+        ("tick body, p99 µs", |part| part.body.p99_ns),
+        ("wake-up, p50 µs", |part| part.wake.p50_ns),
+        ("wake-up, p99 µs", |part| part.wake.p99_ns),
     ];
-    let figures = rows.map(|(name, of)| (name, us(alone, of), us(observed, of)));
-    let missed = |halves: &[Half]| halves.iter().map(|half| half.missed_ticks).sum::<u64>();
+    let figures = rows.map(|(name, of)| (name, [alone, observed, beside].map(|p| us(p, of))));
+    let missed = |parts: &[Part]| parts.iter().map(|part| part.missed_ticks).sum::<u64>();
     if output.is_json() {
-        let [body, body_p99, wake, wake_p99] = figures.map(|(_, alone, observed)| {
-            json!({ "alone_us": alone, "observed_us": observed, "ratio": observed / alone })
+        let [body, body_p99, wake, wake_p99] = figures.map(|(_, [alone, observed, beside])| {
+            json!({
+                "alone_us": alone, "observed_us": observed, "ratio": observed / alone,
+                "neighbours_us": beside, "neighbours_ratio": beside / alone,
+            })
         });
         return output.json(&json!({
             "observers": 2 * KINDS.len(),
             "body": { "p50": body, "p99": body_p99 },
             "wake": { "p50": wake, "p99": wake_p99 },
-            "missed_ticks": { "alone": missed(alone), "observed": missed(observed) },
+            "missed_ticks": {
+                "alone": missed(alone), "observed": missed(observed), "neighbours": missed(beside),
+            },
         }));
     }
-    let mut shown = table(&["", "alone", "observed", "ratio"]);
-    for (name, alone, observed) in figures {
-        let text = |value, digits| atas_console::number(value, digits);
+    let mut shown = table(&["", "alone", "observed", "ratio", "neighbours", "ratio"]);
+    for (name, [alone, observed, beside]) in figures {
+        let text = atas_console::number;
         shown.add_row([
             name.to_owned(),
             text(alone, 1),
             text(observed, 1),
             text(observed / alone, 2),
+            text(beside, 1),
+            text(beside / alone, 2),
         ]);
     }
     output.table(shown)?;
     output.line(format_args!(
-        "{} observers: one of each kind hangs, one is killed and comes back twice a second; ticks missed {} alone, {} observed",
+        "{} observers: one of each kind hangs, one is killed and comes back twice a second; neighbours: the other cores copy memory; \
+         ticks missed {} alone, {} observed, {} among neighbours",
         2 * KINDS.len(),
         missed(alone),
-        missed(observed)
+        missed(observed),
+        missed(beside)
     ))
 }

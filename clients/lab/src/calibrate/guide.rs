@@ -10,6 +10,8 @@ use serde_json::json;
 
 /// Names of the axes, as people and tables know them.
 const AXES: [&str; 3] = ["normal", "tangential1", "tangential2"];
+/// Columns of a table of steps.
+pub(crate) const STEPS: &str = "from_ns,to_ns,normal_n,tangential1_n,tangential2_n";
 /// Longest rest of a load, s (ours: what a hand can hold still).
 const SECONDS_MAX: f64 = 600.0;
 
@@ -31,7 +33,7 @@ pub(super) fn guide(
     })?;
     let mut write =
         |line: String| writeln!(file, "{line}").with_context(|| format!("could not write {path}"));
-    write("from_ns,to_ns,normal_n,tangential1_n,tangential2_n".to_owned())?;
+    write(STEPS.to_owned())?;
     let mut entered = std::io::stdin().lock();
     for (step, load) in loads.iter().enumerate() {
         say(&format!(
@@ -59,10 +61,7 @@ pub(super) fn guide(
             return Err(interrupted());
         }
         let to_ns = shm_bus::now_ns();
-        write(format!(
-            "{from_ns},{to_ns},{},{},{}",
-            load[0], load[1], load[2]
-        ))?;
+        write(row(from_ns, to_ns, *load))?;
     }
     if output.is_json() {
         return output.json(&json!({ "file": path.to_string(), "steps": loads.len() }));
@@ -70,8 +69,13 @@ pub(super) fn guide(
     output.line(format_args!("wrote {path}: {} steps", loads.len()))
 }
 
-/// Silence, the normal loads, and each tangential load under the middle one of them.
-fn loads(guide: &Guide) -> Vec<[f64; 3]> {
+/// A row of a table of steps: from when until when which load rested, N.
+pub(crate) fn row(from_ns: u64, to_ns: u64, [normal_n, t1_n, t2_n]: [f64; 3]) -> String {
+    format!("{from_ns},{to_ns},{normal_n},{t1_n},{t2_n}")
+}
+
+/// Silence, the normal loads, and each tangential load under the middle one of them, N.
+pub(crate) fn loads(guide: &Guide) -> Vec<[f64; 3]> {
     let under = guide
         .normal
         .get(guide.normal.len() / 2)

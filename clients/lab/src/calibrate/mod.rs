@@ -1,6 +1,6 @@
 //! `atas calibrate`: from recorded silence and presses to a calibration file, what it is worth, and what the daemon is told.
 
-mod guide;
+pub(crate) mod guide;
 mod rows;
 
 use std::fmt::Write as _;
@@ -34,7 +34,7 @@ const RATES_HZ: [f64; 2] = [1.0, 10_000.0];
 
 /// What was written, and how good it is.
 #[derive(Serialize)]
-struct Report {
+pub(crate) struct Report {
     calibration: String,
     model: Model,
     elements: usize,
@@ -62,8 +62,8 @@ pub(crate) fn calibrate(
     match action {
         Calibrate::Guide(arguments) => guide::guide(arguments, interrupt, output),
         Calibrate::Fit(arguments) => {
-            let report =
-                run(arguments).map_err(|error| Ended::with(Exit::Failed, format!("{error:#}")))?;
+            let report = fit_files(arguments)
+                .map_err(|error| Ended::with(Exit::Failed, format!("{error:#}")))?;
             if output.is_json() {
                 return output.json(&report);
             }
@@ -72,7 +72,8 @@ pub(crate) fn calibrate(
     }
 }
 
-fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
+/// Fits what the files say, and writes what is asked for.
+pub(crate) fn fit_files(arguments: &CalibrateFit) -> anyhow::Result<Report> {
     let layout = Layout::named(&arguments.layout).with_context(|| {
         format!(
             "could not use the layout {:?}: needs {}",
@@ -91,8 +92,8 @@ fn run(arguments: &CalibrateFit) -> anyhow::Result<Report> {
         Some(path) => Some(block(path, thresholds.touch_on_n, arguments.block_tips)?),
         None => None,
     };
-    let hand = arguments.hand.map(|name| Hand::from(name).name());
-    let told = rate(rate_hz, hand)? + &daemon(&thresholds, motion_at, block.as_ref())?;
+    let mut told = carried(arguments, rate_hz)?;
+    told += &daemon(&thresholds, motion_at, block.as_ref())?;
     fitted.calibration.save(&arguments.out)?;
     if let Some(path) = &arguments.daemon {
         write_new(path, &told)?;
@@ -207,17 +208,23 @@ fn block(path: &Path, from_n: f64, tips: u32) -> anyhow::Result<Block> {
     })
 }
 
-/// What the daemon is told of the sensor's rate: how old its frames may be, and of a hand by its name how often they come.
-fn rate(rate_hz: Option<f64>, hand: Option<&str>) -> anyhow::Result<String> {
+/// What the daemon is told of the sensor: how old its frames may be, and of a hand by its name what it carries and how often
+/// frames come.
+fn carried(arguments: &CalibrateFit, rate_hz: Option<f64>) -> anyhow::Result<String> {
     let mut text =
         "# Made by atas calibrate. atasd --config THIS, after your own configuration.\n".to_owned();
+    let rate_hz = rate_hz.map(|rate_hz| rate_hz.clamp(RATES_HZ[0], RATES_HZ[1]));
+    if let Some(hand) = arguments.hand {
+        let (hand, layout) = (Hand::from(hand).name(), &arguments.layout);
+        writeln!(text, "[hands.{hand}]\nlayout = {layout:?}")?;
+        if let Some(rate_hz) = rate_hz {
+            writeln!(text, "rate_hz = {rate_hz:.1}")?;
+        }
+        text.push('\n');
+    }
     let Some(rate_hz) = rate_hz else {
         return Ok(text);
     };
-    let rate_hz = rate_hz.clamp(RATES_HZ[0], RATES_HZ[1]);
-    if let Some(hand) = hand {
-        writeln!(text, "[hands.{hand}]\nrate_hz = {rate_hz:.1}\n")?;
-    }
     let usual = Settings::default().intake;
     let age_s = HOLD_PERIODS / rate_hz;
     if age_s > usual.hold_age_s {

@@ -1,5 +1,6 @@
 //! `atas eval`: from arguments to plans, with a bar while they run.
 
+mod calibration;
 mod hybrid;
 mod recording;
 mod reflex;
@@ -40,6 +41,7 @@ pub(crate) fn evaluate(
         Eval::Robots(arguments) => variants::robots(arguments, interrupt, output),
         Eval::Skins(arguments) => variants::skins(arguments, interrupt, output),
         Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
+        Eval::Calibration(arguments) => calibration::calibration(arguments, interrupt, output),
         Eval::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
         Eval::Merge(merging) => shards::merge(merging, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),

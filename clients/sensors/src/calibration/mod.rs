@@ -32,7 +32,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 /// What this version writes and reads.
-const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 1;
 /// Values of one element.
 pub const AXES: usize = 3;
 

@@ -1,0 +1,275 @@
+//! `atas eval calibration`: what a grasp loses by a calibration that was fitted to guided presses, against the exact one.
+//!
+//! ```text
+//!  World ─▶ its Fingertips ─ Electronics nobody knows ─▶ session: presses.csv, steps.csv, block.csv ─▶ atas calibrate fit ─┐
+//!    └───▶ the same trial twice: readings ─ Electronics ─ counts ─┬─ the exact calibration ─▶ controller ─▶ judge          │
+//!                                                                 └─ the fitted one and its settings ◀────────────────────┘
+//! ```
+//!
+//! * **Invariants:** a function of its arguments, whatever the number of threads. Both grasp the same member of an object's family
+//!   with the same fingertips, whose skins are up to 20 % stiffer or softer than the controller knows, noise × 1 to 2.
+
+mod electronics;
+mod session;
+
+use std::collections::BTreeMap;
+
+use anyhow::Context;
+use atas_console::arguments::CalibrationEvaluation;
+use atas_console::{Interrupt, Output, number, table};
+use atas_core::Settings;
+use atas_evaluation::{Condition, Named, Noise, Plan, Record, Task, Worn, median, seeds, wilson};
+use atas_sensors::calibration::{AXES, Calibration};
+use robot_model::{RobotFiles, Side};
+use serde::Serialize;
+use shm_schemas::HandFrame;
+use sim_backend::World;
+use sim_backend::random::Random;
+
+use electronics::Electronics;
+use session::Made;
+
+/// Stream of a trial's seed for electronics and person (ours: any that the world has not).
+const STREAM: u64 = 0x6361_6c69;
+/// Scale of the sensors' noise, and the error of their skins ([`sim_backend::Errors`]).
+const NOISE: [f64; 2] = [1.0, 2.0];
+const ERRORS: &str = "tips";
+
+/// What became of it.
+#[derive(Serialize)]
+struct Report {
+    trials: u64,
+    first_seed: u64,
+    purpose: &'static str,
+    exact: Under,
+    fitted: Under,
+    /// Successes under the exact calibration without those under the fitted one, per cent of the trials.
+    lost_points: f64,
+    /// Trials that only one of them succeeded in.
+    only_exact: u64,
+    only_fitted: u64,
+    fit: Quality,
+}
+
+/// Under one calibration.
+#[derive(Serialize)]
+struct Under {
+    successes: u64,
+    success: f64,
+    /// Wilson score interval of `success`, 95 %.
+    ci95: [f64; 2],
+    failures: BTreeMap<String, u64>,
+}
+
+/// How good the fitted calibrations are.
+#[derive(Serialize)]
+struct Quality {
+    fingertips: usize,
+    /// Error along `f_n`, `f_t1`, `f_t2` on presses that were left out, over what was pressed: median and largest.
+    error_share: [f64; AXES],
+    error_share_most: [f64; AXES],
+    /// How far the compression of a fingertip at 1 N is from that of its skin, over it: median.
+    compression_error: f64,
+}
+
+/// The calibrations that one trial's fingertips got.
+struct Fit {
+    error_share: Vec<[f64; AXES]>,
+    compression_error: f64,
+}
+
+/// Runs it behind a bar and prints what became of it.
+pub(super) fn calibration(
+    arguments: &CalibrationEvaluation,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let plan = plan(arguments)?;
+    let side = plan.robot.load()?.acting_side();
+    let trials = super::behind_a_bar(plan.jobs(), |done| {
+        plan.run_worn(interrupt.flag(), done, |world, seed| {
+            wear(world, side, seed)
+        })
+    })?;
+    let report = Report::of(&plan, &trials);
+    if output.is_json() {
+        return output.json(&report);
+    }
+    print(&report, output)
+}
+
+fn plan(arguments: &CalibrationEvaluation) -> anyhow::Result<Plan> {
+    let named: Named = ERRORS.parse()?;
+    Ok(Plan {
+        robot: RobotFiles::find(&arguments.robot)?,
+        skin: None,
+        task: Task::Grasp,
+        objects: Task::Grasp.objects()?,
+        trials: arguments.trials,
+        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        conditions: vec![Condition {
+            noise: Noise::Between(NOISE),
+            rate_hz: arguments.rate_hz,
+            errors: named,
+        }],
+        baselines: Vec::new(),
+        compare_everywhere: false,
+        threads: arguments.threads,
+        settings: Settings::default(),
+    })
+}
+
+/// The exact calibration of a hand's fingertips and the one that a person makes of them.
+fn wear(world: &World, side: Side, seed: u64) -> anyhow::Result<(Vec<Worn>, Fit)> {
+    let mut random = Random::new(seed, STREAM);
+    let mut tips: Vec<_> = (0..)
+        .map_while(|finger| world.fingertip(side.index(), finger))
+        .collect();
+    let draw =
+        |tip: &mut sim_backend::Fingertip| Electronics::draw(tip.sample().len(), &mut random);
+    let electronics: Vec<_> = tips.iter_mut().map(draw).collect();
+    let exact: Option<Vec<_>> = electronics.iter().map(Electronics::exact).collect();
+    let mut exact = Made {
+        calibrations: exact.context("could not undo the electronics that were drawn")?,
+        settings: Settings::default(),
+    };
+    let folder = tempfile::tempdir().context("could not make a folder for the tables")?;
+    let fitted = session::calibrate(&mut tips, &electronics, &mut random, folder.path())?;
+    let truth = session::exact_block(&mut tips)?;
+    let settings = &mut exact.settings.perception;
+    (settings.tip_compression_m, settings.tip_exponent) =
+        (truth.tip_compression_m, truth.tip_exponent);
+    let fit = Fit {
+        error_share: fitted
+            .calibrations
+            .iter()
+            .map(|of| of.quality.error_share)
+            .collect(),
+        compression_error: (fitted.settings.perception.tip_compression_m / truth.tip_compression_m
+            - 1.0)
+            .abs(),
+    };
+    let electronics = std::rc::Rc::new(electronics);
+    let worn = [exact, fitted].map(|made| Worn {
+        settings: made.settings,
+        skin: felt_through(electronics.clone(), made.calibrations, side),
+    });
+    Ok((worn.into(), fit))
+}
+
+/// Makes counts of every reading of a hand, and newtons of these again.
+fn felt_through(
+    electronics: std::rc::Rc<Vec<Electronics>>,
+    calibrations: Vec<Calibration>,
+    side: Side,
+) -> Box<dyn FnMut(&mut HandFrame)> {
+    Box::new(move |frame| {
+        if frame.hand.index() != Some(side.index()) {
+            return;
+        }
+        let fingers = frame
+            .force_n
+            .iter_mut()
+            .zip(electronics.iter())
+            .zip(&calibrations);
+        for ((force_n, electronics), calibration) in fingers {
+            let count = calibration.elements_out();
+            let counts = electronics.counts(&force_n[..count]);
+            for (element, force_n) in force_n[..count].iter_mut().enumerate() {
+                *force_n = calibration.force_n(element, &counts).map(|n| n as f32);
+            }
+        }
+        frame.seal();
+    })
+}
+
+impl Report {
+    fn of(plan: &Plan, trials: &[(Vec<Record>, Fit)]) -> Self {
+        let failure = |which: usize| {
+            trials
+                .iter()
+                .map(move |(records, _)| records[which].failure())
+        };
+        let pairs = || failure(0).zip(failure(1));
+        let only =
+            |is: fn(&(Option<&str>, Option<&str>)) -> bool| pairs().filter(is).count() as u64;
+        let (exact, fitted) = (Under::of(failure(0)), Under::of(failure(1)));
+        Self {
+            trials: plan.trials,
+            first_seed: plan.first_seed,
+            purpose: seeds::purpose(plan.first_seed, plan.seeds()),
+            lost_points: 100.0 * (exact.success - fitted.success),
+            exact,
+            fitted,
+            only_exact: only(|(exact, fitted)| exact.is_none() && fitted.is_some()),
+            only_fitted: only(|(exact, fitted)| exact.is_some() && fitted.is_none()),
+            fit: Quality::of(trials.iter().map(|(_, fit)| fit)),
+        }
+    }
+}
+
+impl Under {
+    fn of<'a>(failures: impl Iterator<Item = Option<&'a str>>) -> Self {
+        let (mut trials, mut counted) = (0, BTreeMap::new());
+        for failure in failures {
+            trials += 1;
+            failure
+                .into_iter()
+                .for_each(|key| *counted.entry(key.to_owned()).or_default() += 1);
+        }
+        let successes = trials - counted.values().sum::<u64>();
+        Self {
+            successes,
+            success: successes as f64 / trials.max(1) as f64,
+            ci95: wilson(successes, trials),
+            failures: counted,
+        }
+    }
+}
+
+impl Quality {
+    fn of<'a>(fits: impl Iterator<Item = &'a Fit> + Clone) -> Self {
+        let tips: Vec<[f64; AXES]> = fits
+            .clone()
+            .flat_map(|fit| fit.error_share.clone())
+            .collect();
+        let along = |axis: usize| tips.iter().map(move |share| share[axis]);
+        let middle = |values: Vec<f64>| median(values).unwrap_or(f64::NAN);
+        Self {
+            fingertips: tips.len(),
+            error_share: core::array::from_fn(|axis| middle(along(axis).collect())),
+            error_share_most: core::array::from_fn(|axis| along(axis).fold(0.0, f64::max)),
+            compression_error: middle(fits.map(|fit| fit.compression_error).collect()),
+        }
+    }
+}
+
+fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["calibration", "success", "95 % interval", "otherwise"]);
+    for (name, under) in [("exact", &report.exact), ("fitted", &report.fitted)] {
+        let [low, high] = under.ci95.map(|share| number(100.0 * share, 1));
+        let otherwise = under
+            .failures
+            .iter()
+            .map(|(key, count)| format!("{count} {key}"));
+        rows.add_row([
+            name.to_owned(),
+            super::table::percent(under.success),
+            format!("{low} to {high} %"),
+            otherwise.collect::<Vec<_>>().join(", "),
+        ]);
+    }
+    output.table(rows)?;
+    let fit = &report.fit;
+    let [n, a, b] = fit.error_share.map(|share| number(100.0 * share, 1));
+    output.line(format_args!(
+        "{} fingertips fitted: error {n}, {a} and {b} % of what was pressed along f_n, f_t1, f_t2, compression {} % off, medians",
+        fit.fingertips,
+        number(100.0 * fit.compression_error, 1)
+    ))?;
+    output.line(format_args!(
+        "{} grasps, of which {} succeeded under the exact calibration only, {} under the fitted one only; seeds from {} on of each \
+         object, for {}",
+        report.trials, report.only_exact, report.only_fitted, report.first_seed, report.purpose
+    ))
+}

@@ -1,0 +1,211 @@
+//! The laboratory's part as a process: exit codes, messages, and what it leaves behind.
+
+mod calibrate;
+mod eval;
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn atas(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_atas-lab"));
+    command
+        .args(arguments)
+        .env_remove("ATAS_BUS")
+        .env_remove("RUST_LOG")
+        .stdin(Stdio::null());
+    command
+}
+
+fn run(arguments: &[&str]) -> (i32, String, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = atas(arguments).output().expect("it starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (status.code().expect("a code"), text(stdout), text(stderr))
+}
+
+#[test]
+fn wrong_usage_has_its_own_code() {
+    let check = |arguments: &[&str], part: &str| {
+        let (code, _, stderr) = run(arguments);
+        assert_eq!(code, 2, "{arguments:?}: {stderr}");
+        assert!(stderr.contains(part), "{arguments:?}: {stderr}");
+    };
+    check(
+        &["eval", "grasp", "--objects", "botle"],
+        "did you mean \"bottle\"?",
+    );
+    check(&["demo", "grasp", "--object", "no/such.toml"], "no/such");
+    check(
+        &["demo", "pick-place", "--object", "no/such.toml"],
+        "no/such",
+    );
+    check(&["demo", "screw", "--cap", "wood"], "has no thread");
+    check(
+        &["demo", "assembly", "--cap", "cup"],
+        "did you mean \"cap\"?",
+    );
+    check(&["status"], "ask `atas` for it");
+}
+
+#[test]
+fn a_picture_is_what_its_suffix_says_in_any_case() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, begins) in [
+        ("a.svg", &b"<svg"[..]),
+        ("b.SVG", b"<svg"),
+        ("c.Png", b"\x89PNG"),
+        ("d.PDF", b"%PDF"),
+    ] {
+        let file = folder.path().join(name);
+        let out = file.to_str().expect("UTF-8");
+        let (code, _, stderr) = run(&["plot", "grasp", "--object", "sponge", "--out", out]);
+        assert_eq!(code, 0, "{name}: {stderr}");
+        let bytes = std::fs::read(&file).expect("a picture");
+        assert!(bytes.starts_with(begins), "{name}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_recording_is_told_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("tasks.toml");
+    std::fs::write(&file, "[[task]]\nname = \"polish\"\n").expect("written");
+    let path = file.to_str().expect("UTF-8");
+    let out = format!("{path}.svg");
+    for line in [
+        &["explain", path][..],
+        &["replay", path],
+        &["plot", path, "--out", &out],
+    ] {
+        let (code, _, stderr) = run(line);
+        assert_eq!(code, 1, "{line:?}: {stderr}");
+        assert!(
+            stderr.contains("does not begin as a recording does") && !stderr.contains("repair"),
+            "{line:?}: {stderr}"
+        );
+    }
+}
+
+#[test]
+fn a_program_without_its_neighbours_says_how_to_build_them() {
+    // Linked, not copied: what another thread's child still holds open for writing cannot be started.
+    let program = Path::new(env!("CARGO_BIN_EXE_atas-lab"));
+    let folder = tempfile::tempdir_in(program.parent().expect("a folder")).expect("a folder");
+    let alone = folder.path().join("atas-lab");
+    std::fs::hard_link(program, &alone).expect("linked");
+    let output = Command::new(&alone)
+        .args(["demo", "grasp"])
+        .output()
+        .expect("it starts");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("cargo build --workspace"), "{stderr}");
+}
+
+/// Whether daemon and simulator lie next to the program; if not, they were not built in this run.
+fn neighbours_are_built() -> bool {
+    let folder = Path::new(env!("CARGO_BIN_EXE_atas-lab")).parent();
+    let built = ["atasd", "atas-sim"]
+        .iter()
+        .all(|name| folder.is_some_and(|folder| folder.join(name).is_file()));
+    if !built {
+        let why = "atasd and atas-sim are not built; use `cargo test --workspace`";
+        // Past the harness, which keeps what a passing test prints to itself.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: the demos' tests: {why}");
+    }
+    built
+}
+
+#[test]
+fn an_interrupted_demo_leaves_nothing_behind() {
+    if !neighbours_are_built() {
+        return;
+    }
+    let scratch = tempfile::tempdir().expect("a folder");
+    // Logs and bus of this demo, and of no other, in here.
+    let demo = atas(&["demo", "grasp", "--object", "wood"])
+        .env("TMPDIR", scratch.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let id = demo.id();
+    let bus = format!("fdemo-{id}-0");
+    let begin = Instant::now();
+    while children_of(id).len() < 2 && begin.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let children = children_of(id);
+    assert_eq!(children.len(), 2, "simulator and daemon");
+    let pid = rustix::process::Pid::from_child(&demo);
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("it runs");
+    let output = demo.wait_with_output().expect("it ends");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(5), "{stderr}");
+    for child in children {
+        assert!(!Path::new(&format!("/proc/{child}")).exists(), "{child}");
+    }
+    let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
+    let left = shared
+        .flatten()
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&bus));
+    assert_eq!(left.count(), 0, "shared memory of {bus}");
+    let logs = std::fs::read_dir(scratch.path()).expect("the folder");
+    assert_eq!(logs.count(), 0, "logs");
+}
+
+/// Process ids of a process's children.
+fn children_of(id: u32) -> Vec<u32> {
+    let text = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children"));
+    let text = text.unwrap_or_default();
+    text.split_whitespace()
+        .filter_map(|id| id.parse().ok())
+        .collect()
+}
+
+/// As wide as a table is where nobody says how wide the terminal is.
+#[test]
+fn tables_fit_eighty_columns_and_break_no_range() {
+    if !neighbours_are_built() {
+        return;
+    }
+    // What is below a table begins with `below`; a sentence may be as long as it is.
+    let check = |line: &str, below: &str, parts: &[&str]| {
+        let words: Vec<&str> = line.split(' ').collect();
+        let (code, stdout, stderr) = run(&words);
+        assert_eq!(code, 0, "{line}: {stderr}");
+        for part in parts {
+            assert!(stdout.contains(part), "{part:?} is not in: {stdout}");
+        }
+        for row in stdout.lines().take_while(|row| !row.starts_with(below)) {
+            assert!(row.chars().count() <= 80, "{row}");
+            assert!(!row.trim_end().ends_with(" to"), "{stdout}");
+            assert!(!row.contains("reason"), "{stdout}");
+        }
+    };
+    let demo = |task: &str, parts: &[&str]| {
+        check(&format!("demo {task} --lockstep"), "heavy-block: ", parts);
+    };
+    demo("grasp --object wood", &["lifted mm", "held"]);
+    demo(
+        "grasp --object heavy-block",
+        &[
+            "refused:",
+            "too heavy ",
+            "\nheavy-block: lift: ",
+            " N do not hold it, and ",
+        ],
+    );
+    demo("pick-place --object wood", &["took", "placed"]);
+    demo("screw", &["took s", "tight"]);
+    check(
+        "eval grasp --trials 2 --objects filled-paper-box,slippery-200 --noise 1",
+        "grasp: ",
+        &["1 of 1", "otherwise"],
+    );
+}
