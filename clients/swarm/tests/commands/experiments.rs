@@ -66,13 +66,50 @@ fn threads_engines_shards_and_repetition_change_no_byte() {
             &format!("{SMALL} --out part{shard} --shard {shard}/3"),
         );
     }
-    let partial = run(folder, "merge merged part1 part3");
-    assert!(partial.contains("4 runs are missing"), "{partial}");
-    run(folder, "merge merged part2 part1");
+    run(folder, "merge merged part1 part2 part3");
     assert_eq!(results(folder, "merged"), whole, "sharded and merged");
     assert!(
         run(folder, "merge merged part1").contains("preset N, fitness rule anti-accident: 3 runs")
     );
+}
+
+#[test]
+fn a_merge_without_a_shard_names_it_and_fails() {
+    let folder = folder();
+    let folder = folder.path();
+    for shard in 1..=3 {
+        run(
+            folder,
+            &format!("{SMALL} --out part{shard} --shard {shard}/3"),
+        );
+    }
+    let said = refused(folder, "merge merged part1 part3", 3);
+    assert!(
+        said.contains("because it lacked shard 2/3 (4 of 12 runs)"),
+        "{said}"
+    );
+    assert!(
+        !folder.join("merged/runs.csv").exists(),
+        "no results of a part"
+    );
+
+    let partial = output(folder, "merge --partial merged part1 --format json");
+    assert!(partial.status.success(), "{partial:?}");
+    let said = String::from_utf8_lossy(&partial.stderr);
+    assert!(
+        said.contains("merged lacks shard 2/3 (4 of 12 runs)"),
+        "{said}"
+    );
+
+    // A shard that was cut off: what it lacks is named by team size and seed.
+    let runs = folder.join("part2/runs.jsonl");
+    let whole = std::fs::read_to_string(&runs).expect("runs");
+    let short: String = whole.split_inclusive('\n').skip(1).collect();
+    std::fs::write(&runs, short).expect("a writable file");
+    let said = refused(folder, "merge merged part2", 3);
+    assert!(said.contains("1 of 12 runs (agents"), "{said}");
+    std::fs::write(&runs, whole).expect("a writable file");
+    run(folder, "merge merged part2");
 }
 
 /// What somebody writes into `runs.jsonl`, and what is said of it.
