@@ -224,6 +224,34 @@ fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
     }
     bash("merge.sbatch", &[]);
     assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
+
+    // What pods are told, with this program in the image.
+    std::fs::rename(folder.join("it's"), folder.join("slurm's")).expect("a folder");
+    std::fs::create_dir(folder.join("it's")).expect("the volume, empty");
+    let program = Path::new(env!("CARGO_BIN_EXE_ebts")).parent();
+    let search = format!("{}:/usr/bin:/bin", program.expect("a folder").display());
+    for (manifest, pods) in [("job.json", 0..3), ("merge.json", 0..1)] {
+        let text = std::fs::read_to_string(folder.join("slurm's").join(manifest));
+        let job: Value = serde_json::from_str(&text.expect("a manifest")).expect("JSON");
+        let container = &job["spec"]["template"]["spec"]["containers"][0];
+        let words: Vec<&str> = container["command"]
+            .as_array()
+            .expect("a command")
+            .iter()
+            .filter_map(Value::as_str)
+            .collect();
+        for pod in pods {
+            let mut command = Command::new(words[0]);
+            command
+                .args(&words[1..])
+                .current_dir(container["workingDir"].as_str().expect("a folder"))
+                .env("PATH", &search)
+                .env("JOB_COMPLETION_INDEX", format!("{pod}"));
+            let output = command.output().expect("sh starts");
+            assert!(output.status.success(), "{manifest}: {output:?}");
+        }
+    }
+    assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
     let said = refused(folder, "slurm --shards 2 --out x -- fig14 --preset R9", 3);
     assert!(said.contains("neither a preset nor a file"), "{said}");
 }
