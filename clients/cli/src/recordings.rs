@@ -76,7 +76,11 @@ fn print_difference(difference: &Difference, output: &mut Output) -> anyhow::Res
     if output.is_json() {
         let ends: Vec<Value> = ends
             .iter()
-            .map(|status| status.as_deref().map_or(Value::Null, json::status))
+            .map(|status| {
+                status
+                    .as_deref()
+                    .map_or(Value::Null, |status| json::status(status, json::ROOM))
+            })
             .collect();
         return output.json(&json!({
             "equal_ticks": equal_ticks,

@@ -38,7 +38,7 @@ pub(crate) fn send(
     })?;
     drop(live);
     if output.is_json() {
-        output.json(&json::goal(&progress))?;
+        output.json(&json::goal(&progress, fingers))?;
     }
     match progress.last().state {
         GoalState::SUCCEEDED if output.is_json() => Ok(()),

@@ -67,7 +67,7 @@ fn print(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     if output.is_json() {
-        let mut value = json::status(status);
+        let mut value = json::status(status, fingers);
         value["refusals"] = refusals.into();
         value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
         return output.json(&value);

@@ -11,7 +11,8 @@
 //! written when it has ended: a part that was interrupted or killed goes on behind the last whole one.
 //!
 //! * **Invariants:** parts of different plans, programs or robots are never put together; nor are parts of which one is missing,
-//!   is there twice or has not ended.
+//!   is there twice or has not ended. A trial whose seal does not fit is not believed, nor is what follows it; nothing is thrown
+//!   away for it: the file as it was is kept beside.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
@@ -20,6 +21,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail, ensure};
 use serde::{Deserialize, Serialize};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 
 use crate::plan::{Plan, Shard};
 use crate::trial::Record;
@@ -35,14 +37,20 @@ pub struct Header {
     pub arguments: String,
 }
 
-/// A trial in a part file: its index in the plan, and what came of it.
-type Entry = (usize, Record);
+/// A trial in a part file: its index in the plan, what came of it, and the seal of both.
+type Entry = (usize, Record, u64);
+
+/// FNV-1a 64 of a trial as it is written.
+fn seal(index: usize, record: &Record) -> anyhow::Result<u64> {
+    Ok(fnv1a(FNV_OFFSET, &rmp_serde::to_vec(&(index, record))?))
+}
 
 /// A part file that trials are added to.
 #[derive(Debug)]
 pub struct Part {
     file: File,
     ended: BTreeSet<usize>,
+    warning: Option<String>,
 }
 
 impl Part {
@@ -63,21 +71,39 @@ impl Part {
                     "could not open {shown}; name a file in a folder that exists and may be written"
                 )
             })?;
-        let mut ended = BTreeSet::new();
+        let (mut ended, mut warning) = (BTreeSet::new(), None);
         if file.metadata()?.len() > 0 {
-            let (found, entries, whole_bytes) = read(&file, path)?;
+            let found = read(&file, path)?;
             ensure!(
-                found == *header,
+                found.header == *header,
                 "could not go on with {shown} because it is a part of another evaluation; name another file, or remove it"
             );
-            ended.extend(entries.into_keys());
-            file.set_len(whole_bytes)?;
+            if let Some(why) = found.damage {
+                let kept = format!("{shown}.damaged");
+                std::fs::copy(path, &kept).with_context(|| format!("could not write {kept}"))?;
+                let trials = found.entries.len();
+                warning = Some(format!(
+                    "{shown} was damaged behind its trial {trials} ({why}): it goes on from there; as it was it is kept as {kept}"
+                ));
+            }
+            ended.extend(found.entries.into_keys());
+            file.set_len(found.whole_bytes)?;
             file.seek(std::io::SeekFrom::End(0))?;
         } else {
             file.write_all(&rmp_serde::to_vec(header)?)
                 .with_context(|| format!("could not write {shown}"))?;
         }
-        Ok(Self { file, ended })
+        Ok(Self {
+            file,
+            ended,
+            warning,
+        })
+    }
+
+    /// What was wrong with the file when it was opened, and where it is kept as it was.
+    #[must_use]
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
     }
 
     /// Trials that it has.
@@ -87,7 +113,7 @@ impl Part {
     }
 
     pub(crate) fn add(&mut self, index: usize, record: &Record) -> anyhow::Result<()> {
-        let bytes = rmp_serde::to_vec(&(index, record))?;
+        let bytes = rmp_serde::to_vec(&(index, record, seal(index, record)?))?;
         self.file.write_all(&bytes).context(
             "could not write a trial; make room, and run the same command again: it goes on",
         )
@@ -113,7 +139,19 @@ pub(crate) fn gather(plan: &Plan, paths: &[impl AsRef<Path>]) -> anyhow::Result<
     let mut of = 0;
     for path in paths.iter().map(AsRef::as_ref) {
         let shown = path.display();
-        let (header, entries, _) = read(&open(path)?, path)?;
+        let Contents {
+            header,
+            entries,
+            damage,
+            ..
+        } = read(&open(path)?, path)?;
+        if let Some(why) = damage {
+            bail!(
+                "could not merge {shown} because it was damaged behind its trial {} ({why}); run its command again, it goes on \
+                 from there",
+                entries.len()
+            );
+        }
         ensure!(
             header.plan_hash == plan_hash,
             "could not merge {shown} because it is of another evaluation, or robot, objects or program have changed since; \
@@ -156,15 +194,35 @@ fn read_header(reader: &mut impl Read, path: &Path) -> anyhow::Result<Header> {
     })
 }
 
-/// Header, trials by index, and how many bytes are whole: what a killed process left of a trial is no part of it.
-fn read(file: &File, path: &Path) -> anyhow::Result<(Header, BTreeMap<usize, Record>, u64)> {
+/// What a part file holds.
+struct Contents {
+    header: Header,
+    /// Trials by index.
+    entries: BTreeMap<usize, Record>,
+    /// Header and whole trials.
+    whole_bytes: u64,
+    /// What is wrong with what follows, such as what a killed process left of a trial.
+    damage: Option<String>,
+}
+
+fn read(file: &File, path: &Path) -> anyhow::Result<Contents> {
+    let all_bytes = file.metadata()?.len();
     let mut reader = BufReader::new(file);
-    let header = read_header(&mut reader, path)?;
-    let mut entries = BTreeMap::new();
-    let mut whole_bytes = reader.stream_position()?;
-    while let Ok((index, record)) = rmp_serde::from_read::<_, Entry>(&mut reader) {
-        entries.insert(index, record);
-        whole_bytes = reader.stream_position()?;
+    let mut contents = Contents {
+        header: read_header(&mut reader, path)?,
+        entries: BTreeMap::new(),
+        whole_bytes: reader.stream_position()?,
+        damage: None,
+    };
+    while contents.damage.is_none() && contents.whole_bytes < all_bytes {
+        match rmp_serde::from_read::<_, Entry>(&mut reader) {
+            Ok((index, record, sealed)) if seal(index, &record)? == sealed => {
+                contents.entries.insert(index, record);
+                contents.whole_bytes = reader.stream_position()?;
+            }
+            Ok(_) => contents.damage = Some("its seal does not fit".to_owned()),
+            Err(error) => contents.damage = Some(error.to_string()),
+        }
     }
-    Ok((header, entries, whole_bytes))
+    Ok(contents)
 }

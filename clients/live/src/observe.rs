@@ -184,7 +184,7 @@ impl<'a> Observer<'a> {
                 "why": "the daemon does not report; it ended or hangs",
             });
         }
-        let mut value = json::status(&self.watch.status);
+        let mut value = json::status(&self.watch.status, json::ROOM);
         value["alive"] = true.into();
         let frozen = standstill(&self.watch.status, now_ns());
         value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();

@@ -113,7 +113,7 @@ fn write_message(
                 );
             }
             recording.writer().write(&*status)?;
-            let value = json::status(&status);
+            let value = json::status(&status, json::ROOM);
             recording
                 .writer()
                 .write_json("status", &status.stamp, &value)

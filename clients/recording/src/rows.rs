@@ -61,7 +61,7 @@ pub struct Rows {
     header: Option<Box<RunHeader>>,
     robot: Option<RobotFiles>,
     clock: Clock,
-    last_status: Option<Box<Status>>,
+    told_goals: Vec<Status>,
     has_ended: bool,
 }
 
@@ -80,7 +80,7 @@ impl Rows {
             header: None,
             robot: None,
             clock: Clock::default(),
-            last_status: None,
+            told_goals: Vec::new(),
             has_ended: false,
         };
         while rows.waiting.is_empty() && rows.take_entry()? {}
@@ -111,10 +111,10 @@ impl Rows {
         self.clock
     }
 
-    /// The last status read so far.
+    /// Of each goal that was read of so far the first status that tells of it.
     #[must_use]
-    pub fn last_status(&self) -> Option<&Status> {
-        self.last_status.as_deref()
+    pub fn told_goals(&self) -> &[Status] {
+        &self.told_goals
     }
 
     /// Reads on by one entry; false at the end of the last file.
@@ -151,7 +151,10 @@ impl Rows {
         } else if let Some(header) = payload::<RunHeader>(message)? {
             self.header.get_or_insert(header);
         } else if let Some(status) = payload::<Status>(message)? {
-            self.last_status = Some(status);
+            let last_id = self.told_goals.last().map_or(0, |told| told.goal_id);
+            if status.goal_id != last_id && status.goal_id != 0 {
+                self.told_goals.push(*status);
+            }
         }
         Ok(())
     }

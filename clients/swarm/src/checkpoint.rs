@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluator, GoalPoints, Individual};
-use crate::files::{read_text, replace_unsynced, sha256, write_atomically};
+use crate::files::{replace_unsynced, sha256, write_atomically};
 use crate::ga::{Population, Settings};
 use crate::genome::Genome;
 use crate::islands::{Archipelago, IslandSettings};
@@ -132,32 +132,47 @@ impl Checkpoint {
     /// Reads a checkpoint.
     ///
     /// # Errors
-    /// It is damaged, or another version of this program wrote it, whose bits might differ.
+    /// It is not there, is damaged, or another version of this program wrote it, whose bits might differ.
     pub fn read(path: &Path) -> Result<Self> {
-        let refuse = |why: String| {
+        if !path.exists() {
+            return Err(Error::refused(
+                format_args!("continue from {}", path.display()),
+                "there is no such file",
+                "the checkpoint of an interrupted run",
+                "start the run without --resume",
+            ));
+        }
+        Self::examine(path).map_err(|why| {
             Error::refused(
                 format_args!("continue from {}", path.display()),
-                why,
+                format_args!("it {why}"),
                 "an intact checkpoint of this version",
-                "start the run again without --resume",
+                "start the run again with --overwrite in place of --resume",
             )
-        };
-        let sealed: Sealed = serde_json::from_str(&read_text(path)?)
-            .map_err(|error| refuse(format!("it was damaged ({error})")))?;
+        })
+    }
+
+    /// Reads a checkpoint, or says what is wrong with it: "was damaged (...)".
+    pub(crate) fn examine(path: &Path) -> std::result::Result<Self, String> {
+        let text = std::fs::read(path).map_err(|error| format!("could not be read ({error})"))?;
+        let sealed: Sealed =
+            serde_json::from_slice(&text).map_err(|error| format!("was damaged ({error})"))?;
         let content = sealed.content;
         if sealed.sha256 != hash(&content) {
-            return Err(refuse("its hash did not match its content".to_owned()));
+            return Err("was damaged (its hash did not match its content)".to_owned());
         }
         let version = env!("CARGO_PKG_VERSION");
         if (content.format.as_str(), content.code_version.as_str()) != (FORMAT, version) {
-            return Err(refuse(format!(
-                "it was {} of version {}",
-                content.format, content.code_version
-            )));
+            let Content {
+                format,
+                code_version,
+                ..
+            } = content;
+            return Err(format!("was {format} of version {code_version}"));
         }
         content
             .restore()
-            .ok_or_else(|| refuse("a genome, its points or a setting was out of range".to_owned()))
+            .ok_or_else(|| "had a genome, points or a setting out of range".to_owned())
     }
 }
 

@@ -111,6 +111,16 @@ pub fn remove_if_there(path: &Path) -> Result<()> {
     }
 }
 
+/// Gives a file that cannot be used the suffix `.damaged`, in place of an older one of that name; says its path.
+///
+/// # Errors
+/// The system refused.
+pub(crate) fn set_aside(path: &Path) -> Result<PathBuf> {
+    let kept = sibling(path, ".damaged");
+    std::fs::rename(path, &kept).map_err(Error::io("set aside", path))?;
+    Ok(kept)
+}
+
 /// A name that stays inside the folder where it is used, whatever it was made from: everything but letters, digits, dots,
 /// dashes and underscores becomes an underscore, and no name begins with a dot.
 #[must_use]

@@ -33,7 +33,6 @@ impl<'a> Rig<'a> {
         ];
         let control = [
             "--lockstep",
-            "--record-stream",
             "--config",
             "/dev/null",
             "--robot",

@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
 use anyhow::Context;
-use atas_client::{Led, Run, Session, Wanted, words};
+use atas_client::{Led, Session, Wanted, words};
 use atas_console::arguments::Follow;
 use atas_console::{Ended, Exit, Interrupt, Output};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
@@ -54,12 +54,9 @@ pub(super) fn jog(
     }
     let hand = Hand::from(arguments.hand);
     let session = Session::existing(&arguments.bus.bus)?;
-    let (_, status) = session.watch_status()?;
-    let fingers = Run::of(session.bus(), &status)?.fingers(&status);
-    let fingers = fingers[hand.index().unwrap_or(0)];
     let mut stream = Stream::open(&session, Led::One(hand))?;
     enable_raw_mode().context("could not prepare the terminal")?;
-    let led = lead(arguments, hand, fingers, &mut stream, interrupt);
+    let led = lead(arguments, hand, &mut stream, interrupt);
     let restored = disable_raw_mode().context("could not give the terminal back");
     let _told = writeln!(std::io::stderr());
     let sent = led?;
@@ -67,11 +64,10 @@ pub(super) fn jog(
     stream.end(sent, interrupt.is_set(), output)
 }
 
-/// Sends the target over and over to a hand with so many fingers; how often.
+/// Sends the target over and over; how often.
 fn lead(
     arguments: &Follow,
     hand: Hand,
-    fingers: usize,
     stream: &mut Stream,
     interrupt: &Interrupt,
 ) -> anyhow::Result<u64> {
@@ -93,7 +89,7 @@ fn lead(
         stream.leader.lead(&jog.wanted(hand), VALID_NS)?;
         sent += 1;
         let report = &stream.leader.report().hands[place];
-        let line = jog.line(&report.fingers[..fingers]);
+        let line = jog.line(&report.fingers[..stream.fingers]);
         write!(screen, "\r\x1b[K{line}").context("could not draw on the terminal")?;
         screen.flush().context("could not draw on the terminal")?;
         match keys::wait(PAUSE)? {

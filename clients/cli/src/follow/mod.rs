@@ -16,7 +16,7 @@ mod play;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use atas_client::{Leader, Led, POLL, Session, json};
+use atas_client::{Leader, Led, POLL, Run, Session, json};
 use atas_console::arguments::Follow;
 use atas_console::{Ended, Exit, Interrupt, Output};
 use shm_bus::Subscriber;
@@ -47,12 +47,20 @@ struct Stream {
     leader: Leader,
     events: Subscriber<ModuleEvent>,
     begun_ns: u64,
+    /// Fingers of the hand that is led, of two the greater number.
+    fingers: usize,
 }
 
 impl Stream {
     /// Opens it, and waits until the daemon follows.
     fn open(session: &Session, led: Led) -> anyhow::Result<Self> {
         session.wait_until_armed(&AtomicBool::new(false))?;
+        let (_, status) = session.watch_status()?;
+        let fingers = Run::of(session.bus(), &status)?.fingers(&status);
+        let fingers = match led {
+            Led::One(hand) => fingers[hand.index().unwrap_or(0)],
+            Led::Both => fingers.into_iter().max().unwrap_or(0),
+        };
         let mut leader = Leader::open(session, led)?;
         let events = session.bus().subscriber(service::MODULE_EVENT)?;
         let begin = Instant::now();
@@ -67,6 +75,7 @@ impl Stream {
                     leader,
                     events,
                     begun_ns,
+                    fingers,
                 });
             }
             anyhow::ensure!(
@@ -109,7 +118,7 @@ impl Stream {
         let progress = *self.leader.look()?;
         let last = progress.last();
         if output.is_json() {
-            let mut value = json::goal(&progress);
+            let mut value = json::goal(&progress, self.fingers);
             value["targets"] = sent.into();
             output.json(&value)?;
         }

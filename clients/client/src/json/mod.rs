@@ -1,17 +1,22 @@
 //! The bus's words as JSON, SI units, names instead of codes. Keys are a contract with scripts: they are only added to. Lists of
-//! fingers have as many as payloads have room for, zeros where a hand has none.
+//! fingers have those of the hand where the run is known ([`crate::Run::fingers`]), and elsewhere as many as payloads have room for
+//! ([`ROOM`]), zeros where a hand has none.
 
 mod streams;
 
 pub use streams::{agents, arena, report, run, sensor, truth, view, wheels};
 
 use serde_json::{Value, json};
+use shm_schemas::capacity::{FINGERS, HANDS};
 use shm_schemas::{
     EventKind, GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, Reason, Status,
     StatusFlags,
 };
 
 use crate::GoalProgress;
+
+/// Fingers of each hand where nobody knows how many it has.
+pub const ROOM: [usize; HANDS] = [FINGERS; HANDS];
 
 /// Why, or `null`.
 #[must_use]
@@ -29,10 +34,10 @@ pub fn reason(reason: &Reason) -> Value {
     })
 }
 
-fn figures(figures: &GraspFigures) -> Value {
+fn figures(figures: &GraspFigures, fingers: usize) -> Value {
     json!({
-        "normal_n": figures.normal_n,
-        "tangential_n": figures.tangential_n,
+        "normal_n": figures.normal_n[..fingers],
+        "tangential_n": figures.tangential_n[..fingers],
         "f1_n": figures.f1_n,
         "f2_n": figures.f2_n,
         "stiffness_n_m": figures.stiffness_n_m,
@@ -42,16 +47,16 @@ fn figures(figures: &GraspFigures) -> Value {
     })
 }
 
-/// The end of a goal.
+/// The end of a goal, of a hand with so many fingers.
 #[must_use]
-pub fn goal(progress: &GoalProgress) -> Value {
+pub fn goal(progress: &GoalProgress, fingers: usize) -> Value {
     let last = progress.last();
     json!({
         "goal_id": last.goal_id,
         "state": last.state.name(),
         "step": progress.step(),
         "reason": reason(&last.reason),
-        "figures": figures(progress.figures()),
+        "figures": figures(progress.figures(), fingers),
     })
 }
 
@@ -115,10 +120,10 @@ pub fn conditions(status: &Status) -> Value {
     })
 }
 
-/// The daemon's status.
+/// The daemon's status, of hands with so many fingers.
 #[must_use]
-pub fn status(status: &Status) -> Value {
-    let hands = Hand::BOTH.iter().zip(&status.hands).map(hand);
+pub fn status(status: &Status, fingers: [usize; HANDS]) -> Value {
+    let hands = Hand::BOTH.iter().zip(&status.hands).zip(fingers).map(hand);
     json!({
         "captured_ns": status.stamp.captured_ns,
         "version": status.version.as_str(),
@@ -161,7 +166,7 @@ pub fn status(status: &Status) -> Value {
     })
 }
 
-fn hand((hand, sensor): (&Hand, &HandStatus)) -> Value {
+fn hand(((hand, sensor), fingers): ((&Hand, &HandStatus), usize)) -> Value {
     json!({
         "hand": hand.name(),
         "required": sensor.required != 0,
@@ -174,11 +179,11 @@ fn hand((hand, sensor): (&Hand, &HandStatus)) -> Value {
         "foreign": sensor.foreign,
         "masked_elements": sensor.masked_elements,
         "restarts": sensor.restarts,
-        "touches": sensor.touches,
+        "touches": sensor.touches[..fingers],
         "age_ns": age_ns(sensor.age_ns),
         "layout_hash": format!("{:016x}", sensor.layout_hash),
-        "normal_n": sensor.normal_n,
-        "tangential_n": sensor.tangential_n,
+        "normal_n": sensor.normal_n[..fingers],
+        "tangential_n": sensor.tangential_n[..fingers],
         "modules": names(sensor.modules_active),
     })
 }
@@ -234,5 +239,21 @@ mod tests {
         check(EventKind::STEP, &["hand", "text"]);
         check(EventKind::MODE, &["mode", "reason"]);
         check(EventKind::MODULE_ON, &["hand", "module"]);
+    }
+    #[test]
+    fn lists_of_fingers_have_those_of_the_hand() {
+        let lists = |value: &Value| {
+            let keys = ["touches", "normal_n", "tangential_n"];
+            let lists = keys.into_iter().filter_map(|key| value[key].as_array());
+            lists.map(Vec::len).collect::<Vec<_>>()
+        };
+        for (fingers, expected) in [([2, 3], [[2; 3], [3; 3]]), (ROOM, [[4; 3]; 2])] {
+            let value = status(&Status::default(), fingers);
+            for (hand, expected) in expected.iter().enumerate() {
+                assert_eq!(lists(&value["hands"][hand]), expected);
+            }
+        }
+        let ended = goal(&GoalProgress::default(), 3);
+        assert_eq!(lists(&ended["figures"]), [3, 3]);
     }
 }

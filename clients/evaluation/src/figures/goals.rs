@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use atas_client::account::{self, Account};
 use atas_recording::{Rows, origin};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{GoalKind, GoalRequest, Hand, ModuleEvent, Status};
+use shm_schemas::{Hand, ModuleEvent, Status};
 
 /// Which goal of a run is meant.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,8 +38,8 @@ pub struct Goals {
     /// What the run is called.
     run: String,
     events: Vec<ModuleEvent>,
-    /// What was asked for, each with its tick, in order.
-    asked: Vec<(u64, String)>,
+    /// Goals that statuses tell of, by name, and since when, ns, in order.
+    told: Vec<(u64, String)>,
     /// When the run began, ns.
     begun_ns: u64,
     /// Fingers of each hand that feel.
@@ -51,7 +51,7 @@ pub struct Goals {
 pub struct Goal<'a> {
     /// Its number; the first is 1.
     pub number: usize,
-    /// Name of its task; `None` where nobody recorded what was asked for.
+    /// Name of its task; `None` if no status is known that tells of it.
     pub task: Option<&'a str>,
     /// The hand that acts.
     pub hand: Hand,
@@ -68,39 +68,35 @@ impl Goals {
     /// # Errors
     /// A file cannot be read to its end.
     pub fn recorded(run: &str, files: &[PathBuf]) -> anyhow::Result<Self> {
-        let rows = Rows::open(files)?;
+        let mut rows = Rows::open(files)?;
         let mut goals = Self {
             run: run.to_owned(),
             events: Vec::new(),
-            asked: Vec::new(),
+            told: Vec::new(),
             begun_ns: 0,
             fingers: origin::fingers(rows.header()),
         };
-        for row in rows {
+        while let Some(row) = rows.next() {
             let mut row = row?;
             if goals.begun_ns == 0 {
                 goals.begun_ns = row.captured_ns;
             }
-            if let Some(goal) = row.inputs.and_then(|inputs| inputs.goal) {
-                goals.asked.push((row.tick, task(&goal)));
-            }
             goals.events.append(&mut row.events);
         }
+        let told = rows.told_goals().iter();
+        goals.told = told.map(|s| (s.stamp.captured_ns, task(s))).collect();
         Ok(goals)
     }
 
     /// Of events alone, oldest first, as a running daemon remembers them; its status knows the last goal's name.
     #[must_use]
     pub fn remembered(run: &str, events: Vec<ModuleEvent>, status: &Status) -> Self {
-        let last = account::goals(&events).last().map(|goal| goal[0].tick);
-        let name = match status.task.as_str() {
-            "" => status.goal_kind.name().to_owned(),
-            own => own.to_owned(),
-        };
-        let asked = last.filter(|_| status.goal_id != 0);
+        let last = account::goals(&events).last().map(|goal| goal[0].stamp);
+        let last = last.filter(|_| status.goal_id != 0);
+        let told = last.map(|begun| (begun.captured_ns, task(status)));
         Self {
             run: run.to_owned(),
-            asked: asked.map(|tick| (tick, name)).into_iter().collect(),
+            told: told.into_iter().collect(),
             events,
             begun_ns: status.started_ns,
             fingers: origin::fingers(None),
@@ -111,18 +107,18 @@ impl Goals {
     #[must_use]
     pub fn list(&self) -> Vec<Goal<'_>> {
         let goals = account::goals(&self.events).into_iter().enumerate();
-        let mut before = 0;
+        let mut ended_ns = 0;
         goals
             .filter_map(|(index, events)| {
                 let runs = events.iter().find(|event| account::begins(event))?;
-                // The newest that was asked for since the goal before it.
-                let since = std::mem::replace(&mut before, runs.tick);
-                let asked = self.asked.iter().rev();
-                let mut asked = asked.filter(|(tick, _)| (since..=runs.tick).contains(tick));
                 let account = account::tell(events)?;
+                // The newest that was told of since the goal before it: one refused in between never ran.
+                let since_ns = std::mem::replace(&mut ended_ns, account.span_ns[1]);
+                let told = self.told.iter().rev();
+                let mut told = told.filter(|(ns, _)| (since_ns..=ended_ns).contains(ns));
                 Some(Goal {
                     number: index + 1,
-                    task: asked.next().map(|(_, task)| task.as_str()),
+                    task: told.next().map(|(_, task)| task.as_str()),
                     hand: runs.hand,
                     from_s: account.span_ns[0].saturating_sub(self.begun_ns) as f64 * 1e-9,
                     account,
@@ -160,7 +156,7 @@ impl Goals {
                 .ok_or_else(|| {
                     let known: Vec<&str> = goals.iter().filter_map(|goal| goal.task).collect();
                     let known = match &known[..] {
-                        [] => "whose tasks nobody recorded; say its number".to_owned(),
+                        [] => "whose tasks no status tells; say its number".to_owned(),
                         known => format!("which has {}", known.join(", ")),
                     };
                     anyhow::anyhow!(
@@ -180,10 +176,11 @@ fn place(number: i64, count: usize) -> Option<usize> {
     is_there.then(|| if from_end { count - steps } else { steps - 1 })
 }
 
-fn task(goal: &GoalRequest) -> String {
-    match goal.kind {
-        GoalKind::CUSTOM => goal.task.to_string(),
-        kind => kind.name().to_owned(),
+/// The task of the goal that a status tells of.
+fn task(status: &Status) -> String {
+    match status.task.as_str() {
+        "" => status.goal_kind.name().to_owned(),
+        own => own.to_owned(),
     }
 }
 
@@ -204,7 +201,7 @@ mod tests {
         event
     }
 
-    /// A grasp, another that was asked for in vain meanwhile, a placing, a release.
+    /// A grasp, a screwing that was refused after it, a placing, a release.
     fn three() -> Goals {
         let goal = |tick: u64, step: &str, state: &str| {
             [
@@ -218,16 +215,18 @@ mod tests {
             goal(200, "reach", "succeeded"),
             goal(300, "open", "succeeded"),
         ];
-        let asked = [
-            (100, "grasp"),
-            (120, "screw"),
-            (200, "pick-place"),
-            (300, "release"),
+        let told = [
+            (101, "grasp"),
+            (180, "screw"),
+            (201, "pick-place"),
+            (301, "release"),
         ];
         Goals {
             run: "run".into(),
             events: events.concat(),
-            asked: asked.map(|(tick, name)| (tick, name.into())).to_vec(),
+            told: told
+                .map(|(tick, name)| (tick * 1_000_000, name.into()))
+                .to_vec(),
             begun_ns: 0,
             fingers: [2, 2],
         }

@@ -49,6 +49,9 @@ pub(super) fn part(
         arguments: serde_json::to_string(&told)?,
     };
     let part = Part::open(out, &header)?;
+    if let Some(warning) = part.warning() {
+        tracing::warn!("{warning}");
+    }
     let before = part.ended().len() as u64;
     let own = plan.jobs_of(shard);
     behind_a_bar(own - before, |done| {

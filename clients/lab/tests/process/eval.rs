@@ -51,10 +51,29 @@ fn parts_put_together_give_the_report_of_one_run() {
     // A part whose last trial was cut off in writing goes on with that trial.
     let bytes = std::fs::read(&two).expect("readable");
     std::fs::write(&two, &bytes[..bytes.len() - 9]).expect("writable");
-    refused(&[&one, &two], "has 3 of 4 trials");
-    let (code, again, _) = eval(&["--shard", "2/2", "--out", &two]);
-    let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
-    assert_eq!((code, &again["ran"]), (0, &1.into()));
+    refused(
+        &[&one, &two],
+        "2.part because it was damaged behind its trial 3",
+    );
+    let goes_on = |ran: u64| {
+        let damaged = std::fs::read(&two).expect("readable");
+        let (code, again, said) = eval(&["--shard", "2/2", "--out", &two]);
+        let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
+        assert_eq!((code, &again["ran"]), (0, &ran.into()), "{said}");
+        assert!(
+            said.contains("2.part was damaged behind its trial"),
+            "{said}"
+        );
+        let kept = std::fs::read(format!("{two}.damaged")).expect("kept");
+        assert!(kept == damaged, "as it was");
+    };
+    goes_on(1);
+    // A bit that fell over is found, and its trial runs again.
+    let mut flipped = std::fs::read(&two).expect("readable");
+    *flipped.last_mut().expect("a trial") ^= 1;
+    std::fs::write(&two, flipped).expect("writable");
+    refused(&[&one, &two], "(its seal does not fit)");
+    goes_on(1);
     let (code, _, other) = eval(&["--shard", "1/2", "--out", &two]);
     assert!(
         code == 1 && other.contains("part of another evaluation"),

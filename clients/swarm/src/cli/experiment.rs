@@ -20,7 +20,7 @@ use field::Preset;
 use super::options::{EngineArgs, EvolutionArgs};
 use super::progress::style;
 use super::report;
-use super::{Format, answer, grasp, stop_flag};
+use super::{Format, answer, grasp, stop_flag, warn};
 
 const EXAMPLES: &str = "Examples:
   ebts experiment fig14 --seeds 80 --out fig14
@@ -91,13 +91,16 @@ enum Task {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  ebts merge whole a b")]
+#[command(after_help = "Examples:\n  ebts merge whole a b\n  ebts merge --partial so-far a")]
 pub(crate) struct MergeArgs {
     /// Folder to collect the runs in.
     out: PathBuf,
     /// Folders of the shards.
     #[arg(required = true)]
     shards: Vec<PathBuf>,
+    /// Conclude from the runs that are there, though others are missing.
+    #[arg(long)]
+    partial: bool,
 }
 
 /// Wall and processor time since the process began to work.
@@ -170,10 +173,14 @@ pub(super) fn run(
             "{} agents, seed {}: {fitness:.1}",
             job.agents, job.seed
         )),
-        Progress::BegunAnew(job, why) => bar.println(format!(
-            "{} agents, seed {}: begun anew, because {why}",
-            job.agents, job.seed
-        )),
+        Progress::BegunAnew { job, why, kept } => bar.suspend(|| {
+            warn(format_args!(
+                "{} agents, seed {}: begun anew, because {why}; the file is kept as {}",
+                job.agents,
+                job.seed,
+                kept.display()
+            ));
+        }),
     };
     let records = experiment::execute(
         plan,
@@ -240,13 +247,6 @@ pub(super) fn merge(args: MergeArgs, format: Format) -> Result<()> {
     let watch = Stopwatch::start();
     let shards: Vec<&Path> = args.shards.iter().map(PathBuf::as_path).collect();
     let merged = experiment::merge(&args.out, &shards)?;
-    let note = (merged.missing > 0).then(|| {
-        let out = args.out.display();
-        format!(
-            "{} runs are missing; merge their shards too, or run the experiment with --out {out}",
-            merged.missing
-        )
-    });
     if merged.records.is_empty() {
         return Err(Error::refused(
             "merge",
@@ -255,6 +255,21 @@ pub(super) fn merge(args: MergeArgs, format: Format) -> Result<()> {
             "run the shards first",
         ));
     }
+    let out = args.out.display();
+    match (merged.missing.is_empty(), args.partial) {
+        (true, _) => {}
+        (false, true) => warn(format_args!("{out} lacks {}", merged.missing)),
+        (false, false) => {
+            return Err(Error::refused(
+                format_args!("conclude from {out}"),
+                format_args!("it lacked {}", merged.missing),
+                "every run of the plan",
+                format_args!(
+                    "merge what is missing too, run the experiment with --out {out}, which keeps what was merged, or add --partial"
+                ),
+            ));
+        }
+    }
     let summary = conclude(&args.out, &merged.plan, &merged.records, &watch)?;
-    tell(&args.out, &summary, note, format)
+    tell(&args.out, &summary, None, format)
 }

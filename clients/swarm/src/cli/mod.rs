@@ -18,6 +18,7 @@ mod slurm;
 mod sweep;
 mod transfer;
 
+use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -156,6 +157,12 @@ fn print(text: &[u8]) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Says on standard error what a person should know although the command goes on.
+fn warn(what: impl Display) {
+    // Standard error may be gone: then there is nobody to tell.
+    let _told = writeln!(std::io::stderr(), "ebts: {what}");
 }
 
 /// Refuses to write over a file that nobody said may go.

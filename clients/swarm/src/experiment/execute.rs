@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -10,7 +11,7 @@ use super::store::Store;
 use crate::checkpoint::Checkpoint;
 use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
-use crate::files::remove_if_there;
+use crate::files::{remove_if_there, set_aside};
 use crate::run::{Job, Record, Run, evolve};
 use crate::workers::{Workers, pool};
 
@@ -30,7 +31,14 @@ pub enum Progress {
     /// A run finished with this fitness.
     Finished(Job, f32),
     /// A run begins anew, because its checkpoint cannot be used.
-    BegunAnew(Job, String),
+    BegunAnew {
+        /// Which run.
+        job: Job,
+        /// What is wrong with which file.
+        why: String,
+        /// Where the file is now.
+        kept: PathBuf,
+    },
 }
 
 /// Runs every job that has no record yet and stores each as it finishes. The workers' flag ends it early, within a second;
@@ -162,7 +170,7 @@ struct UnderWay<'a> {
     plan: &'a Plan,
     task: &'a Task,
     /// One file per run of the task.
-    checkpoints: &'a [std::path::PathBuf],
+    checkpoints: &'a [PathBuf],
     workers: Workers,
     sender: mpsc::Sender<Message>,
 }
@@ -213,16 +221,20 @@ impl UnderWay<'_> {
         let _ = self.sender.send(Message::Progress(progress));
     }
 
-    /// Every run as its checkpoint has it, or from its beginning.
+    /// Every run as its checkpoint has it, or from its beginning; a checkpoint that cannot be used is set aside.
     fn begin(&self) -> Result<Vec<Run>> {
         let Plan {
             settings, islands, ..
         } = self.plan;
-        let begin = |(job, path): (Job, &std::path::PathBuf)| {
+        let begin = |(job, path): (Job, &PathBuf)| {
             if path.exists() {
                 match self.resume(job, path) {
                     Ok(run) => return Ok(run),
-                    Err(why) => self.tell(Progress::BegunAnew(job, why)),
+                    Err(why) => {
+                        let why = format!("{} {why}", path.display());
+                        let kept = set_aside(path)?;
+                        self.tell(Progress::BegunAnew { job, why, kept });
+                    }
                 }
             }
             Run::new(&self.task.condition, *settings, *islands, job.seed).map_err(Error::from_part)
@@ -230,8 +242,9 @@ impl UnderWay<'_> {
         self.task.jobs().zip(self.checkpoints).map(begin).collect()
     }
 
-    fn resume(&self, job: Job, path: &std::path::Path) -> std::result::Result<Run, String> {
-        let saved = Checkpoint::read(path).map_err(|error| error.to_string())?;
+    /// What a checkpoint holds, or what is wrong with it.
+    fn resume(&self, job: Job, path: &Path) -> std::result::Result<Run, String> {
+        let saved = Checkpoint::examine(path)?;
         let Plan {
             settings,
             islands,
@@ -244,7 +257,7 @@ impl UnderWay<'_> {
             && saved.run.seed == job.seed;
         match same {
             true => Ok(saved.run),
-            false => Err(format!("{} is of another run", path.display())),
+            false => Err("was of another run".to_owned()),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::missing::Missing;
 use super::plan::Plan;
 use super::store::{Store, read_folder, same_plan};
 use crate::error::{Error, Result};
@@ -16,7 +17,7 @@ pub struct Merged {
     /// All runs, sorted.
     pub records: Vec<Record>,
     /// Runs of the plan that no shard has.
-    pub missing: usize,
+    pub missing: Missing,
 }
 
 /// Collects the runs of `shards` in `folder`, which may already hold some.
@@ -34,6 +35,7 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     };
     let (plan, _) = read_folder(first)?;
     let (mut store, present) = Store::open(folder, &plan)?;
+    let folders = shards.len() + usize::from(!present.is_empty());
     let mut merged: BTreeMap<Job, Record> = present
         .into_iter()
         .map(|record| (record.job(), record))
@@ -63,14 +65,9 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
         }
     }
     store.sync()?;
-    let missing = plan
-        .jobs()
-        .iter()
-        .filter(|job| !merged.contains_key(job))
-        .count();
     Ok(Merged {
+        missing: Missing::of(&plan, folders, |job| merged.contains_key(job)),
         plan,
         records: merged.into_values().collect(),
-        missing,
     })
 }

@@ -10,6 +10,7 @@
 
 mod execute;
 mod merge;
+mod missing;
 mod plan;
 mod seal;
 mod store;
@@ -17,5 +18,6 @@ mod verify;
 
 pub use execute::{Progress, execute};
 pub use merge::{Merged, merge};
+pub use missing::Missing;
 pub use plan::{Plan, Shard};
 pub use store::{Store, read_folder};

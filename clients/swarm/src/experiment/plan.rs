@@ -1,5 +1,6 @@
 //! What an experiment consists of.
 
+use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -153,6 +154,12 @@ impl Shard {
             .skip(self.index - 1)
             .step_by(self.count)
             .collect()
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
     }
 }
 

@@ -66,13 +66,50 @@ fn threads_engines_shards_and_repetition_change_no_byte() {
             &format!("{SMALL} --out part{shard} --shard {shard}/3"),
         );
     }
-    let partial = run(folder, "merge merged part1 part3");
-    assert!(partial.contains("4 runs are missing"), "{partial}");
-    run(folder, "merge merged part2 part1");
+    run(folder, "merge merged part1 part2 part3");
     assert_eq!(results(folder, "merged"), whole, "sharded and merged");
     assert!(
         run(folder, "merge merged part1").contains("preset N, fitness rule anti-accident: 3 runs")
     );
+}
+
+#[test]
+fn a_merge_without_a_shard_names_it_and_fails() {
+    let folder = folder();
+    let folder = folder.path();
+    for shard in 1..=3 {
+        run(
+            folder,
+            &format!("{SMALL} --out part{shard} --shard {shard}/3"),
+        );
+    }
+    let said = refused(folder, "merge merged part1 part3", 3);
+    assert!(
+        said.contains("because it lacked shard 2/3 (4 of 12 runs)"),
+        "{said}"
+    );
+    assert!(
+        !folder.join("merged/runs.csv").exists(),
+        "no results of a part"
+    );
+
+    let partial = output(folder, "merge --partial merged part1 --format json");
+    assert!(partial.status.success(), "{partial:?}");
+    let said = String::from_utf8_lossy(&partial.stderr);
+    assert!(
+        said.contains("merged lacks shard 2/3 (4 of 12 runs)"),
+        "{said}"
+    );
+
+    // A shard that was cut off: what it lacks is named by team size and seed.
+    let runs = folder.join("part2/runs.jsonl");
+    let whole = std::fs::read_to_string(&runs).expect("runs");
+    let short: String = whole.split_inclusive('\n').skip(1).collect();
+    std::fs::write(&runs, short).expect("a writable file");
+    let said = refused(folder, "merge merged part2", 3);
+    assert!(said.contains("1 of 12 runs (agents"), "{said}");
+    std::fs::write(&runs, whole).expect("a writable file");
+    run(folder, "merge merged part2");
 }
 
 /// What somebody writes into `runs.jsonl`, and what is said of it.
@@ -186,6 +223,34 @@ fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
         );
     }
     bash("merge.sbatch", &[]);
+    assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
+
+    // What pods are told, with this program in the image.
+    std::fs::rename(folder.join("it's"), folder.join("slurm's")).expect("a folder");
+    std::fs::create_dir(folder.join("it's")).expect("the volume, empty");
+    let program = Path::new(env!("CARGO_BIN_EXE_ebts")).parent();
+    let search = format!("{}:/usr/bin:/bin", program.expect("a folder").display());
+    for (manifest, pods) in [("job.json", 0..3), ("merge.json", 0..1)] {
+        let text = std::fs::read_to_string(folder.join("slurm's").join(manifest));
+        let job: Value = serde_json::from_str(&text.expect("a manifest")).expect("JSON");
+        let container = &job["spec"]["template"]["spec"]["containers"][0];
+        let words: Vec<&str> = container["command"]
+            .as_array()
+            .expect("a command")
+            .iter()
+            .filter_map(Value::as_str)
+            .collect();
+        for pod in pods {
+            let mut command = Command::new(words[0]);
+            command
+                .args(&words[1..])
+                .current_dir(container["workingDir"].as_str().expect("a folder"))
+                .env("PATH", &search)
+                .env("JOB_COMPLETION_INDEX", format!("{pod}"));
+            let output = command.output().expect("sh starts");
+            assert!(output.status.success(), "{manifest}: {output:?}");
+        }
+    }
     assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
     let said = refused(folder, "slurm --shards 2 --out x -- fig14 --preset R9", 3);
     assert!(said.contains("neither a preset nor a file"), "{said}");

@@ -74,6 +74,48 @@ fn an_interrupted_run_goes_on_to_the_same_table() {
     assert!(refused(folder, &format!("{EVOLVE} --out cut.toml"), 3).contains("is there already"));
 }
 
+/// A checkpoint that does not verify is named and kept, and its run begun anew: in an experiment, and in a search, whose runs show
+/// no progress of their own.
+#[test]
+fn a_damaged_checkpoint_is_named_and_kept() {
+    const SEARCH: &str = "search --preset N --vary goal_radius_px=50,60 --candidates 2 --best 1 \
+                          --seeds 1 --verdict-seeds 1 --generations 5";
+    let folder = folder();
+    let folder = folder.path();
+    run(folder, &format!("{SMALL} --out straight"));
+    for (command, under_way, seed) in [
+        (SMALL, "cut/under-way", 1),
+        (
+            SEARCH,
+            "cut-too/stage-1/candidate-0000/under-way",
+            1_000_001,
+        ),
+    ] {
+        let (out, _) = under_way.split_once('/').expect("a folder");
+        let checkpoint = format!("{under_way}/4-{seed}.checkpoint");
+        std::fs::create_dir_all(folder.join(under_way)).expect("a folder");
+        std::fs::write(folder.join(&checkpoint), "half of i").expect("a writable file");
+        let said = output(folder, &format!("{command} --out {out}"));
+        assert!(said.status.success(), "{said:?}");
+        let said = String::from_utf8_lossy(&said.stderr);
+        let expected =
+            format!("4 agents, seed {seed}: begun anew, because {checkpoint} was damaged (");
+        assert!(said.contains(&expected), "{said}");
+        let kept = std::fs::read_to_string(folder.join(format!("{checkpoint}.damaged")));
+        assert_eq!(kept.expect("the file is kept"), "half of i");
+        assert!(said.contains(&format!("{checkpoint}.damaged")), "{said}");
+    }
+    assert_eq!(results(folder, "cut"), results(folder, "straight"));
+
+    std::fs::write(folder.join("mine.toml.checkpoint"), "half of i").expect("a writable file");
+    let said = refused(folder, "evolve --out mine.toml --resume", 3);
+    assert!(
+        said.contains("mine.toml.checkpoint because it was damaged"),
+        "{said}"
+    );
+    run(folder, "evolve --out mine.toml --overwrite --generations 3");
+}
+
 pub(super) fn interrupt(process: u32) {
     let status = Command::new("kill")
         .args(["-INT", &process.to_string()])

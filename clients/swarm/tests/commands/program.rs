@@ -280,7 +280,11 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
         ("export here --out trials.json", 2, "ends in .csv"),
         ("find here --out fig17.png", 2, "ends in .svg"),
         ("replay bad.toml --out page.pdf", 2, "ends in .html"),
-        ("evolve --resume", 3, "could not read table.toml.checkpoint"),
+        (
+            "evolve --resume",
+            3,
+            "table.toml.checkpoint because there is no such file",
+        ),
         ("experiment fig14 --shard 4/3", 2, "needs i/n"),
         ("experiment fig15", 2, "fig15"),
         ("show missing.toml", 3, "could not read missing.toml"),

@@ -2,6 +2,8 @@
 //!
 //! Only text is written: the shards, their checkpoints and the merge are those of `ebts experiment` and `ebts merge`.
 
+mod kubernetes;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
@@ -12,10 +14,13 @@ use ebts::files::write_atomically;
 
 use super::experiment::ExperimentArgs;
 use super::{Format, answer};
+use kubernetes::ClusterArgs;
 
 const EXAMPLES: &str = "Example:
   ebts slurm --shards 100 --out big -- fig14 --preset LB3 --seeds 10000
   bash big/submit.sh                        # the array, and a merge that waits for it
+  ebts slurm --shards 9 --out k --image registry.example.org/ebts --claim sweeps -- fig14
+  kubectl apply -f k/job.json               # and k/merge.json when it has ended
   cat big/shard-*/runs.jsonl | wc -l        # how many runs are finished";
 
 #[derive(Debug, Args)]
@@ -33,6 +38,8 @@ pub(crate) struct SlurmArgs {
     /// Folder for the scripts and the runs, on a file system that all nodes see.
     #[arg(long)]
     out: PathBuf,
+    #[command(flatten)]
+    cluster: ClusterArgs,
     /// What ebts experiment is told, without --shard, --out and --threads.
     #[arg(last = true, required = true, value_name = "EXPERIMENT")]
     experiment: Vec<String>,
@@ -62,22 +69,18 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         .map_err(Error::io("find folder", &args.out))?;
     let program = std::env::current_exe().map_err(Error::io("find program", &args.out))?;
     let words = args.experiment.iter().map(|word| from_anywhere(word));
-    let command: Vec<String> = [
-        program.to_string_lossy().into_owned(),
-        "experiment".to_owned(),
-    ]
-    .into_iter()
-    .chain(words)
-    .map(|word| quoted(&word))
-    .collect();
+    let words = std::iter::once("experiment".to_owned()).chain(words);
+    let arguments: Vec<String> = words.map(|word| quoted(&word)).collect();
     let parts = Parts {
-        command: command.join(" "),
-        merge: format!("{} merge", command[0]),
-        out: quoted(&out.to_string_lossy()),
+        program: quoted(&program.to_string_lossy()),
+        arguments: arguments.join(" "),
+        folder: out.to_string_lossy().into_owned(),
         shards: args.shards,
         at_once: args.at_once.min(args.shards),
         threads: args.threads,
+        cluster: args.cluster,
     };
+    let json = |value| serde_json::to_string_pretty(&value).map_err(Error::from_part);
     let mut scripts = Vec::new();
     for (name, text) in [
         ("shard.sh", parts.shard()),
@@ -85,7 +88,9 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         ("merge.sbatch", parts.collect()),
         ("submit.sh", parts.submit()),
         ("parallel.sh", parts.parallel()),
-        ("job.yaml", parts.kubernetes()),
+        ("claim.json", json(parts.claim())?),
+        ("job.json", json(parts.indexed_job())?),
+        ("merge.json", json(parts.merge_job())?),
     ] {
         let path = args.out.join(name);
         write_atomically(&path, text.as_bytes())?;
@@ -96,7 +101,8 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         let out = args.out.display();
         format!(
             "{runs} runs in {} shards\nSlurm:         bash {out}/submit.sh\nGNU parallel:  bash {out}/parallel.sh\n\
-             Kubernetes:    kubectl apply -f {out}/job.yaml, then bash {out}/merge.sbatch\n\
+             Kubernetes:    kubectl apply -f {out}/job.json, when it has ended {out}/merge.json; {out}/claim.json is for those \
+             who have no volume yet\n\
              progress:      cat {out}/shard-*/runs.jsonl | wc -l\n",
             args.shards
         )
@@ -149,29 +155,39 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// What the scripts are made of, quoted for a shell.
+/// What the scripts are made of.
 struct Parts {
-    command: String,
-    merge: String,
-    out: String,
+    /// This program, quoted for a shell.
+    program: String,
+    /// What it is told but for the shard, quoted for a shell.
+    arguments: String,
+    /// The folder of the sweep, from the root.
+    folder: String,
     shards: u32,
     at_once: u32,
     threads: u32,
+    cluster: ClusterArgs,
 }
 
 impl Parts {
+    /// The folder, quoted for a shell.
+    fn out(&self) -> String {
+        quoted(&self.folder)
+    }
+
     /// One shard, wherever it runs. Begun again it goes on where it was.
     fn shard(&self) -> String {
         let Self {
-            command,
-            out,
+            program,
+            arguments,
             shards,
             threads,
             ..
         } = self;
+        let out = self.out();
         format!(
             "#!/usr/bin/env bash\n# usage: shard.sh NUMBER, from 1 to {shards}\nset -eu\n\
-             exec {command} --threads {threads} --shard \"$1/{shards}\" --out {out}/\"shard-$1\"\n"
+             exec {program} {arguments} --threads {threads} --shard \"$1/{shards}\" --out {out}/\"shard-$1\"\n"
         )
     }
 
@@ -179,12 +195,12 @@ impl Parts {
     /// then saves what is under way, and this one task is queued again. The number of the job alone may mean the whole array.
     fn array(&self) -> String {
         let Self {
-            out,
             shards,
             at_once,
             threads,
             ..
         } = self;
+        let out = self.out();
         format!(
             "#!/usr/bin/env bash\n#SBATCH --job-name=ebts\n#SBATCH --array=1-{shards}%{at_once}\n#SBATCH --cpus-per-task={threads}\n\
              #SBATCH --requeue\n#SBATCH --open-mode=append\n#SBATCH --signal=B:TERM@60\n\
@@ -196,14 +212,14 @@ impl Parts {
     }
 
     fn collect(&self) -> String {
-        let Self { merge, out, .. } = self;
+        let (program, out) = (&self.program, self.out());
         format!(
-            "#!/usr/bin/env bash\n#SBATCH --job-name=ebts-merge\nset -eu\n{merge} {out}/whole {out}/shard-*/\n"
+            "#!/usr/bin/env bash\n#SBATCH --job-name=ebts-merge\nset -eu\n{program} merge {out}/whole {out}/shard-*/\n"
         )
     }
 
     fn submit(&self) -> String {
-        let out = &self.out;
+        let out = self.out();
         format!(
             "#!/usr/bin/env bash\nset -eu\narray=$(sbatch --parsable {out}/array.sbatch)\n\
              sbatch --kill-on-invalid-dep=yes --dependency=afterok:\"$array\" {out}/merge.sbatch\n"
@@ -212,33 +228,13 @@ impl Parts {
 
     fn parallel(&self) -> String {
         let Self {
-            out,
-            shards,
-            threads,
-            ..
+            shards, threads, ..
         } = self;
+        let out = self.out();
         format!(
             "#!/usr/bin/env bash\nset -eu\njobs=$(( ($(nproc) + {threads} - 1) / {threads} ))\n\
              seq {shards} | parallel --jobs \"$jobs\" --joblog {out}/parallel.log bash {out}/shard.sh {{}}\n\
              bash {out}/merge.sbatch\n"
-        )
-    }
-
-    /// An indexed Job; the folder has to be a volume that all pods see, at the same place.
-    fn kubernetes(&self) -> String {
-        let Self {
-            out,
-            shards,
-            at_once,
-            threads,
-            ..
-        } = self;
-        let script = format!("exec bash {out}/shard.sh $((JOB_COMPLETION_INDEX + 1))");
-        format!(
-            "apiVersion: batch/v1\nkind: Job\nmetadata:\n  name: ebts\nspec:\n  completionMode: Indexed\n  completions: {shards}\n  \
-             parallelism: {at_once}\n  backoffLimitPerIndex: 6\n  template:\n    spec:\n      restartPolicy: Never\n      containers:\n        \
-             - name: ebts\n          image: ebts # an image with this program and the folder mounted at the same place\n          \
-             command: [bash, -c, {script:?}]\n          resources:\n            requests:\n              cpu: {threads}\n"
         )
     }
 }
@@ -260,16 +256,28 @@ mod tests {
         }
     }
 
+    fn parts() -> Parts {
+        let words = "ebts slurm --shards 2000 --at-once 50 --threads 4 --out x --image r.org/e:1 --claim data -- fig14";
+        #[derive(Parser)]
+        struct Words {
+            #[command(flatten)]
+            args: SlurmArgs,
+        }
+        let args = Words::parse_from(words.split_whitespace().skip(1)).args;
+        Parts {
+            program: "/bin/ebts".to_owned(),
+            arguments: "experiment fig14 --preset 'my own.toml'".to_owned(),
+            folder: "/shared/it's big".to_owned(),
+            shards: args.shards,
+            at_once: args.at_once,
+            threads: args.threads,
+            cluster: args.cluster,
+        }
+    }
+
     #[test]
     fn a_warned_task_is_queued_again_alone_and_says_if_it_was_not() {
-        let parts = Parts {
-            command: "ebts experiment fig14".to_owned(),
-            merge: "ebts merge".to_owned(),
-            out: "/shared/big".to_owned(),
-            shards: 2000,
-            at_once: 50,
-            threads: 4,
-        };
+        let parts = parts();
         let check =
             |text: String, wanted: &str| assert!(text.contains(wanted), "{wanted}:\n{text}");
         check(parts.array(), "--array=1-2000%50\n");
@@ -277,7 +285,35 @@ mod tests {
         check(parts.array(), queued);
         check(parts.submit(), "--kill-on-invalid-dep=yes");
         check(parts.parallel(), "($(nproc) + 4 - 1) / 4");
-        check(parts.kubernetes(), "parallelism: 50\n");
+    }
+
+    #[test]
+    fn what_pods_find_stays_on_the_claim() {
+        let parts = parts();
+        let claim = parts.claim();
+        assert_eq!(claim["metadata"]["name"], "data");
+        assert_eq!(claim["spec"]["accessModes"][0], "ReadWriteMany");
+        let indexed = parts.indexed_job();
+        let spec = &indexed["spec"];
+        assert_eq!(
+            (&spec["completions"], &spec["parallelism"]),
+            (&2000.into(), &50.into())
+        );
+        for job in [&indexed, &parts.merge_job()] {
+            let pod = &job["spec"]["template"]["spec"];
+            let (volume, container) = (&pod["volumes"][0], &pod["containers"][0]);
+            assert_eq!(volume["persistentVolumeClaim"]["claimName"], "data");
+            let mount = &container["volumeMounts"][0];
+            assert_eq!(mount["name"], volume["name"]);
+            assert_eq!(
+                (&mount["mountPath"], &mount["subPath"]),
+                (&"/shared/it's big".into(), &"it's big".into())
+            );
+            assert_eq!(container["workingDir"], mount["mountPath"]);
+            assert_eq!(container["image"], "r.org/e:1");
+            let script = container["command"][2].as_str().expect("a script");
+            assert!(script.contains(r"'/shared/it'\''s big'/"), "{script}");
+        }
     }
 
     #[test]

@@ -1,0 +1,149 @@
+//! Which runs of a plan are not there, in words.
+
+use std::collections::HashSet;
+use std::fmt;
+
+use super::plan::{Plan, Shard};
+use crate::run::Job;
+
+/// Shards, or stretches of seeds, that are named one by one; of more only the number is said.
+const NAMED_MOST: usize = 12;
+
+/// The runs of a plan that nobody has: as the shards that they are, or else by team size and seed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    jobs: Vec<Job>,
+    of: usize,
+    shards: Vec<Shard>,
+}
+
+impl Missing {
+    /// What `has` does not have, collected from so many folders of shards.
+    pub(super) fn of(plan: &Plan, folders: usize, has: impl Fn(&Job) -> bool) -> Self {
+        let all = plan.jobs();
+        let positions: Vec<usize> = (0..all.len()).filter(|&at| !has(&all[at])).collect();
+        Self {
+            shards: whole_shards(&positions, all.len(), folders),
+            jobs: positions.iter().map(|&at| all[at]).collect(),
+            of: all.len(),
+        }
+    }
+
+    /// Whether nothing is missing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.jobs.is_empty()
+    }
+
+    /// Runs of one team size whose seeds follow each other.
+    fn stretches(&self) -> Vec<String> {
+        let follows = |a: &Job, b: &Job| (a.agents, a.seed + 1) == (b.agents, b.seed);
+        let name = |runs: &[Job]| match runs {
+            [] => String::new(),
+            [Job { agents, seed }] => format!("agents {agents} seed {seed}"),
+            [Job { agents, seed }, .., last] => {
+                format!("agents {agents} seeds {seed} to {}", last.seed)
+            }
+        };
+        self.jobs.chunk_by(follows).map(name).collect()
+    }
+}
+
+/// The shards whose runs are exactly those at these positions, if the others may have been in so many folders: the fewest
+/// parts of which that is so. None if it is not so.
+fn whole_shards(positions: &[usize], all: usize, folders: usize) -> Vec<Shard> {
+    let Some(&first) = positions.first() else {
+        return Vec::new();
+    };
+    let missing: HashSet<usize> = positions.iter().copied().collect();
+    let whole = |at: usize, count: usize| (at..all).step_by(count).all(|at| missing.contains(&at));
+    let parts = |count: usize| {
+        let firsts: Vec<usize> = positions
+            .iter()
+            .copied()
+            .take_while(|&at| at < count)
+            .collect();
+        let runs: usize = firsts
+            .iter()
+            .map(|&at| (at..all).step_by(count).len())
+            .sum();
+        let are_all = runs == positions.len() && firsts.iter().all(|&at| whole(at, count));
+        (are_all && count - firsts.len() <= folders).then_some((count, firsts))
+    };
+    let found = (first + 1..=folders + positions.len()).find_map(parts);
+    found.map_or_else(Vec::new, |(count, firsts)| {
+        let shard = |at| Shard {
+            index: at + 1,
+            count,
+        };
+        firsts.into_iter().map(shard).collect()
+    })
+}
+
+/// `shards 2/4, 3/4 (6 of 12 runs)`; `3 of 12 runs (agents 1 seed 2, agents 4 seeds 1 to 2)`.
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let runs = format!("{} of {} runs", self.jobs.len(), self.of);
+        let mut names: Vec<String> = match self.shards.as_slice() {
+            [] => self.stretches(),
+            shards => shards.iter().map(ToString::to_string).collect(),
+        };
+        let others = names.len().saturating_sub(NAMED_MOST);
+        names.truncate(NAMED_MOST);
+        let mut names = names.join(", ");
+        if others > 0 {
+            names += &format!(" and {others} more");
+        }
+        match self.shards.len() {
+            0 => write!(f, "{runs} ({names})"),
+            1 => write!(f, "shard {names} ({runs})"),
+            _ => write!(f, "shards {names} ({runs})"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use field::{FitnessRule, Preset};
+
+    /// What is said where these positions of 4 team sizes × 3 seeds are missing.
+    fn said(folders: usize, missing: &[usize]) -> String {
+        let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 3, 1);
+        let jobs = plan.jobs();
+        let gone: Vec<Job> = missing.iter().map(|&at| jobs[at]).collect();
+        Missing::of(&plan, folders, |job| !gone.contains(job)).to_string()
+    }
+
+    #[test]
+    fn whole_shards_are_named_by_their_number() {
+        assert_eq!(said(2, &[1, 4, 7, 10]), "shard 2/3 (4 of 12 runs)");
+        assert_eq!(
+            said(2, &[1, 2, 5, 6, 9, 10]),
+            "shards 2/4, 3/4 (6 of 12 runs)"
+        );
+        assert_eq!(said(11, &[6]), "shard 7/12 (1 of 12 runs)");
+    }
+
+    #[test]
+    fn other_runs_are_named_by_team_size_and_seed() {
+        // Two folders cannot have had eleven of twelve shards.
+        assert_eq!(said(2, &[6]), "1 of 12 runs (agents 3 seed 1)");
+        assert_eq!(
+            said(2, &[1, 9, 10]),
+            "3 of 12 runs (agents 1 seed 2, agents 4 seeds 1 to 2)"
+        );
+    }
+
+    #[test]
+    fn of_very_many_the_number_is_said() {
+        let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 100, 1);
+        let odd = Missing::of(&plan, 1, |job| job.seed % 2 == 0 || job.agents < 4);
+        let text = odd.to_string();
+        assert!(
+            text.starts_with("50 of 400 runs (agents 4 seed 1,"),
+            "{text}"
+        );
+        assert!(text.ends_with("agents 4 seed 23 and 38 more)"), "{text}");
+    }
+}
