@@ -5,8 +5,7 @@ use atas_client::GoalProgress;
 use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
-use sim_backend::random::split_mix;
+use sim_backend::random::{split_mix, trial_seed};
 
 use crate::drawn::Drawn;
 use crate::finding::{Finding, judge};
@@ -63,13 +62,6 @@ impl Record {
     pub fn failure_by_physics(&self) -> Option<&str> {
         self.finding.failure(self.feasible_by_physics())
     }
-}
-
-/// The seed of a trial: a function of the object's name and the trial's number, so that adding an object to a plan
-/// changes no other trial.
-#[must_use]
-pub fn trial_seed(object: &str, seed: u64) -> u64 {
-    split_mix(fnv1a(FNV_OFFSET, object.as_bytes()) ^ split_mix(seed))
 }
 
 pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {

@@ -19,12 +19,12 @@
 //!   ±5°. A base that has stopped stands where it believes; arms of two robots meet only as the discs that [`sim_backend::course`] knows.
 
 mod coordinator;
-mod drive;
+mod pilot;
 mod report;
 mod robot;
 mod trial;
 
 pub use coordinator::{Coordinator, Ended, HandState, HandTask, PHASES, Phase, Say, Signs};
-pub use drive::{DriveFigures, Reflexes, Shake};
+pub use pilot::{Decision, Pilot, Reflexes};
 pub use report::{DriveReport, HybridPlan, HybridReport};
 pub use trial::{HybridTrial, PhaseTime, RobotTrial};
