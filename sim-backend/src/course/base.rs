@@ -5,7 +5,6 @@ use core::f64::consts::PI;
 use field::Wheels;
 
 use super::floor::Floor;
-use super::rovers::Light;
 use crate::ride::Ride;
 
 /// Length of a step, s: the period of the wheels' controllers.
@@ -34,15 +33,6 @@ pub enum Pace {
 }
 
 impl Pace {
-    /// The pace at which a base drives to a light: gently once the hand has the object, which is when the goal is what counts.
-    #[must_use]
-    pub fn towards(light: Light) -> Self {
-        match light {
-            Light::Object => Self::Free,
-            Light::Goal => Self::Carrying,
-        }
-    }
-
     /// The share of every limit.
     fn share(self) -> f64 {
         match self {

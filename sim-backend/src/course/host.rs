@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{BaseCommand, BaseState, Light, Mishap, Say, WorldTruth};
 
-use super::base::Pace;
 use super::cast::Cast;
 use super::drive::{Drive, DriveFigures};
 use super::rovers::{self, Course};
@@ -132,8 +131,8 @@ impl Host {
             return self.course.rest(robot);
         }
         let wheels = wheels.unwrap_or(Wheels::STOP);
-        self.course
-            .steer(robot, wheels, Pace::towards(light(command.light)));
+        let pace = light(command.light).pace();
+        self.course.steer(robot, wheels, pace);
     }
 
     /// One tick of the bases. How each then moves is for the world of its hands, whose tick follows.

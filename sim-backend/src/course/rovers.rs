@@ -30,6 +30,17 @@ pub enum Light {
     Goal,
 }
 
+impl Light {
+    /// The pace at which a base drives to it: gently once the hand has the object, which is when the goal is what counts.
+    #[must_use]
+    pub fn pace(self) -> Pace {
+        match self {
+            Self::Object => Pace::Free,
+            Self::Goal => Pace::Carrying,
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Rover {
     base: Base,

@@ -18,7 +18,6 @@ use sim_backend::course::{self, FRAME_S, Player, SIDE};
 use sim_backend::random::Random;
 
 use super::coordinator::{self, Coordinator, Ended, HandState, HandTask, Signs};
-use super::trial::PhaseTime;
 use crate::judge::Placing;
 use crate::offline::{grasp_goal, set_down_goal};
 
@@ -69,6 +68,17 @@ impl Reflexes {
         };
         (self == Self::Frozen).then_some(frozen)
     }
+}
+
+/// How long a robot was in one phase.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhaseTime {
+    /// Its name.
+    pub phase: &'static str,
+    /// When it began, s.
+    pub began_s: f64,
+    /// How long it took, s.
+    pub took_s: f64,
 }
 
 /// A robot's pilot.

@@ -8,22 +8,11 @@ use shm_schemas::WorldTruth;
 use sim_backend::course::{self, Cast, DriveFigures, Host, Responses};
 
 use super::coordinator::Ended;
-use super::pilot::{Pilot, Reflexes};
+use super::pilot::{PhaseTime, Pilot, Reflexes};
 use super::robot::Robot;
 
 /// Farthest that an object may stand from the goal, m (ours: a camera's errors and those of placing, together).
 const OFF_GOAL_M: f64 = 0.010;
-
-/// How long a robot was in one phase.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PhaseTime {
-    /// Its name.
-    pub phase: &'static str,
-    /// When it began, s.
-    pub began_s: f64,
-    /// How long it took, s.
-    pub took_s: f64,
-}
 
 /// What became of one robot.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,7 +1,7 @@
 //! One course with a table and with hands that only take their time.
 
 use atas_evaluation::hybrid::{Coordinator, Ended, HandState, HandTask, Say, Signs};
-use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Light, Pace, Responses, Wheels};
+use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Light, Responses, Wheels};
 
 /// What hands usually take, frames: to grasp and lift, and to set down.
 const GRASP_FRAMES: u32 = 130;
@@ -96,7 +96,7 @@ impl Rover {
         }
         self.measure(course, robot);
         let phase = self.coordinator.phase();
-        let (light, pace) = (phase.light, Pace::towards(phase.light));
+        let (light, pace) = (phase.light, phase.light.pace());
         if phase.say != Say::Table || self.coordinator.ended().is_some() {
             course.steer(robot, Wheels::STOP, pace);
             return 0;
