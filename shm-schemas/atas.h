@@ -80,6 +80,8 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
 #define ATAS_SERVICE_WHEEL_COMMANDS "atas/v1/wheel-commands"
+#define ATAS_SERVICE_BASE_STATE "atas/v1/base-state"
+#define ATAS_SERVICE_BASE_COMMAND "atas/v1/base-command"
 #define ATAS_SERVICE_ARENA_TRUTH "atas/v2/arena-truth"
 
 // Hashes of the built-in layouts.
@@ -193,6 +195,8 @@ enum atas_control_op {
     ATAS_CONTROL_OP_RELOAD = 7,
     // Cancel the goal whose id is written in name, in decimal; nothing if it has ended.
     ATAS_CONTROL_OP_CANCEL = 8,
+    // In lock-step: let virtual time go on to the tick with the index value, also without a goal. It stands still there.
+    ATAS_CONTROL_OP_ADVANCE = 9,
 };
 
 // How it went.
@@ -447,6 +451,38 @@ enum atas_sensor_bit {
     ATAS_SENSOR_BIT_LIFTED = 5,
     // Every finger has had friction to spare for 100 ms.
     ATAS_SENSOR_BIT_SPARE = 6,
+};
+
+// Which light a base's photo sensors look for.
+enum atas_light {
+    // The object's.
+    ATAS_LIGHT_OBJECT = 0,
+    // The goal's.
+    ATAS_LIGHT_GOAL = 1,
+};
+
+// Who has the say over a robot.
+enum atas_say {
+    // Nobody: the base brakes and stands.
+    ATAS_SAY_NOBODY = 0,
+    // The behaviour table: the base drives.
+    ATAS_SAY_TABLE = 1,
+    // The hand: it works, the base stands.
+    ATAS_SAY_HAND = 2,
+    // Nobody any more: the course is over, the base brakes and stays.
+    ATAS_SAY_OVER = 3,
+};
+
+// What ended a base's course at once.
+enum atas_mishap {
+    // Nothing did.
+    ATAS_MISHAP_NONE = 0,
+    // It came too near to a wall.
+    ATAS_MISHAP_LEFT_FIELD = 1,
+    // It met another robot.
+    ATAS_MISHAP_MET_ROBOT = 2,
+    // It drove over an object.
+    ATAS_MISHAP_MET_OBJECT = 3,
 };
 
 // Who wrote a payload, when, and as which in its series.
@@ -1612,6 +1648,59 @@ _Static_assert(offsetof(atas_wheel_commands, trial) == 32, "atas_wheel_commands.
 _Static_assert(offsetof(atas_wheel_commands, agent_count) == 36, "atas_wheel_commands.agent_count");
 _Static_assert(offsetof(atas_wheel_commands, table_hash) == 40, "atas_wheel_commands.table_hash");
 _Static_assert(offsetof(atas_wheel_commands, output) == 48, "atas_wheel_commands.output");
+
+// What a base sees at the start of a frame. Places are metres ahead of its middle and to the left.
+typedef struct atas_base_state {
+    // captured_ns is the frame's time.
+    atas_stamp stamp;
+    // Index of the frame.
+    uint64_t frame;
+    // Where the object's light is, m; means nothing while the hand has the object.
+    double object_m[2];
+    // Where the goal's light is, m.
+    double goal_m[2];
+    // Distance to the robot that has the right of way, m; infinite if this one has it, or nobody needs it.
+    double first_m;
+    // 1 while the object stands, so that its light is seen.
+    uint32_t object_stands;
+    // 1 while the wheels stand.
+    uint32_t stands;
+    // What ended the course at once.
+    uint32_t mishap; // enum atas_mishap
+    // Written as zero.
+    uint32_t pad;
+} atas_base_state;
+#define ATAS_BASE_STATE_TYPE "atas.BaseState.v1"
+_Static_assert(sizeof(atas_base_state) == 88, "atas_base_state");
+_Static_assert(_Alignof(atas_base_state) == 8, "atas_base_state");
+_Static_assert(offsetof(atas_base_state, stamp) == 0, "atas_base_state.stamp");
+_Static_assert(offsetof(atas_base_state, frame) == 24, "atas_base_state.frame");
+_Static_assert(offsetof(atas_base_state, object_m) == 32, "atas_base_state.object_m");
+_Static_assert(offsetof(atas_base_state, goal_m) == 48, "atas_base_state.goal_m");
+_Static_assert(offsetof(atas_base_state, first_m) == 64, "atas_base_state.first_m");
+_Static_assert(offsetof(atas_base_state, object_stands) == 72, "atas_base_state.object_stands");
+_Static_assert(offsetof(atas_base_state, stands) == 76, "atas_base_state.stands");
+_Static_assert(offsetof(atas_base_state, mishap) == 80, "atas_base_state.mishap");
+_Static_assert(offsetof(atas_base_state, pad) == 84, "atas_base_state.pad");
+
+// What a base is told for that frame.
+typedef struct atas_base_command {
+    // captured_ns is copied from the state that it answers.
+    atas_stamp stamp;
+    // The frame that it answers.
+    uint64_t frame;
+    // Who has the say.
+    uint32_t say; // enum atas_say
+    // Which light counts. The base drives gently once it is the goal's: its robot carries the object then.
+    uint32_t light; // enum atas_light
+} atas_base_command;
+#define ATAS_BASE_COMMAND_TYPE "atas.BaseCommand.v1"
+_Static_assert(sizeof(atas_base_command) == 40, "atas_base_command");
+_Static_assert(_Alignof(atas_base_command) == 8, "atas_base_command");
+_Static_assert(offsetof(atas_base_command, stamp) == 0, "atas_base_command.stamp");
+_Static_assert(offsetof(atas_base_command, frame) == 24, "atas_base_command.frame");
+_Static_assert(offsetof(atas_base_command, say) == 32, "atas_base_command.say");
+_Static_assert(offsetof(atas_base_command, light) == 36, "atas_base_command.light");
 
 // The true state of one simulated object.
 typedef struct atas_object_truth {

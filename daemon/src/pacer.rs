@@ -6,7 +6,7 @@
 //!   there, at the latest a little after its deadline.
 //! * [`LockStep`] follows the sensors: a tick runs when a new joint state has arrived, and its time is that state's.
 //!   Virtual time stands still while there is nothing to do, so that a run depends on its goals only, not on when they
-//!   were sent.
+//!   were sent. A client for which more than the goals goes on says how far it may go without any (`ControlOp::ADVANCE`).
 
 mod lockstep;
 mod phase;

@@ -4,7 +4,7 @@
 //! from it, and cannot say anything else than the compiler does.
 
 use crate::schema::{CodeType, PayloadType};
-use crate::{arena, control, event, frame, goal, joints, module, reason, record, sensor_bit};
+use crate::{arena, base, control, event, frame, goal, joints, module, reason, record, sensor_bit};
 use crate::{stamp, status, stop, swarm, target, tick, truth, view};
 
 /// Every code.
@@ -24,6 +24,9 @@ pub const CODES: &[&CodeType] = &[
     &reason::Cause::CODE,
     &record::OrderKind::CODE,
     &sensor_bit::SensorBit::CODE,
+    &base::Light::CODE,
+    &base::Say::CODE,
+    &base::Mishap::CODE,
 ];
 
 /// Every payload; one that is part of another stands before it.
@@ -62,6 +65,8 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &record::RunHeader::PAYLOAD,
     &swarm::AgentSensors::PAYLOAD,
     &swarm::WheelCommands::PAYLOAD,
+    &base::BaseState::PAYLOAD,
+    &base::BaseCommand::PAYLOAD,
     &truth::ObjectTruth::PAYLOAD,
     &truth::WorldTruth::PAYLOAD,
     &arena::AgentTruth::PAYLOAD,

@@ -25,6 +25,8 @@ code! {
         RELOAD = 7, "reload";
         /// Cancel the goal whose id is written in `name`, in decimal; nothing if it has ended.
         CANCEL = 8, "cancel";
+        /// In lock-step: let virtual time go on to the tick with the index `value`, also without a goal. It stands still there.
+        ADVANCE = 9, "advance";
     }
 }
 

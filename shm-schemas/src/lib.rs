@@ -19,6 +19,7 @@
 extern crate std;
 
 mod arena;
+mod base;
 mod body;
 #[cfg(feature = "serde")]
 mod bytes;
@@ -54,6 +55,7 @@ mod typed;
 mod view;
 
 pub use arena::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, TrialTruth, WallTruth};
+pub use base::{BaseCommand, BaseState, Light, Mishap, Say};
 pub use body::{Body, BodyPair};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
 pub use event::{EventKind, ModuleEvent};

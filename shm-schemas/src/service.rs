@@ -34,12 +34,16 @@ pub const WORLD_TRUTH: &str = "atas/v3/world-truth";
 pub const AGENT_SENSORS: &str = "atas/v1/agent-sensors";
 /// Publish-subscribe: [`crate::WheelCommands`], one per field frame, from the agents process.
 pub const WHEEL_COMMANDS: &str = "atas/v1/wheel-commands";
+/// Publish-subscribe: [`crate::BaseState`], one per frame of a course, from the base (or the simulator).
+pub const BASE_STATE: &str = "atas/v1/base-state";
+/// Publish-subscribe: [`crate::BaseCommand`], one per frame of a course, from the coordinator.
+pub const BASE_COMMAND: &str = "atas/v1/base-command";
 /// Publish-subscribe: [`crate::ArenaTruth`], up to 60 Hz and at every trial's end, from the field's host, for onlookers only; no agent
 /// opens it.
 pub const ARENA_TRUTH: &str = "atas/v2/arena-truth";
 
 /// Every service by its name here.
-pub const NAMES: [(&str, &str); 18] = [
+pub const NAMES: [(&str, &str); 20] = [
     ("HAND_FRAME_LEFT", HAND_FRAME[0]),
     ("HAND_FRAME_RIGHT", HAND_FRAME[1]),
     ("JOINT_STATE", JOINT_STATE),
@@ -57,5 +61,7 @@ pub const NAMES: [(&str, &str); 18] = [
     ("WORLD_TRUTH", WORLD_TRUTH),
     ("AGENT_SENSORS", AGENT_SENSORS),
     ("WHEEL_COMMANDS", WHEEL_COMMANDS),
+    ("BASE_STATE", BASE_STATE),
+    ("BASE_COMMAND", BASE_COMMAND),
     ("ARENA_TRUTH", ARENA_TRUTH),
 ];

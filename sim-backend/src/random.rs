@@ -8,6 +8,8 @@
 
 use std::sync::LazyLock;
 
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+
 /// Abscissa of the lowest ziggurat layer's rectangle, for 256 layers (Marsaglia & Tsang 2000).
 const ZIGGURAT_R: f64 = 3.654_152_885_361_009;
 /// Area of each ziggurat layer, for 256 layers (Marsaglia & Tsang 2000).
@@ -156,6 +158,13 @@ pub fn split_mix(value: u64) -> u64 {
     let z = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
+}
+
+/// The seed of a trial: a function of a name, as of its object, and the trial's number, so that adding an object to a plan
+/// changes no other trial.
+#[must_use]
+pub fn trial_seed(name: &str, number: u64) -> u64 {
+    split_mix(fnv1a(FNV_OFFSET, name.as_bytes()) ^ split_mix(number))
 }
 
 #[cfg(test)]

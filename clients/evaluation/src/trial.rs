@@ -6,8 +6,7 @@ use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
 use shm_schemas::GoalRequest;
-use shm_schemas::layout::{FNV_OFFSET, fnv1a};
-use sim_backend::random::split_mix;
+use sim_backend::random::{split_mix, trial_seed};
 use sim_backend::{Scene, World};
 
 use crate::drawn::Drawn;
@@ -66,13 +65,6 @@ impl Record {
     pub fn failure_by_physics(&self) -> Option<&str> {
         self.finding.failure(self.feasible_by_physics())
     }
-}
-
-/// The seed of a trial: a function of the object's name and the trial's number, so that adding an object to a plan
-/// changes no other trial.
-#[must_use]
-pub fn trial_seed(object: &str, seed: u64) -> u64 {
-    split_mix(fnv1a(FNV_OFFSET, object.as_bytes()) ^ split_mix(seed))
 }
 
 /// One trial as its plan has it.

@@ -85,6 +85,8 @@ struct Shared {
     quit: AtomicBool,
     /// When the supervisor last came round, ns; 0 before its first round.
     supervised_ns: AtomicU64,
+    /// In lock-step: ticks since the start that may pass without anything to do.
+    advanced_to: AtomicU64,
 }
 
 impl Shared {

@@ -45,6 +45,11 @@ impl SupervisorEnd {
         self.shared.supervised_ns.store(now_ns, Ordering::Relaxed);
     }
 
+    /// In lock-step, lets so many ticks pass since the start, also without anything to do.
+    pub fn advance_to(&self, ticks: u64) {
+        self.shared.advanced_to.store(ticks, Ordering::Relaxed);
+    }
+
     /// The next record.
     #[must_use]
     pub fn next_record(&mut self) -> Option<TickRecord> {

@@ -63,6 +63,12 @@ impl TickEnd {
         self.signal.pending().is_some() || !self.stops.is_empty() || !self.orders.is_empty()
     }
 
+    /// How many ticks since the start may pass without anything to do; in lock-step nobody else lets time go on.
+    #[must_use]
+    pub fn advanced_to(&self) -> u64 {
+        self.shared.advanced_to.load(Ordering::Relaxed)
+    }
+
     /// Why the robot must hold at `now_ns`, if the supervisor has been silent for too long.
     #[must_use]
     pub fn supervision(&self, now_ns: u64) -> Reason {

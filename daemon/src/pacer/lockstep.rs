@@ -38,8 +38,8 @@ impl LockStep {
         self.settled_at = self.index + SETTLE_TICKS;
     }
 
-    /// Waits for a joint state while there is something to do and room to record it; else takes nothing from the bus, so
-    /// that the sensors' process, which waits for an answer, stands still as well. `None` when the loop shall end.
+    /// Waits for a joint state while there is something to do, or a client lets time go on, and room to record it; else takes
+    /// nothing from the bus, so that the sensors' process, which waits for an answer, stands still as well. `None` when the loop shall end.
     pub fn wait(
         &mut self,
         ports: &mut InputPorts,
@@ -50,7 +50,8 @@ impl LockStep {
         ports.begin();
         while !link.is_quitting() {
             let settling = self.index < self.settled_at;
-            let has_work = settling || pursues_goal || link.has_orders();
+            let goes_on = self.index < link.advanced_to();
+            let has_work = settling || pursues_goal || goes_on || link.has_orders();
             if has_work && link.has_room() && ports.look_for_joints() {
                 return Some(self.begin(ports.joints_captured_ns(), settling));
             }

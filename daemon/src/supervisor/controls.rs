@@ -6,7 +6,8 @@ use atas_core::Order;
 use atas_core::settings::{PARAMETERS, Parameter};
 use shm_bus::{Bus, BusError, ControlCall, ControlServer, now_ns};
 use shm_schemas::{
-    Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp, Text,
+    Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp,
+    StatusFlags, Text,
 };
 
 use super::SupervisorState;
@@ -115,18 +116,36 @@ fn answer(
         ControlOp::BIAS => bias(request, state, link),
         ControlOp::CANCEL => cancel(request, link),
         ControlOp::RELOAD => state.reload(link),
+        ControlOp::ADVANCE => return Answer::Now(advance(request, state, link)),
         unknown => return Answer::Now(unknown_op(unknown)),
     };
     match ordered {
-        Ok(ticket) => Answer::After(
-            ticket,
-            ControlReply {
-                outcome: ControlOutcome::DONE,
-                ..ControlReply::default()
-            },
-        ),
+        Ok(ticket) => Answer::After(ticket, done()),
         Err(why) => Answer::Now(refused(&why)),
     }
+}
+
+/// Lets virtual time go on. The answer says that it may, not that it has: that is as fast as the simulator.
+fn advance(
+    request: &ControlRequest,
+    state: &SupervisorState,
+    link: &SupervisorEnd,
+) -> ControlReply {
+    /// Beyond it not every whole number is an `f64`.
+    const TICKS_MAX: f64 = (1_u64 << 53) as f64;
+    if state.flags & StatusFlags::LOCKSTEP == 0 {
+        return refused(
+            "could not advance because the daemon follows the clock, needs virtual time; start it with --lockstep",
+        );
+    }
+    if !(0.0..=TICKS_MAX).contains(&request.value) {
+        return refused(&format!(
+            "could not advance to tick {}, needs a number of ticks since the start, 0 to 2^53",
+            request.value
+        ));
+    }
+    link.advance_to(request.value as u64);
+    done()
 }
 
 fn cancel(request: &ControlRequest, link: &mut SupervisorEnd) -> Result<u64, String> {
@@ -250,6 +269,13 @@ fn describe(parameter: &Parameter, state: &SupervisorState) -> ControlReply {
         lower: parameter.lower,
         upper: parameter.upper,
         text: Text::new(&format!("{}\n{}", parameter.name, parameter.doc.trim())),
+        ..ControlReply::default()
+    }
+}
+
+fn done() -> ControlReply {
+    ControlReply {
+        outcome: ControlOutcome::DONE,
         ..ControlReply::default()
     }
 }

@@ -3,8 +3,8 @@
 use shm_bus::{FreshBus, GoalClient, PendingGoal};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{
-    Cause, ControlOp, ControlOutcome, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate,
-    Hand, Mode, Status,
+    Cause, ControlOp, ControlOutcome, ControlRequest, GoalKind, GoalPolicy, GoalRequest, GoalState,
+    GoalUpdate, Hand, Mode, Status,
 };
 
 use crate::support::{Daemon, PATIENCE, PATIENT, World, wait_for};
@@ -211,6 +211,42 @@ fn lock_step_depends_on_the_goal_only() {
 }
 
 #[test]
+fn lock_step_goes_on_without_a_goal_as_far_as_it_is_let() {
+    let bus = FreshBus::new("advance");
+    let mut world = LockStep::on(&bus);
+    let _daemon = Daemon::start(&bus, &["--lockstep"]);
+    let mut let_on = |ticks: f64, outcome, reached: u64| {
+        let reply = wait_for("an answer", || {
+            world.turn();
+            let request = ControlRequest {
+                op: ControlOp::ADVANCE,
+                value: ticks,
+                ..ControlRequest::default()
+            };
+            let controls = world.world.bus.control_client().ok()?;
+            controls.call(&request, PATIENCE).ok()
+        });
+        assert_eq!(reply.outcome, outcome, "{ticks}: {}", reply.text);
+        wait_for("the ticks that it may make", || {
+            world.turn();
+            (world.tick == reached).then_some(())
+        });
+        // What more it made would be heard of by the time of another answer.
+        for _ in 0..1000 {
+            world.turn();
+            std::thread::yield_now();
+        }
+        assert_eq!(world.tick, reached, "it goes no farther");
+    };
+    let (done, refused) = (ControlOutcome::DONE, ControlOutcome::REFUSED);
+    let_on(0.0, done, 100);
+    let_on(130.0, done, 130);
+    let_on(f64::NAN, refused, 130);
+    let_on(-1.0, refused, 130);
+    let_on(150.0, done, 150);
+}
+
+#[test]
 fn busy_cancelled_and_abandoned() {
     let bus = FreshBus::new("busy");
     let mut world = LockStep::on(&bus);
@@ -316,5 +352,6 @@ fn parameters_are_read_listed_and_set_within_their_range() {
     assert_eq!(ask(ControlOp::BIAS, "", 1.0).0, done);
     assert_eq!(ask(ControlOp::BIAS, "", 2.0).0, refused);
     assert_eq!(ask(ControlOp(99), "", 0.0).0, unknown);
+    assert_eq!(ask(ControlOp::ADVANCE, "", 1.0).0, refused, "by the clock");
     world.until("the new configuration", |s| s.config_hash != before);
 }

@@ -8,9 +8,9 @@ use std::mem::size_of;
 
 use shm_schemas::service as at;
 use shm_schemas::{
-    AgentSensors, ArenaTruth, GraspTarget, HandFrame, JointCommand, JointState, ModuleEvent,
-    Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport, View, WheelCommands,
-    WorldTruth,
+    AgentSensors, ArenaTruth, BaseCommand, BaseState, GraspTarget, HandFrame, JointCommand,
+    JointState, ModuleEvent, Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport,
+    View, WheelCommands, WorldTruth,
 };
 
 /// How one publish-subscribe service is carried.
@@ -63,7 +63,7 @@ const fn stream<T: Payload>(
 /// them; reports 256 deep, for readers that wake a few times a second; events 1024
 /// deep and kept, so that a reader that comes when a task has ended sees the whole of it;
 /// recorded inputs 288 deep for one recorder, which looks every millisecond, because a replay needs every one of them.
-pub const STREAMS: [Stream; 16] = [
+pub const STREAMS: [Stream; 18] = [
     stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
     stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
     stream::<JointState>(at::JOINT_STATE, [16, 1], [1, 4]),
@@ -79,6 +79,8 @@ pub const STREAMS: [Stream; 16] = [
     stream::<WorldTruth>(at::WORLD_TRUTH, [4, 1], [1, 8]),
     stream::<AgentSensors>(at::AGENT_SENSORS, [4, 1], [1, 4]),
     stream::<WheelCommands>(at::WHEEL_COMMANDS, [4, 1], [1, 4]),
+    stream::<BaseState>(at::BASE_STATE, [4, 1], [1, 4]),
+    stream::<BaseCommand>(at::BASE_COMMAND, [4, 1], [1, 4]),
     stream::<ArenaTruth>(at::ARENA_TRUTH, [2, 1], [1, 8]),
 ];
 
@@ -141,6 +143,8 @@ mod tests {
             at::JOINT_STATE,
             at::JOINT_COMMAND,
             at::GRASP_TARGET,
+            at::BASE_STATE,
+            at::BASE_COMMAND,
         ] {
             let line = STREAMS
                 .iter()

@@ -4,9 +4,9 @@ use iceoryx2::prelude::ServiceName;
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as OpenError;
 use iceoryx2::service::port_factory::PortFactory as _;
 use shm_schemas::{
-    AgentSensors, ArenaTruth, GraspTarget, HandFrame, JointCommand, JointState, ModuleEvent,
-    Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport, View, WheelCommands,
-    WorldTruth,
+    AgentSensors, ArenaTruth, BaseCommand, BaseState, GraspTarget, HandFrame, JointCommand,
+    JointState, ModuleEvent, Payload, RunHeader, SensorStatus, Status, TickInputs, TickReport,
+    View, WheelCommands, WorldTruth,
 };
 
 use crate::bus::Bus;
@@ -39,7 +39,7 @@ impl Bus {
         }
         count! {
             HandFrame JointState JointCommand Status TickReport View ModuleEvent RunHeader TickInputs SensorStatus WorldTruth
-            AgentSensors WheelCommands ArenaTruth GraspTarget
+            AgentSensors WheelCommands BaseState BaseCommand ArenaTruth GraspTarget
         }
     }
 

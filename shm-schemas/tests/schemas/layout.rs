@@ -23,7 +23,7 @@ fn payloads() -> Vec<(&'static str, &'static str, usize, usize, Fields)> {
     list! {
         Stamp HandFrame JointState JointCommand GoalRequest GraspTarget GraspFigures GoalUpdate Reason
         ControlRequest ControlReply StopRequest StopAnswer ModuleEvent Percentiles HandStatus JointStatus Status SensorStatus
-        FingerReport HandReport TickReport View SettingsRecord StepRecord TrackRecord TableRecord TaskRecord OrderRecord TickInputs HandWiringRecord RunHeader AgentSensors WheelCommands ObjectTruth WorldTruth
+        FingerReport HandReport TickReport View SettingsRecord StepRecord TrackRecord TableRecord TaskRecord OrderRecord TickInputs HandWiringRecord RunHeader AgentSensors WheelCommands BaseState BaseCommand ObjectTruth WorldTruth
         AgentTruth FieldTruth TrialTruth WallTruth PostTruth ArenaTruth
     }
 }

@@ -18,6 +18,13 @@ impl Wheels {
     /// Both wheels at rest.
     pub const STOP: Self = Self { left: 0, right: 0 };
 
+    /// Four motor bits that mean these levels: L1 lowest, then L2, R1, R2 (paper Table 1). Levels above 2 are taken as 2.
+    #[must_use]
+    pub fn motor_bits(self) -> u32 {
+        let pair = |level: u8| (1_u32 << level.min(2)) - 1;
+        pair(self.left) | pair(self.right) << 2
+    }
+
     /// The levels that four motor bits mean: L1 lowest, then L2, R1, R2; a level is how many of its two are set (paper
     /// Table 1). Higher bits do not matter.
     #[must_use]
@@ -115,6 +122,10 @@ mod tests {
         let table = Responses::from_fn(wheels);
         for row in 0..ROWS {
             assert_eq!(table.get(row as u8), wheels(row), "row {row}");
+            assert_eq!(
+                Wheels::from_motor_bits(wheels(row).motor_bits()),
+                wheels(row)
+            );
         }
     }
 

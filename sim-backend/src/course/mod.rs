@@ -7,7 +7,7 @@
 //! ```
 //!
 //! * **In:** a [`Layout`], wheel levels (0 stop, 1 medium, 2 high: paper Table 1) once per frame. **Out:** rows, rides, and what
-//!   went wrong ([`Mishap`]).
+//!   went wrong ([`Mishap`](shm_schemas::Mishap)). A [`Host`] runs a [`Cast`] so that coordinators and tables may be anywhere.
 //! * **Right of way:** robots have it in turn, 30 s each; a robot knows how far the one that has it is ([`Course::to_first_m`]), and
 //!   whoever decides may let it stand meanwhile.
 //! * **Invariants:** deterministic, no clock, randomness only from the seed; a base keeps its limits of acceleration and jerk
@@ -19,19 +19,27 @@
 //! service robot.
 
 mod base;
+mod cast;
+mod drive;
 mod floor;
+mod host;
 mod layout;
 mod rovers;
 mod sight;
 
 pub use ::field::{Responses, Wheels};
 pub use base::{Base, HIGH_M_S, Pace, Place, STEP_S};
+pub use cast::{Cast, Player, SIDE};
+pub use drive::{DriveFigures, Shake};
 pub use floor::Floor;
+pub use host::{Ended, FRAME_TICKS, Host, SETTLE_TICKS};
 pub use layout::{CourseError, HALF_SIDE_M, LANES_MAX, Lane, Layout};
-pub use rovers::{Course, Light, Mishap};
+pub use rovers::{Course, Light};
 pub use sight::EYES_M;
 
 /// Length of a frame, in which a table is read once, s.
 pub const FRAME_S: f64 = 0.1;
 /// Steps of a base in a frame.
 pub const FRAME_STEPS: u64 = 20;
+/// Ticks of the hands' world in a step of the base.
+const STEP_TICKS: u64 = 5;

@@ -1,8 +1,7 @@
 //! The field with its robots, step by step.
 
-use core::fmt;
-
 use field::Wheels;
+use shm_schemas::Mishap;
 
 use super::base::{Base, Pace, Place};
 use super::floor::Floor;
@@ -31,24 +30,14 @@ pub enum Light {
     Goal,
 }
 
-/// What ends a robot's course at once: its base brakes and stays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mishap {
-    /// It came too near to a wall.
-    LeftField,
-    /// It met another robot.
-    MetRobot,
-    /// It drove over an object.
-    MetObject,
-}
-
-impl fmt::Display for Mishap {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::LeftField => "left the field",
-            Self::MetRobot => "met another robot",
-            Self::MetObject => "drove over an object",
-        })
+impl Light {
+    /// The pace at which a base drives to it: gently once the hand has the object, which is when the goal is what counts.
+    #[must_use]
+    pub fn pace(self) -> Pace {
+        match self {
+            Self::Object => Pace::Free,
+            Self::Goal => Pace::Carrying,
+        }
     }
 }
 
@@ -191,17 +180,17 @@ impl Course {
             dx * dx + dy * dy < radius_m * radius_m
         };
         if at_m.iter().any(|m| m.abs() > HALF_SIDE_M - ROBOT_M) {
-            return Some(Mishap::LeftField);
+            return Some(Mishap::LEFT_FIELD);
         }
         let meets = |(k, other): (usize, &Rover)| {
             k != robot && near(other.base.place().at_m, 2.0 * ROBOT_M)
         };
         if self.rovers.iter().enumerate().any(meets) {
-            return Some(Mishap::MetRobot);
+            return Some(Mishap::MET_ROBOT);
         }
         let mut objects = self.rovers.iter().filter_map(|rover| rover.object_m);
         let over = objects.any(|object_m| near(object_m, BASE_M + OBJECT_M));
-        over.then_some(Mishap::MetObject)
+        over.then_some(Mishap::MET_OBJECT)
     }
 
     /// Where a base is.
@@ -222,7 +211,7 @@ impl Course {
         self.rovers[robot].base.stands()
     }
 
-    /// What went wrong with a robot.
+    /// What went wrong with a robot, which ended its course at once: its base brakes and stays.
     #[must_use]
     pub fn mishap(&self, robot: usize) -> Option<Mishap> {
         self.rovers[robot].mishap
@@ -273,11 +262,11 @@ mod tests {
 
     #[test]
     fn mishaps_are_named_and_end_the_drive() {
-        let left = Some(Mishap::LeftField);
+        let left = Some(Mishap::LEFT_FIELD);
         ends(course(&[([0.0, 0.0], 0.0, [0.0, 1.5])]), [left, None]);
-        let over = Some(Mishap::MetObject);
+        let over = Some(Mishap::MET_OBJECT);
         ends(course(&[([0.0, 1.5], 0.0, [1.5, 1.5])]), [over, None]);
-        let met = Some(Mishap::MetRobot);
+        let met = Some(Mishap::MET_ROBOT);
         let pi = core::f64::consts::PI;
         let opposite = [([-1.5, 0.0], 0.0, [0.0, 1.9]), ([1.5, 0.0], pi, [1.8, 1.0])];
         ends(course(&opposite), [met, met]);

@@ -13,6 +13,7 @@ mod follow;
 mod foxglove;
 mod gate;
 mod guide;
+mod hybrid;
 mod imports;
 mod optoforce;
 mod readme;

@@ -5,8 +5,8 @@ use atas_console::{Ended, Exit};
 use serde_json::Value;
 use shm_bus::{BusError, Stream, Subscriber};
 use shm_schemas::{
-    AgentSensors, ArenaTruth, ModuleEvent, Payload, RunHeader, SensorStatus, Stamp, Status,
-    TickReport, View, WheelCommands, WorldTruth,
+    AgentSensors, ArenaTruth, BaseCommand, BaseState, ModuleEvent, Payload, RunHeader,
+    SensorStatus, Stamp, Status, TickReport, View, WheelCommands, WorldTruth,
 };
 
 /// Most payloads taken in one look: all that can wait.
@@ -80,6 +80,8 @@ readable! {
     WorldTruth by json::truth;
     AgentSensors by json::agents;
     WheelCommands by json::wheels;
+    BaseState by json::base;
+    BaseCommand by json::base_command;
     ArenaTruth by json::arena;
 }
 

@@ -4,7 +4,7 @@
 
 mod streams;
 
-pub use streams::{agents, arena, report, run, sensor, truth, view, wheels};
+pub use streams::{agents, arena, base, base_command, report, run, sensor, truth, view, wheels};
 
 use serde_json::{Value, json};
 use shm_schemas::capacity::{FINGERS, HANDS};

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 use shm_schemas::{
-    AgentSensors, AgentTruth, ArenaTruth, FieldTruth, FingerReport, HandFrame, HandReport,
-    JointState, ObjectTruth, PostTruth, RunHeader, SensorStatus, Stamp, TickReport, TrialTruth,
-    View, WallTruth, WheelCommands, WorldTruth,
+    AgentSensors, AgentTruth, ArenaTruth, BaseCommand, BaseState, FieldTruth, FingerReport,
+    HandFrame, HandReport, JointState, ObjectTruth, PostTruth, RunHeader, SensorStatus, Stamp,
+    TickReport, TrialTruth, View, WallTruth, WheelCommands, WorldTruth,
 };
 
 use super::{age_ns, names};
@@ -190,6 +190,31 @@ pub fn wheels(commands: &WheelCommands) -> Value {
         "output": commands.output[..count],
     });
     stamped(&commands.stamp, value)
+}
+
+/// What a robot's base sees.
+#[must_use]
+pub fn base(state: &BaseState) -> Value {
+    let value = json!({
+        "frame": state.frame,
+        "object_m": (state.object_stands != 0).then_some(state.object_m),
+        "goal_m": state.goal_m,
+        "first_m": state.first_m,
+        "stands": state.stands != 0,
+        "mishap": state.mishap.name(),
+    });
+    stamped(&state.stamp, value)
+}
+
+/// What a robot's base is told.
+#[must_use]
+pub fn base_command(command: &BaseCommand) -> Value {
+    let value = json!({
+        "frame": command.frame,
+        "say": command.say.name(),
+        "light": command.light.name(),
+    });
+    stamped(&command.stamp, value)
 }
 
 /// The swarm's fields: what is there, where, and how every trial went so far, oldest first.

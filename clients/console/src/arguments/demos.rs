@@ -27,7 +27,7 @@ pub enum Demo {
     /// Let a team of mobile robots carry its object to eight goals, each robot by an evolved behaviour table
     Swarm(DemoSwarm),
     /// Let a robot on wheels fetch an object, carry it to a goal and set it down: an evolved behaviour table drives, modules
-    /// grasp. In process, in virtual time
+    /// grasp. Every part a process, in virtual time
     Hybrid(DemoHybrid),
 }
 

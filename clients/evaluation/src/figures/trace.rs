@@ -12,7 +12,7 @@ use sim_backend::{Object, Scene, World};
 
 use crate::offline::OfflineRun;
 use crate::task::{SIDE, Task};
-use crate::trial::trial_seed;
+use crate::trial_seed;
 
 /// A trial.
 pub(super) struct Trace {

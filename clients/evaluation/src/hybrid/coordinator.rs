@@ -2,7 +2,7 @@
 //!
 //! Adding a phase is adding a line. Nothing here moves anything or looks at anything: [`Signs`] are what was seen and felt.
 
-use sim_backend::course::{EYES_M, Light, Pace};
+use sim_backend::course::{EYES_M, Light};
 
 /// Where a light must be for the base to stop, base frame: metres ahead, and to each side of the eyes. Braking from high speed
 /// takes 0.1 m.
@@ -144,17 +144,6 @@ pub struct Phase {
     /// Longest time in this phase, all its visits together, s (ours: several times what it takes), and what then follows.
     limit_s: f64,
     late: Then,
-}
-
-impl Phase {
-    /// How fast the base may be: gently once the hand has the object, which is when the goal is what counts.
-    #[must_use]
-    pub fn pace(&self) -> Pace {
-        match self.light {
-            Light::Object => Pace::Free,
-            Light::Goal => Pace::Carrying,
-        }
-    }
 }
 
 const SEARCH: usize = 0;

@@ -9,13 +9,12 @@ use rayon::prelude::*;
 use robot_model::RobotModel;
 use serde::Serialize;
 use sim_backend::Object;
-use sim_backend::course::{Layout, Responses};
+use sim_backend::course::{Cast, DriveFigures, Responses, Shake};
 
-use super::drive::{DriveFigures, Reflexes, Shake};
+use super::pilot::Reflexes;
 use super::trial::{HybridTrial, run};
 use crate::seeds;
 use crate::statistics::{median, wilson};
-use crate::trial_seed;
 
 /// What to evaluate.
 #[derive(Clone, Debug)]
@@ -162,25 +161,12 @@ impl HybridPlan {
         watch: impl FnMut(usize, &'static str, f64),
     ) -> anyhow::Result<HybridTrial> {
         let number = self.first_seed + k;
-        let seed = trial_seed("course", number);
-        let layout = Layout::drawn(self.robots, seed)?;
         let count = self.objects.len();
         let dealt = |robot: usize| self.objects[(k as usize + robot) % count].clone();
         let objects: Vec<Object> = (0..self.robots).map(dealt).collect();
-        let how = (seed, self.reflexes);
-        let trial = run(
-            model,
-            &layout,
-            &objects,
-            self.table,
-            how,
-            &self.settings,
-            watch,
-        )?;
-        Ok(HybridTrial {
-            seed: number,
-            ..trial
-        })
+        let cast = Cast::drawn(number, &objects)?;
+        let how = (number, self.reflexes);
+        run(model, &cast, self.table, how, &self.settings, watch)
     }
 
     /// The trials, counted.

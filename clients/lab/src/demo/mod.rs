@@ -10,6 +10,7 @@
 //!            └─▶ judgement ─▶ table
 //!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal, against what evolution saw
 //!            └─ page, as above
+//!  hybrid ─ child: atas-sim course; for every robot a bus ─ child: atasd, ebts agents ─▶ coordinators, in this process
 //! ```
 //!
 //! A demo is a client like any other: it uses nothing of the daemon but the bus.
@@ -73,7 +74,7 @@ pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> a
             show("assembly", &[scenario], running, interrupt, output)
         }
         Demo::Swarm(arguments) => swarm::swarm(arguments, interrupt, output),
-        Demo::Hybrid(arguments) => hybrid::hybrid(arguments, output),
+        Demo::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
     }
 }
 

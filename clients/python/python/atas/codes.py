@@ -78,6 +78,7 @@ class ControlOp(IntEnum):
     BIAS = 6
     RELOAD = 7
     CANCEL = 8
+    ADVANCE = 9
 
 
 class ControlOutcome(IntEnum):
@@ -226,3 +227,28 @@ class SensorBit(IntEnum):
     ABOVE_F2 = 4
     LIFTED = 5
     SPARE = 6
+
+
+class Light(IntEnum):
+    """Which light a base's photo sensors look for."""
+
+    OBJECT = 0
+    GOAL = 1
+
+
+class Say(IntEnum):
+    """Who has the say over a robot."""
+
+    NOBODY = 0
+    TABLE = 1
+    HAND = 2
+    OVER = 3
+
+
+class Mishap(IntEnum):
+    """What ended a base's course at once."""
+
+    NONE = 0
+    LEFT_FIELD = 1
+    MET_ROBOT = 2
+    MET_OBJECT = 3

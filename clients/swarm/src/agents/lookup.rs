@@ -1,6 +1,7 @@
 //! Tables ready to be looked up: rows in, output bits out, table by table.
 
 use field::ROWS;
+use sim_backend::course::{Host, Responses};
 
 use crate::files::sha256;
 use crate::table::Table;
@@ -37,6 +38,16 @@ impl Lookup {
         }
     }
 
+    /// Prepares the table of a course's file, by its hash.
+    #[must_use]
+    pub fn of_course(hash: &str, table: Responses) -> Self {
+        Self {
+            outputs: vec![std::array::from_fn(|row| table.get(row as u8).motor_bits())],
+            hash: u64::from_str_radix(hash, 16).unwrap_or(0),
+            field_hash: Host::field_hash(),
+        }
+    }
+
     /// Number of tables.
     #[must_use]
     pub fn tables(&self) -> usize {
@@ -49,7 +60,7 @@ impl Lookup {
         self.hash
     }
 
-    /// Names the field that the tables were evolved for, see [`field::Preset::fingerprint`].
+    /// Names the field that the tables were evolved for, see [`field::Preset::fingerprint`] and [`Host::field_hash`].
     #[must_use]
     pub fn field_hash(&self) -> u64 {
         self.field_hash
@@ -85,7 +96,9 @@ fn outputs(file: &TableFile) -> Vec<[u32; ROWS]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::course::table_file::{BUILT_IN, CourseFile};
     use crate::table_file::Hash;
+    use sim_backend::course::Wheels;
 
     #[test]
     fn agents_do_what_their_table_says() {
@@ -100,5 +113,18 @@ mod tests {
             assert_eq!(*output, table.output(*row as usize), "row {row}");
         }
         assert!(file.hash().starts_with(&format!("{:016x}", lookup.hash())));
+    }
+
+    #[test]
+    fn a_courses_table_answers_with_its_wheel_levels() {
+        let (file, table) = CourseFile::named(BUILT_IN).expect("it ships");
+        let lookup = Lookup::of_course(&file.hash, table);
+        let (rows, mut outputs): (Vec<u32>, _) = ((0..ROWS as u32).collect(), [99; ROWS]);
+        lookup.answer(&rows, &mut outputs);
+        for (row, output) in rows.iter().zip(outputs) {
+            let wheels = Wheels::from_motor_bits(output);
+            assert_eq!(wheels, table.get(*row as u8), "row {row}");
+        }
+        assert_eq!(format!("{:016x}", lookup.hash()), file.hash);
     }
 }

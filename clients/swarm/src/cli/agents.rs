@@ -13,6 +13,7 @@ use signal_hook::iterator::Signals;
 
 use ebts::agents::{Counts, Exchange, Fields, Lookup, TeamController, field_hash};
 use ebts::built_in;
+use ebts::course::table_file::CourseFile;
 use ebts::error::{Error, Result};
 use std::path::Path;
 
@@ -25,10 +26,11 @@ const NAP: Duration = Duration::from_micros(100);
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  ebts agents --table r3-two-agents\n  ebts agents --table left.toml --table right.toml --bus mine"
+    after_help = "Examples:\n  ebts agents --table r3-two-agents\n  ebts agents --table course\n  ebts agents --table left.toml --table right.toml --bus mine"
 )]
 pub(crate) struct AgentsArgs {
-    /// Table file, or r3-two-agents, which ships. Given several times, robots take the tables in turn: one each.
+    /// Table file, or r3-two-agents, which ships. Given several times, robots take the tables in turn: one each. Or one table of
+    /// `ebts evolve course`, or course, which ships, for a base of `atas-sim course`.
     /// SIGHUP reads the files again: intact ones are used from the next frame on, else the former ones stay in use.
     #[arg(long, required = true, value_name = "FILE")]
     table: Vec<String>,
@@ -162,6 +164,12 @@ struct Reading {
 
 /// Reads and checks every table: all of one field, and of that of the tables in use.
 fn read(names: &[String], fields: Fields, in_use: Option<u64>) -> Result<Lookup> {
+    if let [name] = names
+        && CourseFile::is_named(name)
+    {
+        let (file, table) = CourseFile::named(name)?;
+        return Ok(Lookup::of_course(&file.hash, table));
+    }
     let files = names.iter().map(|name| built_in::table(name));
     let files = files.collect::<Result<Vec<_>>>()?;
     let expected = in_use.or(files.first().map(field_hash));

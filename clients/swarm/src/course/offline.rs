@@ -96,7 +96,7 @@ impl Rover {
         }
         self.measure(course, robot);
         let phase = self.coordinator.phase();
-        let (light, pace) = (phase.light, phase.pace());
+        let (light, pace) = (phase.light, phase.light.pace());
         if phase.say != Say::Table || self.coordinator.ended().is_some() {
             course.steer(robot, Wheels::STOP, pace);
             return 0;

@@ -60,6 +60,12 @@ impl CourseFile {
         is_of_kind(text, KIND)
     }
 
+    /// Whether a name is that of the table that ships, or of a file of this kind.
+    #[must_use]
+    pub fn is_named(name: &str) -> bool {
+        name == BUILT_IN || read_text(Path::new(name)).is_ok_and(|text| Self::is_one(&text))
+    }
+
     /// Writes it in one step.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! The list of the built-in tasks: what a kind of goal makes the hands do.
 
 use super::assemble::ASSEMBLE;
+use super::fetch::FETCH;
 use super::follow::{FOLLOW, FOLLOW_BOTH};
 use super::grasp::{GRASP, RELEASE};
 use super::pick_place::{PICK_PLACE, SET_DOWN};
@@ -9,8 +10,9 @@ use super::track::Task;
 use shm_schemas::GoalKind;
 
 /// The built-in tasks.
-pub static BUILT_IN: [&Task; 8] = [
+pub static BUILT_IN: [&Task; 9] = [
     &GRASP,
+    &FETCH,
     &PICK_PLACE,
     &SET_DOWN,
     &SCREW,

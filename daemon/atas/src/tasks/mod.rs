@@ -7,6 +7,7 @@
 //! | task | modules (paper) | file |
 //! |---|---|---|
 //! | grasp | 1, 2, 3 | `grasp` |
+//! | fetch (ours) | 1, 2, 3, and nothing that gives force back | `fetch` |
 //! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
 //! | set-down | 0', 1, 2, 3, 4, of what the hand holds | `pick_place` |
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
@@ -23,6 +24,7 @@
 mod assemble;
 mod built_in;
 mod demands;
+mod fetch;
 mod follow;
 mod grasp;
 mod name;
@@ -37,6 +39,7 @@ mod words;
 pub use assemble::ASSEMBLE;
 pub use built_in::{BUILT_IN, named, of};
 pub use demands::Demands;
+pub use fetch::FETCH;
 pub use follow::{FOLLOW, FOLLOW_BOTH, STAND_LED};
 pub use grasp::{BACK_OUT, COME_AGAIN, GRASP, KEEP, RELEASE, SECURE, STAND, WITHDRAW};
 pub use name::Name;

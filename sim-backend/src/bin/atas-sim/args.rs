@@ -9,6 +9,7 @@ use shm_bus::BusName;
 use sim_backend::Scene;
 use sim_backend::faults::Fault;
 
+use crate::course_host::CourseArgs;
 use crate::failure::Failure;
 use crate::field_host::FieldArgs;
 use crate::output::Format;
@@ -28,6 +29,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Host the swarm's field: publish what its robots sense, obey `ebts agents`, say what became of every goal.
     Field(FieldArgs),
+    /// Host a course: two-hand arms on wheeled bases, each with an object to fetch and a goal to carry it to. In lock-step.
+    Course(CourseArgs),
     /// List the built-in objects.
     #[command(after_help = OBJECTS_HELP)]
     Objects {
@@ -61,6 +64,7 @@ const EXAMPLES: &str = "\
 Examples:
   atas-sim run --object wood
   atas-sim field --goal 3
+  atas-sim course --seed 2
   atas-sim objects
   atas-sim faults
 ";

@@ -29,6 +29,14 @@ pub(crate) enum Failure {
     Team(#[from] field::TeamSizeError),
     #[error(transparent)]
     Swarm(#[from] sim_backend::swarm::SwarmError),
+    #[error(transparent)]
+    Course(#[from] sim_backend::course::CourseError),
+    #[error(
+        "could not host the course because it had {objects} objects and {buses} buses, needs one of each for every robot; correct --object or --bus"
+    )]
+    Buses { objects: usize, buses: usize },
+    #[error(transparent)]
+    Ride(#[from] sim_backend::OutOfRange),
     #[error("could not write to standard output because of: {0}")]
     Output(std::io::Error),
     #[error("could not write manual pages into {folder:?} because of: {source}")]
@@ -44,9 +52,9 @@ impl Failure {
     /// The table of exit codes, for `--help`.
     pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
-  0  ended as asked: by --duration, after the last trial, by SIGINT or SIGTERM
+  0  ended as asked: by --duration, after the last trial or the course, by SIGINT or SIGTERM
   1  the world could not be simulated any further, or the output not written; a closed pipe is no failure
-  2  wrong usage: command line, object, scene, fault, robot, preset or team
+  2  wrong usage: command line, object, scene, fault, robot, preset, team or course
   3  the bus could not be used
 Log: standard error, filtered by RUST_LOG (default info). With --format json an error is one JSON object there: {error, exit}.";
 
@@ -56,8 +64,9 @@ Log: standard error, filtered by RUST_LOG (default info). With --format json an 
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::Output(_) => Self::UNWRITTEN,
-            Self::World(_) | Self::Signals(_) | Self::Manual { .. } => 1,
+            Self::World(_) | Self::Ride(_) | Self::Signals(_) | Self::Manual { .. } => 1,
             Self::Object(_) | Self::Scene(_) | Self::Usage(_) | Self::Robot(_) => 2,
+            Self::Course(_) | Self::Buses { .. } => 2,
             Self::Preset { .. } | Self::Field(_) | Self::Team(_) | Self::Swarm(_) => 2,
             Self::Bus(_) => 3,
         }

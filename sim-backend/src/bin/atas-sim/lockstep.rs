@@ -36,7 +36,7 @@ pub(crate) fn run(
 }
 
 /// The command that answers a joint state; `None` if the process shall end.
-fn await_answer(
+pub(crate) fn await_answer(
     session: &mut Session,
     sequence: u64,
     stop: &AtomicBool,

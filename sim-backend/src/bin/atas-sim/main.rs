@@ -2,9 +2,11 @@
 //!
 //! Two ways to run: [`free_run`] follows the machine's clock at 1 kHz, [`lockstep`] waits for the daemon's answer to every
 //! tick and so repeats bit for bit. Both drive the same [`session::Session`].
+//! [`course_host`] carries such robots on wheels, in lock-step with their daemons, coordinators and tables.
 //! [`field_host`] is the other simulation: the swarm's field, at a frame rate or in lock-step with `ebts agents`.
 
 mod args;
+mod course_host;
 mod failure;
 mod field_host;
 mod free_run;
@@ -42,6 +44,7 @@ fn obey(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(args) => run(&args),
         Command::Field(args) => field_host::run(&args),
+        Command::Course(args) => course_host::run(&args),
         Command::Objects { format } => lists::objects(format),
         Command::Faults => lists::faults(),
         Command::Errors => lists::errors(),

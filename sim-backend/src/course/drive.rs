@@ -1,23 +1,13 @@
 //! How the grip fared while the base drove.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use shm_schemas::WorldTruth;
-use sim_backend::Ride;
 
-use crate::task::SIDE;
-
-/// Whether the hand feels on the way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reflexes {
-    /// Modules 2 and 3 answer what the drive does.
-    On,
-    /// The fingers stand as they did when the object was lifted.
-    Frozen,
-}
+use super::SIDE;
+use crate::ride::Ride;
 
 /// The base's accelerations on a drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shake {
     /// Largest horizontal acceleration of the base's middle, m/s².
     pub horizontal_m_s2: f64,
@@ -26,7 +16,7 @@ pub struct Shake {
 }
 
 /// What is measured from the first step of a drive to the last.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DriveFigures {
     /// How long it took, s.
     pub took_s: f64,
@@ -43,7 +33,7 @@ pub struct DriveFigures {
 }
 
 /// A drive under way.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
     figures: DriveFigures,
     slip_before_m: f64,

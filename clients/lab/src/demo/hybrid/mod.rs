@@ -1,34 +1,44 @@
-//! `atas demo hybrid`: one course, phase by phase, in process and in virtual time: the same bits as the trials of `atas eval
-//! hybrid`.
+//! `atas demo hybrid`: one course, phase by phase, every part a process, in virtual time.
+//!
+//! ```text
+//!  atas-sim course ◀── bus of robot 1 ──▶ atasd, ebts agents, coordinator
+//!                  ◀── bus of robot 2 ──▶ the same, with two robots
+//! ```
+//!
+//! This process is the coordinators and the judge. The same seed gives the bits of the same trial of `atas eval hybrid`.
 
-use anyhow::Context;
+mod coordinator;
+mod processes;
+
 use atas_console::arguments::DemoHybrid;
-use atas_console::{Ended, Exit, Output, Progress, number, table};
-use atas_evaluation::hybrid::{HybridPlan, HybridTrial, Reflexes, RobotTrial};
+use atas_console::{Ended, Exit, Interrupt, Output, Progress, number, table};
+use atas_evaluation::hybrid::{HybridTrial, Reflexes, RobotTrial};
 use comfy_table::Cell;
 use ebts::course::table_file::CourseFile;
-use robot_model::RobotModel;
+use sim_backend::course::Cast;
+
+use processes::Processes;
 
 /// `atas demo hybrid`.
-pub(super) fn hybrid(arguments: &DemoHybrid, output: &mut Output) -> anyhow::Result<()> {
-    let (file, table) = CourseFile::named(&arguments.table)
-        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
-    let plan = HybridPlan {
-        robots: arguments.robots.into(),
-        trials: 1,
-        first_seed: arguments.seed,
-        table,
-        reflexes: match arguments.frozen {
-            true => Reflexes::Frozen,
-            false => Reflexes::On,
-        },
-        objects: vec![super::object(&arguments.object)?],
-        threads: 1,
-        settings: atas_core::Settings::default(),
+pub(super) fn hybrid(
+    arguments: &DemoHybrid,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let usage = |error: String| Ended::with(Exit::Usage, error);
+    let (file, _) =
+        CourseFile::named(&arguments.table).map_err(|error| usage(error.to_string()))?;
+    let object = super::object(&arguments.object)?;
+    let objects = vec![object; arguments.robots.into()];
+    let cast = Cast::drawn(arguments.seed, &objects).map_err(|error| usage(error.to_string()))?;
+    let reflexes = match arguments.frozen {
+        true => Reflexes::Frozen,
+        false => Reflexes::On,
     };
-    let model = RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
     let mut progress = Progress::new("hybrid");
-    let trial = plan.trial(&model, 0, |robot, phase, now_s| {
+    progress.note("starting atas-sim course, and atasd and ebts agents for every robot");
+    let processes = Processes::set(arguments, &cast, reflexes)?;
+    let trial = processes.watch(interrupt, |robot, phase, now_s| {
         progress.note(&format!(
             "{:>6} s  robot {}: {phase}",
             number(now_s, 1),

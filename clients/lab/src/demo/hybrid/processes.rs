@@ -1,0 +1,176 @@
+//! The processes of a course: one simulator, and for every robot a bus with a daemon, a table and a coordinator.
+
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use atas_client::{POLL, Session};
+use atas_console::Interrupt;
+use atas_console::arguments::DemoHybrid;
+use atas_evaluation::hybrid::{HybridTrial, Pilot, Reflexes, RobotTrial};
+use shm_bus::FreshBus;
+use sim_backend::course::{Cast, Ended};
+
+use super::super::child::Child;
+use super::super::logs::{self, Logs};
+use super::coordinator::Coordinator;
+
+/// How long a daemon may take to be there, and the simulator to report and end (ours: a loaded machine takes long).
+const WITHIN: Duration = Duration::from_secs(15);
+/// Pause between two looks when nothing has come (ours: short against a round of the daemon's).
+const LOOK: Duration = Duration::from_micros(200);
+/// The task with which nothing is felt on the way.
+const FROZEN: &str = include_str!("fetch-frozen.toml");
+
+/// All of them. The order of the fields is the order of the end.
+pub(super) struct Processes {
+    coordinators: Vec<Coordinator>,
+    robots: Vec<Child>,
+    simulator: Child,
+    seed: u64,
+    logs: Vec<Logs>,
+    buses: Vec<FreshBus>,
+}
+
+impl Processes {
+    /// Starts them.
+    pub(super) fn set(
+        arguments: &DemoHybrid,
+        cast: &Cast,
+        reflexes: Reflexes,
+    ) -> anyhow::Result<Self> {
+        logs::sweep();
+        let buses: Vec<FreshBus> = cast.robots.iter().map(|_| FreshBus::new("demo")).collect();
+        let logs = buses.iter().map(|bus| Logs::new(bus));
+        let logs: Vec<Logs> = logs.collect::<anyhow::Result<_>>()?;
+        let seed = arguments.seed.to_string();
+        let mut host = vec!["course", "--seed", &seed, "--format", "json"];
+        for (bus, option) in buses.iter().zip(["--bus", "--second-bus"]) {
+            host.extend([option, bus.as_str(), "--object", &arguments.object]);
+        }
+        let simulator = Child::start("atas-sim", &host, &logs[0].folder)?;
+        let mut robots = Vec::new();
+        for (bus, logs) in buses.iter().zip(&logs) {
+            let config = logs.folder.join("atasd.toml");
+            let tasks = match reflexes {
+                Reflexes::On => "",
+                Reflexes::Frozen => FROZEN,
+            };
+            std::fs::write(&config, tasks)
+                .with_context(|| format!("could not write {}", config.display()))?;
+            let (bus, config) = (bus.as_str(), config.to_string_lossy());
+            let control = ["--bus", bus, "--config", &*config, "--lockstep"];
+            robots.push(Child::start("atasd", &control, &logs.folder)?);
+            let drive = ["agents", "--bus", bus, "--table", &arguments.table];
+            robots.push(Child::start("ebts", &drive, &logs.folder)?);
+        }
+        let mut processes = Self {
+            coordinators: Vec::new(),
+            robots,
+            simulator,
+            seed: arguments.seed,
+            logs,
+            buses,
+        };
+        for (player, index) in cast.robots.iter().zip(0..) {
+            let session = processes.session(index)?;
+            let pilot = Pilot::new(player, reflexes);
+            let coordinator = Coordinator::join(session, pilot)?;
+            processes.coordinators.push(coordinator);
+        }
+        Ok(processes)
+    }
+
+    /// Joins a robot's bus when its daemon is there.
+    fn session(&mut self, index: usize) -> anyhow::Result<Session> {
+        let session = Session::join(&self.buses[index])?;
+        let begin = Instant::now();
+        while let Err(error) = session.watch_status() {
+            self.check()?;
+            if begin.elapsed() > WITHIN {
+                self.keep_logs();
+                return Err(error.into());
+            }
+            std::thread::sleep(POLL);
+        }
+        Ok(session)
+    }
+
+    /// Coordinates the robots to the end of their courses; `began` hears of every phase that one begins: its index, the phase, the
+    /// time in seconds.
+    pub(super) fn watch(
+        mut self,
+        interrupt: &Interrupt,
+        began: impl FnMut(usize, &'static str, f64),
+    ) -> anyhow::Result<HybridTrial> {
+        if let Err(error) = self.coordinate(interrupt, began) {
+            if !interrupt.is_set() {
+                self.keep_logs();
+                // If a process died, its own words explain more than what its death led to.
+                self.check()?;
+            }
+            return Err(error);
+        }
+        self.judge()
+    }
+
+    fn coordinate(
+        &mut self,
+        interrupt: &Interrupt,
+        mut began: impl FnMut(usize, &'static str, f64),
+    ) -> anyhow::Result<()> {
+        while !self.coordinators.iter().all(Coordinator::is_done) {
+            interrupt.check("the demo ended its processes and wiped its buses")?;
+            self.check()?;
+            for (index, coordinator) in self.coordinators.iter_mut().enumerate() {
+                if let Some((phase, now_s)) = coordinator.look()? {
+                    began(index, phase, now_s);
+                }
+            }
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
+    }
+
+    /// Hears from the simulator what only it knows, and judges.
+    fn judge(&mut self) -> anyhow::Result<HybridTrial> {
+        let begin = Instant::now();
+        let mut lines = self.simulator.results();
+        while lines.len() < self.coordinators.len() {
+            if begin.elapsed() > WITHIN {
+                self.keep_logs();
+                anyhow::bail!(
+                    "atas-sim did not say within {WITHIN:?} what became of the course; the end of its log:\n{}",
+                    self.simulator.tail()
+                );
+            }
+            std::thread::sleep(POLL);
+            lines = self.simulator.results();
+        }
+        let parse = |line: &String| serde_json::from_str(line).context("atas-sim spoke no JSON");
+        let ended: Vec<Ended> = lines.iter().map(parse).collect::<anyhow::Result<_>>()?;
+        let robots = self.coordinators.iter().zip(&ended);
+        let robots = robots.map(|(coordinator, ended)| {
+            let (pilot, truth) = coordinator.end();
+            RobotTrial::of(pilot, ended, truth)
+        });
+        Ok(HybridTrial {
+            seed: self.seed,
+            robots: robots.collect(),
+            simulated_s: ended.first().map_or(0.0, |ended| ended.simulated_s),
+        })
+    }
+
+    /// An error if one of the processes has ended.
+    fn check(&mut self) -> anyhow::Result<()> {
+        let robots = self.robots.iter_mut().try_for_each(Child::check);
+        let checked = robots.and_then(|()| self.simulator.check());
+        if checked.is_err() {
+            self.keep_logs();
+        }
+        checked
+    }
+
+    fn keep_logs(&mut self) {
+        self.logs.iter_mut().for_each(|logs| logs.keep = true);
+    }
+}

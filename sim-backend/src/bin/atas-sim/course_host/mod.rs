@@ -1,0 +1,157 @@
+//! `atas-sim course`: hosts a course on the bus, in lock-step. Every robot has a bus of its own, on which it looks like any robot.
+//!
+//! ```text
+//!  every 100 ticks   truth, BaseState ─▶ coordinator ─ BaseCommand ─▶ AgentSensors ─▶ table ─ WheelCommands ─▶ bases
+//!  every tick        bases ─ ride ─▶ world ─ frames, joints ─▶ daemon ─ JointCommand ─▶ world
+//! ```
+//!
+//! Time goes on when everybody has answered, however long that takes. The table is asked only when it has the say. A robot whose
+//! coordinator says that its course is over stands still from then on; when all are over, the process ends.
+
+mod args;
+mod ports;
+mod report;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use robot_model::RobotModel;
+use shm_bus::{Bus, Realtime};
+use shm_schemas::WorldTruth;
+use sim_backend::World;
+use sim_backend::course::{Cast, Host, Player, SETTLE_TICKS};
+
+use crate::failure::Failure;
+use crate::lockstep::await_answer;
+use crate::session::Session;
+pub(crate) use args::CourseArgs;
+use ports::Ports;
+
+/// Hosts the course until it is over or a signal comes.
+pub(crate) fn run(args: &CourseArgs) -> Result<(), Failure> {
+    let stop = crate::stop_on_signal()?;
+    let robot = RobotModel::two_hand_arm()?;
+    let cast = Cast::drawn(args.seed, &args.objects()?)?;
+    let buses = args.buses()?;
+    let seats = cast.robots.iter().zip(&buses);
+    let seats = seats.map(|(player, name)| {
+        let bus = Bus::open(name, "atas-sim", Realtime::Yes)?;
+        Seat::take(&bus, &robot, player)
+    });
+    let mut stage = Stage {
+        seats: seats.collect::<Result<_, Failure>>()?,
+        host: Host::new(&cast),
+        stop: &stop,
+    };
+    let robots = stage.seats.len();
+    tracing::info!(
+        seed = args.seed,
+        robots,
+        "hosting the course; waiting for daemons, tables and coordinators"
+    );
+    stage.perform()?;
+    report::print(&stage.host, &stage.seats, args.format)
+}
+
+/// A robot's place: the world of its hands, and its connections.
+pub(crate) struct Seat {
+    session: Session,
+    ports: Ports,
+}
+
+impl Seat {
+    fn take(bus: &Bus, robot: &RobotModel, player: &Player) -> Result<Self, Failure> {
+        let world = World::new(robot, &player.scene, player.seed)?;
+        Ok(Self {
+            session: Session::open(bus, world, &[], player.seed)?,
+            ports: Ports::open(bus)?,
+        })
+    }
+
+    fn truth(&self) -> WorldTruth {
+        self.session.world.truth()
+    }
+}
+
+/// The course with its robots.
+struct Stage<'a> {
+    seats: Vec<Seat>,
+    host: Host,
+    stop: &'a AtomicBool,
+}
+
+impl Stage<'_> {
+    /// From the first tick to the end of the course.
+    fn perform(&mut self) -> Result<(), Failure> {
+        for seat in &mut self.seats {
+            // A command from before this world answers nothing of it.
+            seat.session.newest_command()?;
+        }
+        for _ in 0..SETTLE_TICKS {
+            if !self.tick()? {
+                return Ok(());
+            }
+        }
+        loop {
+            if self.host.frame_begins() && !self.frame()? {
+                return Ok(());
+            }
+            self.host.step();
+            for (index, seat) in self.seats.iter_mut().enumerate() {
+                seat.session.world.ride(&self.host.ride(index))?;
+            }
+            if !self.tick()? {
+                return Ok(());
+            }
+            for (index, seat) in self.seats.iter().enumerate() {
+                if !self.host.is_over(index) {
+                    self.host.watch(index, &seat.truth());
+                }
+            }
+        }
+    }
+
+    /// Asks the coordinators, one after the other, and tables that have the say; false if the process shall end.
+    fn frame(&mut self) -> Result<bool, Failure> {
+        for (index, seat) in self.seats.iter_mut().enumerate() {
+            let truth = seat.truth();
+            let state = self.host.look(index, &truth);
+            if self.host.is_over(index) {
+                continue;
+            }
+            seat.session.publish_truth()?;
+            let Some(command) = seat.ports.coordinate(state, &seat.session, self.stop)? else {
+                return Ok(false);
+            };
+            let wheels = match self.host.row(index, &command) {
+                None => None,
+                Some(row) => match seat.ports.look_up(row, state.frame, self.stop)? {
+                    None => return Ok(false),
+                    wheels => wheels,
+                },
+            };
+            self.host.obey(index, &command, wheels, &truth);
+        }
+        Ok(!(0..self.seats.len()).all(|index| self.host.is_over(index)))
+    }
+
+    /// One tick of all robots whose course is not over; false if the process shall end.
+    fn tick(&mut self) -> Result<bool, Failure> {
+        let host = &self.host;
+        let seats = self.seats.iter_mut().enumerate();
+        let mut acting: Vec<_> = seats.filter(|(index, _)| !host.is_over(*index)).collect();
+        let mut asked = Vec::with_capacity(acting.len());
+        for (_, seat) in &mut acting {
+            seat.session.publish_truth()?;
+            asked.push(seat.session.publish()?);
+        }
+        for ((_, seat), sequence) in acting.iter_mut().zip(asked) {
+            // Without faults every joint state reaches the daemon.
+            let Some(sequence) = sequence else { continue };
+            let Some(command) = await_answer(&mut seat.session, sequence, self.stop)? else {
+                return Ok(false);
+            };
+            seat.session.advance(Some(&command))?;
+        }
+        Ok(!self.stop.load(Ordering::Relaxed))
+    }
+}

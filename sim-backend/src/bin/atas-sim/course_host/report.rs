@@ -1,0 +1,38 @@
+//! What only the host knows of a course, on standard output when it has ended.
+
+use sim_backend::course::{Ended, Host};
+
+use super::Seat;
+use crate::failure::Failure;
+use crate::output::{self, Format};
+
+/// Prints one line per robot, in their order.
+pub(super) fn print(host: &Host, seats: &[Seat], format: Format) -> Result<(), Failure> {
+    let seats = seats.iter().enumerate();
+    let lines: Vec<String> = seats
+        .map(|(robot, seat)| {
+            let ended = host.ended(robot, &seat.truth());
+            match format {
+                // Numbers and strings always have a JSON form.
+                Format::Json => serde_json::to_string(&ended).unwrap_or_default(),
+                Format::Human => sentence(&ended),
+            }
+        })
+        .collect();
+    output::print(&lines)
+}
+
+fn sentence(ended: &Ended) -> String {
+    let mishap = ended.mishap.as_deref().unwrap_or("no mishap");
+    let drive = ended.drive.map_or_else(String::new, |drive| {
+        format!(
+            ", carried for {:.1} s with a slip of {:.2} mm",
+            drive.took_s,
+            drive.slip_m * 1e3
+        )
+    });
+    format!(
+        "{}: {mishap}{drive}; {:.3} m from its goal after {:.1} s",
+        ended.object, ended.off_goal_m, ended.simulated_s
+    )
+}

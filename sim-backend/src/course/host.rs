@@ -1,0 +1,184 @@
+//! A course as its host runs it, in process and on the bus alike: states out, commands in, frame by frame.
+//!
+//! ```text
+//!  every frame, robot by robot:   look ─ BaseState ─▶ coordinator ─ BaseCommand ─▶ row ─▶ table ─ Wheels ─▶ obey
+//!  every tick:                    step, then ride ─▶ world of the robot's hands, then watch
+//! ```
+
+use field::Wheels;
+use serde::{Deserialize, Serialize};
+use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+use shm_schemas::{BaseCommand, BaseState, Light, Mishap, Say, WorldTruth};
+
+use super::cast::Cast;
+use super::drive::{Drive, DriveFigures};
+use super::rovers::{self, Course};
+use super::{FRAME_STEPS, STEP_TICKS};
+use crate::ride::Ride;
+
+/// Ticks from one frame to the next.
+pub const FRAME_TICKS: u64 = FRAME_STEPS * STEP_TICKS;
+/// Ticks before the first frame, in which the robots' controllers become ready (`atas_core`: 20 ticks without doubt).
+pub const SETTLE_TICKS: u64 = 20;
+
+/// A course under way.
+#[derive(Clone, Debug)]
+pub struct Host {
+    course: Course,
+    robots: Vec<Robot>,
+    ticks: u64,
+}
+
+/// What only the host knows of a robot in the end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ended {
+    /// Its object.
+    pub object: String,
+    /// What ended its course at once, in words.
+    pub mishap: Option<String>,
+    /// How the grip fared on the way, if it came so far.
+    pub drive: Option<DriveFigures>,
+    /// How far the object truly is from the goal, m.
+    pub off_goal_m: f64,
+    /// Simulated time since the first frame, s.
+    pub simulated_s: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Robot {
+    /// What it was told last.
+    command: BaseCommand,
+    drive: Option<Drive>,
+}
+
+impl Host {
+    /// The course before its first frame.
+    #[must_use]
+    pub fn new(cast: &Cast) -> Self {
+        Self {
+            course: Course::new(&cast.layout, Some(cast.floor_seed)),
+            robots: vec![Robot::default(); cast.robots.len()],
+            ticks: 0,
+        }
+    }
+
+    /// What names the numbers of every course, so that tables can refuse another field.
+    #[must_use]
+    pub fn field_hash() -> u64 {
+        fnv1a(FNV_OFFSET, b"atas course v1")
+    }
+
+    /// Ticks since the first frame.
+    #[must_use]
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Whether a frame begins in this tick.
+    #[must_use]
+    pub fn frame_begins(&self) -> bool {
+        self.ticks.is_multiple_of(FRAME_TICKS)
+    }
+
+    /// Whether a robot's course is over.
+    #[must_use]
+    pub fn is_over(&self, robot: usize) -> bool {
+        self.robots[robot].command.say == Say::OVER
+    }
+
+    /// What a robot's base sees now, with an object that is where the world of its hands has it.
+    pub fn look(&mut self, robot: usize, truth: &WorldTruth) -> BaseState {
+        let (place, object) = (self.course.place(robot), &truth.objects[0]);
+        let [x_m, y_m, _] = object.position_m;
+        let stands = object.table_n > 0.0;
+        self.course
+            .set_object(robot, stands.then(|| place.point_m([x_m, y_m])));
+        let sees = |light| self.course.sees(robot, light).unwrap_or_default();
+        BaseState {
+            frame: self.ticks / FRAME_TICKS,
+            object_m: sees(rovers::Light::Object),
+            goal_m: sees(rovers::Light::Goal),
+            first_m: self.course.to_first_m(robot).unwrap_or(f64::INFINITY),
+            object_stands: stands.into(),
+            stands: self.course.stands(robot).into(),
+            mishap: self.course.mishap(robot).unwrap_or(Mishap::NONE),
+            ..BaseState::default()
+        }
+    }
+
+    /// The row that a table shall be asked for; `None` if the table has no say.
+    #[must_use]
+    pub fn row(&self, robot: usize, command: &BaseCommand) -> Option<u8> {
+        let drives = command.say == Say::TABLE;
+        drives.then(|| self.course.sense(robot, light(command.light)))
+    }
+
+    /// Does for this frame what a robot was told, with what its table answered.
+    pub fn obey(
+        &mut self,
+        robot: usize,
+        command: &BaseCommand,
+        wheels: Option<Wheels>,
+        truth: &WorldTruth,
+    ) {
+        let told = &mut self.robots[robot];
+        told.command = *command;
+        let carries = command.light == Light::GOAL && command.say == Say::TABLE;
+        if carries && told.drive.is_none() {
+            told.drive = Some(Drive::begin(truth));
+        }
+        if command.say == Say::OVER {
+            return self.course.rest(robot);
+        }
+        let wheels = wheels.unwrap_or(Wheels::STOP);
+        let pace = light(command.light).pace();
+        self.course.steer(robot, wheels, pace);
+    }
+
+    /// One tick of the bases. How each then moves is for the world of its hands, whose tick follows.
+    pub fn step(&mut self) {
+        if self.ticks.is_multiple_of(STEP_TICKS) {
+            self.course.step();
+        }
+        self.ticks += 1;
+    }
+
+    /// How a base moves in the present tick.
+    #[must_use]
+    pub fn ride(&self, robot: usize) -> Ride {
+        self.course.ride(robot)
+    }
+
+    /// Measures, after a tick, how the grip fares on the way.
+    pub fn watch(&mut self, robot: usize, truth: &WorldTruth) {
+        let ride = self.course.ride(robot);
+        let Robot { command, drive } = &mut self.robots[robot];
+        if let Some(drive) = drive.as_mut().filter(|_| command.say != Say::HAND) {
+            drive.watch(truth, &ride);
+        }
+    }
+
+    /// What became of a robot, whose hands' world is like this.
+    #[must_use]
+    pub fn ended(&self, robot: usize, truth: &WorldTruth) -> Ended {
+        let object = &truth.objects[0];
+        let [x_m, y_m, _] = object.position_m;
+        let goal_m = self.course.sees(robot, rovers::Light::Goal);
+        let [goal_x_m, goal_y_m] = goal_m.unwrap_or_default();
+        Ended {
+            object: object.name.as_str().to_owned(),
+            mishap: self.course.mishap(robot).map(|mishap| mishap.to_string()),
+            drive: self.robots[robot].drive.as_ref().map(Drive::figures),
+            off_goal_m: libm::hypot(x_m - goal_x_m, y_m - goal_y_m),
+            simulated_s: self.ticks as f64 * 1e-3,
+        }
+    }
+}
+
+/// The light of a code; one that this version does not know is the object's, as at the start.
+fn light(code: Light) -> rovers::Light {
+    match code {
+        Light::GOAL => rovers::Light::Goal,
+        _ => rovers::Light::Object,
+    }
+}
