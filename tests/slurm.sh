@@ -94,7 +94,7 @@ bash sweep/submit.sh
 job=$(squeue --noheader --name=ebts --format=%F | head -n 1)
 running() { [ "$(squeue --noheader --states=running --jobs="${job}_$1" --format=%K)" = "$1" ]; }
 has_runs() { running "$1" && [ -s "sweep/shard-$1/runs.jsonl" ]; }
-queued_again() { scontrol show job "${job}_$1" | grep -q ' Restarts=1 '; }
+queued_again() { scontrol show job "${job}_$1" | grep -q ' Restarts=[1-9]'; }
 
 # The power fails: a node's daemon, and everything above the shard on it, is gone at once.
 until_so has_runs 1

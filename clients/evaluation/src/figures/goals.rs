@@ -76,7 +76,7 @@ impl Goals {
             begun_ns: 0,
             fingers: origin::fingers(rows.header()),
         };
-        while let Some(row) = rows.next() {
+        for row in rows.by_ref() {
             let mut row = row?;
             if goals.begun_ns == 0 {
                 goals.begun_ns = row.captured_ns;

@@ -35,7 +35,8 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     };
     let (plan, _) = read_folder(first)?;
     let (mut store, present) = Store::open(folder, &plan)?;
-    let folders = shards.len() + usize::from(!present.is_empty());
+    // What was there before may be a shard of its own, or have come from these.
+    let folders = shards.len()..=shards.len() + usize::from(!present.is_empty());
     let mut merged: BTreeMap<Job, Record> = present
         .into_iter()
         .map(|record| (record.job(), record))

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use super::plan::{Plan, Shard};
 use crate::run::Job;
@@ -19,11 +20,15 @@ pub struct Missing {
 
 impl Missing {
     /// What `has` does not have, collected from so many folders of shards.
-    pub(super) fn of(plan: &Plan, folders: usize, has: impl Fn(&Job) -> bool) -> Self {
+    pub(super) fn of(
+        plan: &Plan,
+        folders: RangeInclusive<usize>,
+        has: impl Fn(&Job) -> bool,
+    ) -> Self {
         let all = plan.jobs();
         let positions: Vec<usize> = (0..all.len()).filter(|&at| !has(&all[at])).collect();
         Self {
-            shards: whole_shards(&positions, all.len(), folders),
+            shards: whole_shards(&positions, all.len(), &folders),
             jobs: positions.iter().map(|&at| all[at]).collect(),
             of: all.len(),
         }
@@ -49,34 +54,30 @@ impl Missing {
     }
 }
 
-/// The shards whose runs are exactly those at these positions, if the others may have been in so many folders: the fewest
-/// parts of which that is so. None if it is not so.
-fn whole_shards(positions: &[usize], all: usize, folders: usize) -> Vec<Shard> {
+/// The shards whose runs are exactly those at these positions, if the others were in so many folders: the fewest parts of which
+/// that is so. None if it is not so.
+fn whole_shards(positions: &[usize], all: usize, folders: &RangeInclusive<usize>) -> Vec<Shard> {
     let Some(&first) = positions.first() else {
         return Vec::new();
     };
     let missing: HashSet<usize> = positions.iter().copied().collect();
     let whole = |at: usize, count: usize| (at..all).step_by(count).all(|at| missing.contains(&at));
     let parts = |count: usize| {
-        let firsts: Vec<usize> = positions
-            .iter()
-            .copied()
-            .take_while(|&at| at < count)
-            .collect();
-        let runs: usize = firsts
-            .iter()
-            .map(|&at| (at..all).step_by(count).len())
-            .sum();
-        let are_all = runs == positions.len() && firsts.iter().all(|&at| whole(at, count));
-        (are_all && count - firsts.len() <= folders).then_some((count, firsts))
+        let firsts = &positions[..positions.partition_point(|&at| at < count)];
+        let there = count - firsts.len();
+        let runs = |&at: &usize| (at..all).step_by(count).len();
+        let are_all = folders.contains(&there)
+            && firsts.iter().map(runs).sum::<usize>() == positions.len()
+            && firsts.iter().all(|&at| whole(at, count));
+        are_all.then_some((count, firsts))
     };
-    let found = (first + 1..=folders + positions.len()).find_map(parts);
+    let found = (first + 1..=folders.end() + positions.len()).find_map(parts);
     found.map_or_else(Vec::new, |(count, firsts)| {
-        let shard = |at| Shard {
+        let shard = |at: &usize| Shard {
             index: at + 1,
             count,
         };
-        firsts.into_iter().map(shard).collect()
+        firsts.iter().map(shard).collect()
     })
 }
 
@@ -108,11 +109,11 @@ mod tests {
     use field::{FitnessRule, Preset};
 
     /// What is said where these positions of 4 team sizes × 3 seeds are missing.
-    fn said(folders: usize, missing: &[usize]) -> String {
+    fn said(shards: usize, missing: &[usize]) -> String {
         let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 3, 1);
         let jobs = plan.jobs();
         let gone: Vec<Job> = missing.iter().map(|&at| jobs[at]).collect();
-        Missing::of(&plan, folders, |job| !gone.contains(job)).to_string()
+        Missing::of(&plan, shards..=shards, |job| !gone.contains(job)).to_string()
     }
 
     #[test]
@@ -127,7 +128,7 @@ mod tests {
 
     #[test]
     fn other_runs_are_named_by_team_size_and_seed() {
-        // Two folders cannot have had eleven of twelve shards.
+        // Two folders had not eleven of twelve shards.
         assert_eq!(said(2, &[6]), "1 of 12 runs (agents 3 seed 1)");
         assert_eq!(
             said(2, &[1, 9, 10]),
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn of_very_many_the_number_is_said() {
         let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 100, 1);
-        let odd = Missing::of(&plan, 1, |job| job.seed % 2 == 0 || job.agents < 4);
+        let odd = Missing::of(&plan, 1..=1, |job| job.seed % 2 == 0 || job.agents < 4);
         let text = odd.to_string();
         assert!(
             text.starts_with("50 of 400 runs (agents 4 seed 1,"),

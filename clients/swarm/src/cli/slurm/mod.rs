@@ -80,7 +80,10 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         threads: args.threads,
         cluster: args.cluster,
     };
-    let json = |value| serde_json::to_string_pretty(&value).map_err(Error::from_part);
+    let json = |value| {
+        let text = serde_json::to_string_pretty(&value).map_err(Error::from_part);
+        text.map(|text| text + "\n")
+    };
     let mut scripts = Vec::new();
     for (name, text) in [
         ("shard.sh", parts.shard()),
