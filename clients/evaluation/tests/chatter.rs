@@ -17,7 +17,7 @@ const MODULES: [ModuleId; 2] = [ModuleId::SLIP, ModuleId::RELAX];
 /// Members of each family that are tried, of the seeds for tuning.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
 /// Most times that each may be switched on in a lift (ours: a fifth above the most of any of these).
-const MOST: [u32; 2] = [1000, 1000];
+const MOST: [u32; 2] = [33, 5];
 
 /// How often each of [`MODULES`] is switched on from the first touch to the end of the hold.
 fn switches(robot: &RobotModel, object: &Object, seed: u64) -> [u32; 2] {

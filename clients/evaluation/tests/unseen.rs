@@ -31,14 +31,22 @@ fn grasped(properties: &str, seed: u64) -> Outcome {
     Outcome::of(&trial.end, &trial.truth, SIDE.index(), LIFT_M)
 }
 
-/// The hand came in lower than its top and pushed it over, without a word.
+/// The hand came in lower than its top and pushed it over, without a word. One of these is held just as firmly as a test has proved,
+/// and slides evenly out of that when the hand rises: nothing that the fingertips feel tells that from hanging (README, "Limits, honestly").
 #[test]
 fn a_tall_object_is_not_pushed_over_on_the_way_in() {
     let tall = "mass_kg = 0.03\nfriction = 0.29\nstiffness_n_m = 6000.0\n\
                 shape = { kind = \"box\", size_m = [0.0364, 0.0232, 0.135] }";
-    for seed in [1000, 1001, 1002] {
-        assert_eq!(grasped(tall, seed), Outcome::Held, "seed {seed}");
+    let scene = |seed| Scene::grasp(object(tall), SIDE).varied(seed);
+    let ended = (1000..1016).map(|seed| (seed, run_offline(&scene(seed), seed)));
+    let mut held = 0;
+    for (seed, trial) in ended {
+        let tilt_rad = trial.truth.objects[0].tilt_rad;
+        assert!(tilt_rad < 0.1, "seed {seed}: tilted by {tilt_rad} rad");
+        let outcome = Outcome::of(&trial.end, &trial.truth, SIDE.index(), LIFT_M);
+        held += u32::from(outcome == Outcome::Held);
     }
+    assert!(held >= 15, "{held} of 16 held");
 }
 
 /// It slid evenly through the fingers, which loaded them as steadily as if it hung, and counted as held.

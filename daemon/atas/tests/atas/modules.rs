@@ -271,8 +271,9 @@ fn relax_opens_while_friction_and_force_are_to_spare() {
         ("near the limit", felt(0.90, 0.0, 0.0, 2.0), false),
         ("load changes", felt(0.4, 0.07, 0.0, 2.0), false),
         ("slips", felt(0.4, 0.0, 0.001, 2.0), false),
-        ("near the least force", felt(0.4, 0.0, 0.0, 0.54), false),
-        ("above the least force", felt(0.4, 0.0, 0.0, 0.56), true),
+        ("below the least force", felt(0.4, 0.0, 0.0, 0.54), false),
+        ("too near it to begin", felt(0.4, 0.0, 0.0, 0.57), false),
+        ("above the least force", felt(0.4, 0.0, 0.0, 0.59), true),
     ] {
         let mut bench = Bench::new(ModuleId::RELAX);
         assert!(!bench.evaluate(&percept).active, "{case}: not at once");
