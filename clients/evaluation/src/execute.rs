@@ -14,7 +14,7 @@ use crate::plan::{Job, Plan, Shard};
 use crate::report::Report;
 use crate::rows::TrialRow;
 use crate::trial::{self, Record};
-use crate::worn::Worn;
+use crate::worn::{Worn, WornTrial};
 
 /// What became of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +89,7 @@ impl Plan {
         stop: &AtomicBool,
         done: impl Fn() + Sync,
         wear: impl Fn(&World, u64) -> anyhow::Result<(Vec<Worn>, T)> + Sync,
-    ) -> anyhow::Result<Option<Vec<(Vec<Record>, T)>>> {
+    ) -> anyhow::Result<Option<Vec<WornTrial<T>>>> {
         self.each(
             |_| true,
             stop,

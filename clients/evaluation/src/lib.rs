@@ -65,4 +65,4 @@ pub use statistics::{median, wilson};
 pub use tally::Tally;
 pub use task::{SIDE, Task};
 pub use trial::Record;
-pub use worn::Worn;
+pub use worn::{Worn, WornTrial};

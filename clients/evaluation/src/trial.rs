@@ -15,7 +15,7 @@ use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
 use crate::task::Task;
-use crate::worn::Worn;
+use crate::worn::{Worn, WornTrial};
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -79,7 +79,7 @@ pub(super) fn run_worn<T>(
     plan: &Plan,
     job: &Job,
     wear: impl Fn(&World, u64) -> anyhow::Result<(Vec<Worn>, T)>,
-) -> anyhow::Result<(Vec<Record>, T)> {
+) -> anyhow::Result<WornTrial<T>> {
     let stage = Stage::set(robot, plan, job)?;
     let world = World::new(robot, &stage.scene, stage.seed)?;
     let (worn, made) = wear(&world, stage.seed)?;

@@ -18,7 +18,9 @@ use anyhow::Context;
 use atas_console::arguments::CalibrationEvaluation;
 use atas_console::{Interrupt, Output, number, table};
 use atas_core::Settings;
-use atas_evaluation::{Condition, Named, Noise, Plan, Record, Task, Worn, median, seeds, wilson};
+use atas_evaluation::{
+    Condition, Named, Noise, Plan, Task, Worn, WornTrial, median, seeds, wilson,
+};
 use atas_sensors::calibration::{AXES, Calibration};
 use robot_model::{RobotFiles, Side};
 use serde::Serialize;
@@ -184,7 +186,7 @@ fn felt_through(
 }
 
 impl Report {
-    fn of(plan: &Plan, trials: &[(Vec<Record>, Fit)]) -> Self {
+    fn of(plan: &Plan, trials: &[WornTrial<Fit>]) -> Self {
         let failure = |which: usize| {
             trials
                 .iter()
