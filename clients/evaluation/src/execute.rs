@@ -13,8 +13,8 @@ use crate::parts::{self, Part};
 use crate::plan::{Job, Plan, Shard};
 use crate::report::Report;
 use crate::rows::TrialRow;
-use crate::trial::{self, Record};
-use crate::worn::{Worn, WornTrial};
+use crate::trial::{self, Record, WornTrial};
+use crate::worn::Worn;
 
 /// What became of a plan.
 #[derive(Clone, Debug, PartialEq)]

@@ -64,5 +64,5 @@ pub use sim_backend::random::trial_seed;
 pub use statistics::{median, wilson};
 pub use tally::Tally;
 pub use task::{SIDE, Task};
-pub use trial::Record;
-pub use worn::{Worn, WornTrial};
+pub use trial::{Record, WornTrial};
+pub use worn::Worn;

@@ -15,7 +15,7 @@ use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
 use crate::task::Task;
-use crate::worn::{Worn, WornTrial};
+use crate::worn::Worn;
 
 /// What turns a trial's seed into that of its noise scale (ours: any number does).
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -40,6 +40,9 @@ pub struct Record {
     /// Processor time of this thread, s. The only field that is not a function of the plan.
     pub cpu_s: f64,
 }
+
+/// What a trial came to with each of what its fingertips wore, and what else was made of it.
+pub type WornTrial<T> = (Vec<Record>, T);
 
 impl Record {
     /// Whether the paper's rule allows the task.

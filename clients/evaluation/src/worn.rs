@@ -3,11 +3,6 @@
 use atas_core::Settings;
 use shm_schemas::HandFrame;
 
-use crate::trial::Record;
-
-/// What a trial came to with each of what its fingertips wore, and what else was made of it.
-pub type WornTrial<T> = (Vec<Record>, T);
-
 /// What a trial is run with in place of what its plan has.
 pub struct Worn {
     /// The controller's settings.
