@@ -21,6 +21,7 @@
 pub mod arbitration;
 pub mod check;
 mod controller;
+mod filter;
 pub mod follow;
 pub mod goal;
 mod hand;

@@ -149,12 +149,12 @@ impl Host {
         self.course.ride(robot)
     }
 
-    /// Measures, after a tick, how the grip fares on the way.
-    pub fn watch(&mut self, robot: usize, truth: &WorldTruth) {
+    /// Measures, after a tick, how the grip fares on the way; `truth` is asked then only.
+    pub fn watch(&mut self, robot: usize, truth: impl FnOnce() -> WorldTruth) {
         let ride = self.course.ride(robot);
         let Robot { command, drive } = &mut self.robots[robot];
         if let Some(drive) = drive.as_mut().filter(|_| command.say != Say::HAND) {
-            drive.watch(truth, &ride);
+            drive.watch(&truth(), &ride);
         }
     }
 

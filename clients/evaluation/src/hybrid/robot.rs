@@ -77,7 +77,7 @@ impl Robot {
         if let Some(update) = &outputs.goal_update {
             self.pilot.hear_goal(update);
         }
-        host.watch(self.index, &self.truth());
+        host.watch(self.index, || self.truth());
         let fault = self.run.world().fault();
         fault.map_or(Ok(()), |fault| {
             Err(fault).context("the world of a robot's hands cannot go on")

@@ -5,6 +5,7 @@
 //! F_2 itself where the goal has told what the object bears. What slides out of every finger although they press with F_2 is refused.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
+use crate::filter::low_pass;
 use crate::perception::Percept;
 use crate::thresholds::Bound;
 use robot_model::VIRTUAL_FINGERS;
@@ -81,7 +82,7 @@ impl ForceLimit {
             .iter()
             .map(|f| f.utilisation_now)
             .fold(f64::INFINITY, f64::min);
-        self.gross += (least - self.gross) * context.step_s / (GROSS_FILTER_S + context.step_s);
+        self.gross = low_pass(self.gross, least, context.step_s, GROSS_FILTER_S);
         let sliding = self.active && !context.proved && self.gross > settings.too_heavy_gross;
         self.gross_s = if sliding {
             self.gross_s + context.step_s

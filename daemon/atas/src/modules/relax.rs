@@ -11,6 +11,7 @@
 
 use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal, force_range_n, load_n};
+use crate::filter::low_pass;
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{FingerPercept, Percept};
 use robot_model::VIRTUAL_FINGERS;
@@ -170,7 +171,7 @@ impl Relax {
         } else {
             weakest_n / least_n - 1.0
         };
-        self.above += (above - self.above) * context.step_s / (FORCE_FILTER_S + context.step_s);
+        self.above = low_pass(self.above, above, context.step_s, FORCE_FILTER_S);
         self.above
     }
 
@@ -191,7 +192,7 @@ impl Relax {
     fn turns(&mut self, percept: &Percept) -> bool {
         let fingers = &percept.virtual_fingers;
         let most = fingers.iter().fold(0.0, |most: f64, f| most.max(f.torsion));
-        self.torsion += (most - self.torsion) * percept.step_s / (FILTER_S + percept.step_s);
+        self.torsion = low_pass(self.torsion, most, percept.step_s, FILTER_S);
         let limit = if self.active {
             TRY_TORSION
         } else {
@@ -205,7 +206,7 @@ impl Relax {
         let fingers = &percept.virtual_fingers;
         let squares: f64 = fingers.iter().map(|f| f.scatter * f.scatter).sum();
         let now = libm::sqrt(squares / fingers.len() as f64);
-        self.scatter += (now - self.scatter) * percept.step_s / (SCATTER_S + percept.step_s);
+        self.scatter = low_pass(self.scatter, now, percept.step_s, SCATTER_S);
     }
 
     /// The low-passed utilisation, while every finger knows its own.
@@ -226,7 +227,7 @@ impl Relax {
             });
         self.utilisation = known.then(|| {
             let before = self.utilisation.unwrap_or(most);
-            before + (most - before) * step_s / (FILTER_S + step_s)
+            low_pass(before, most, step_s, FILTER_S)
         });
         self.utilisation
     }

@@ -13,6 +13,7 @@
 //! to 20 % of what they can hold, and cylinders 17 to 25 %).
 
 use super::patch::Patch;
+use crate::filter::low_pass;
 use crate::limits::{
     FRICTION_CLIP, FRICTION_FLOOR, FRICTION_RELAX_S, NORMAL_MIN_N, TANGENTIAL_FLOOR_N,
 };
@@ -138,7 +139,7 @@ impl Friction {
         } else {
             LATELY_S
         };
-        self.lately += (ratio - self.lately) * step_s / (filter_s + step_s);
+        self.lately = low_pass(self.lately, ratio, step_s, filter_s);
         if slides {
             self.slid_at = Some(self.slid_at.unwrap_or(f64::INFINITY).min(self.lately));
         }
@@ -151,7 +152,7 @@ impl Friction {
     /// over stays so when it sticks again, until it is loaded anew: only while it bears as much for its pressing as when it slid, does it
     /// slide.
     fn watch_gross(&mut self, ratio: f64, step_s: f64) {
-        self.felt += (ratio - self.felt) * step_s / (FELT_S + step_s);
+        self.felt = low_pass(self.felt, ratio, step_s, FELT_S);
         let alike = self.utilisation_now > GROSS_UTILISATION;
         if self.utilisation_now < GROSS_OVER {
             self.slid_from = 0.0;

@@ -5,6 +5,7 @@
 //! Silence is never complete: an offset or a slow load below the touch threshold is no noise, so it is what changes from
 //! frame to frame that counts.
 
+use crate::filter::low_pass;
 use shm_schemas::capacity::ELEMENTS;
 
 /// Time constant of the measurement, s (ours: a fraction of the slowest approach).
@@ -45,7 +46,7 @@ impl Noise {
                 .sum();
             let now_n2 = sum / (2 * count) as f64 / (2.0 * share);
             let old_n2 = self.variance_n2.unwrap_or(now_n2);
-            self.variance_n2 = Some(old_n2 + (now_n2 - old_n2) * step_s / (FILTER_S + step_s));
+            self.variance_n2 = Some(low_pass(old_n2, now_n2, step_s, FILTER_S));
         }
         self.before_n = Some(*elements_n);
     }

@@ -8,6 +8,7 @@
 //!   the grip, and the lever gets shorter.
 //! * **Loss**: what is gone has no weight, whatever a drifting sensor says of the grip.
 
+use crate::filter::low_pass;
 use crate::modules::{Finding, load_n};
 use crate::perception::Percept;
 use shm_schemas::{Cause, Reason};
@@ -127,7 +128,7 @@ impl InHand {
             // At first all that was felt counts alike: one reading of a light object tells little.
             self.weighed_s += step_s;
             let filter_s = self.weighed_s.min(WEIGHT_S);
-            self.weight_n += (down_n - self.weight_n) * step_s / (filter_s + step_s);
+            self.weight_n = low_pass(self.weight_n, down_n, step_s, filter_s);
         }
         self.most_n = larger(self.most_n * MOST_S / (MOST_S + step_s), self.weight_n);
         self.gone_s = if down_n < GONE_SHARE * self.most_n {

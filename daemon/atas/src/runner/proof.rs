@@ -6,6 +6,7 @@
 //! pattern says is no cause to press, to warn or to refuse. What falls is told by its weight ([`crate::modules`]: Module 2,
 //! cause (e)), and a proof does not speak against that.
 
+use crate::filter::low_pass;
 use crate::limits::NORMAL_MIN_N;
 use crate::perception::Percept;
 
@@ -43,7 +44,7 @@ impl Proof {
         let used = fingers
             .map(|finger| finger.tangential_n / finger.normal_n.max(NORMAL_MIN_N))
             .fold(0.0, |most: f64, used| if used > most { used } else { most });
-        self.used += (used - self.used) * percept.step_s / (FELT_S + percept.step_s);
+        self.used = low_pass(self.used, used, percept.step_s, FELT_S);
         self.lapsed_s = if self.stands() {
             0.0
         } else {

@@ -104,7 +104,7 @@ impl Stage<'_> {
             }
             for (index, seat) in self.seats.iter().enumerate() {
                 if !self.host.is_over(index) {
-                    self.host.watch(index, &seat.truth());
+                    self.host.watch(index, || seat.truth());
                 }
             }
         }

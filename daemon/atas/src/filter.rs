@@ -1,0 +1,24 @@
+//! The first-order low-pass of everything that is read too noisily to be judged by single readings.
+
+/// What a low-passed value comes to after a step of `step_s`, s, with a time constant of `filter_s`, s (backward Euler: stable for
+/// any step).
+pub(crate) fn low_pass(before: f64, now: f64, step_s: f64, filter_s: f64) -> f64 {
+    before + (now - before) * step_s / (filter_s + step_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::low_pass;
+
+    #[test]
+    fn a_step_is_followed_by_its_share_and_never_beyond() {
+        for (before, now, step_s, filter_s, expected) in [
+            (0.0, 1.0, 1.0, 1.0, 0.5),
+            (2.0, 1.0, 1.0, 3.0, 1.75),
+            (0.0, 1.0, 1.0, 0.0, 1.0),
+            (3.0, 3.0, 0.001, 0.1, 3.0),
+        ] {
+            assert_eq!(low_pass(before, now, step_s, filter_s), expected);
+        }
+    }
+}
