@@ -12,8 +12,8 @@ pub enum Bench {
     Latency(BenchLatency),
     /// Whether a stop gets through a flood of goals, long checks and a frozen client
     Stop(BenchStop),
-    /// Whether looking on costs the tick anything: alone, with eight observers that hang, die and come back, and beside other cores
-    /// that are as busy with something else
+    /// Whether looking on costs the tick anything: unobserved, with eight observers that hang, die and come back, and with the
+    /// same eight looking at another daemon
     Observers(BenchObservers),
     /// The other end of a transport that is being measured
     #[command(hide = true)]

@@ -350,7 +350,7 @@ const HELPS: &[Help] = &[
     Help(
         "bench observers",
         &["atas bench observers --seconds 10 --repeats 5"],
-        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, ratio, neighbours_us, …), missed_ticks",
+        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, elsewhere_us, ratio of these two), missed_ticks",
     ),
     Help(
         "record",

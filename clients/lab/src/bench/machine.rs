@@ -12,6 +12,13 @@ pub(super) fn last_core() -> anyhow::Result<usize> {
     last.context("could not find a core that this process may use")
 }
 
+/// A core that this process may use beside one; the same one if there is no other.
+pub(super) fn other_core(core: usize) -> anyhow::Result<usize> {
+    let allowed = sched_getaffinity(None).context("could not ask for the allowed cores")?;
+    let mut others = (0..CpuSet::MAX_CPU).filter(|other| *other != core && allowed.is_set(*other));
+    Ok(others.next().unwrap_or(core))
+}
+
 /// Keeps the calling thread on one core.
 pub(super) fn pin(core: usize) -> anyhow::Result<()> {
     let mut cores = CpuSet::new();

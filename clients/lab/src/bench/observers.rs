@@ -1,17 +1,15 @@
-//! `atas bench observers`: whether looking on costs the tick anything. One daemon, in turn alone and with eight observers: two of
-//! each kind, of which one hangs and the other is killed and comes back, again and again. And, for what of that is the machine's and
-//! not the bus's, with neighbours that keep the other cores as busy and have never heard of it.
+//! `atas bench observers`: whether looking on costs the tick anything. One daemon, in turn unobserved and with eight observers: two
+//! of each kind, of which one hangs and the other is killed and comes back, again and again. Eight programs that start and die cost
+//! every process of a machine something, caches above all. So the third part is the same eight, looking at another daemon on a bus
+//! of its own: what observing costs is the second over the third.
 //!
-//! * **Invariants:** all parts of a comparison are of the same daemon, in one run, next to each other in time.
+//! * **Invariants:** all parts of a comparison are of the same daemon, in one run, next to each other in time; the other daemon runs
+//!   in all of them.
 //! * **Absent on purpose:** a limit. `tests/benches` hold ratios; a busy machine's are noise.
 
-use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::anyhow;
 use atas_client::percentiles;
 use atas_console::arguments::BenchObservers;
 use atas_console::{Interrupt, Output, table};
@@ -38,9 +36,6 @@ const KINDS: [(&str, &str); 4] = [
 /// How long an observer looks on before it hangs, or is killed.
 const LOOKS: Duration = Duration::from_millis(500);
 
-/// What a busy neighbour copies over and over, bytes (ours: more than a core's own caches hold).
-const COPIES_BYTES: usize = 8 << 20;
-
 /// A figure of a part, by its name, ns.
 type Measure = (&'static str, fn(&Part) -> u64);
 
@@ -56,60 +51,28 @@ pub(super) fn observers(
         repeats: arguments.repeats,
         interrupt,
     };
-    let core = format!("realtime.cpu={}", plan.core);
-    let mut pair = Pair::start(&["--set", &core], |site, control| {
-        Child::start("atasd", control, site.folder())
-    })?;
-    pair.wait_until_ready(interrupt)?;
-    let [mut alone, mut observed, mut beside] = [const { Vec::new() }; 3];
+    let mut pair = start_pair(plan.core, interrupt)?;
+    let other = start_pair(machine::other_core(plan.core)?, interrupt)?;
+    let [mut alone, mut observed, mut elsewhere] = [const { Vec::new() }; 3];
     for _ in 0..plan.repeats {
         alone.push(Part::measure(&mut pair, &plan, || Ok(()))?);
         let mut crowd = Crowd::gather(pair.site())?;
         observed.push(Part::measure(&mut pair, &plan, || crowd.change())?);
         drop(crowd);
-        beside.push(among_neighbours(plan.core, || {
-            Part::measure(&mut pair, &plan, || Ok(()))
-        })?);
+        let mut crowd = Crowd::gather(other.site())?;
+        elsewhere.push(Part::measure(&mut pair, &plan, || crowd.change())?);
     }
-    print(&alone, &observed, &beside, output)
+    print(&alone, &observed, &elsewhere, output)
 }
 
-/// Does something while every core but this one copies memory.
-fn among_neighbours<T>(
-    core: usize,
-    something: impl FnOnce() -> anyhow::Result<T>,
-) -> anyhow::Result<T> {
-    let done = AtomicBool::new(false);
-    let cores = thread::available_parallelism()?.get();
-    thread::scope(|scope| {
-        let others = (0..cores).filter(|other| *other != core);
-        let neighbours: Vec<_> = others
-            .map(|other| {
-                let done = &done;
-                scope.spawn(move || copy_memory(other, done))
-            })
-            .collect();
-        let came = something();
-        done.store(true, Ordering::Relaxed);
-        for neighbour in neighbours {
-            neighbour
-                .join()
-                .map_err(|_| anyhow!("a neighbour panicked"))??;
-        }
-        came
-    })
-}
-
-/// Keeps one core busy with memory until it is done.
-fn copy_memory(core: usize, done: &AtomicBool) -> anyhow::Result<()> {
-    machine::pin(core)?;
-    let from = vec![1_u8; COPIES_BYTES];
-    let mut to = vec![0; COPIES_BYTES];
-    while !done.load(Ordering::Relaxed) {
-        to.copy_from_slice(black_box(&from));
-        black_box(&mut to);
-    }
-    Ok(())
+/// A daemon on this core, with its simulator, ready.
+fn start_pair(core: usize, interrupt: &Interrupt) -> anyhow::Result<Pair> {
+    let core = format!("realtime.cpu={core}");
+    let mut pair = Pair::start(&["--set", &core], |site, control| {
+        Child::start("atasd", control, site.folder())
+    })?;
+    pair.wait_until_ready(interrupt)?;
+    Ok(pair)
 }
 
 /// One part of a comparison.
@@ -196,7 +159,7 @@ fn start(bus: &BusName, logs: &Path) -> anyhow::Result<Vec<Child>> {
 fn print(
     alone: &[Part],
     observed: &[Part],
-    beside: &[Part],
+    elsewhere: &[Part],
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let us = |parts: &[Part], of: fn(&Part) -> u64| {
@@ -209,13 +172,13 @@ fn print(
         ("wake-up, p50 µs", |part| part.wake.p50_ns),
         ("wake-up, p99 µs", |part| part.wake.p99_ns),
     ];
-    let figures = rows.map(|(name, of)| (name, [alone, observed, beside].map(|p| us(p, of))));
+    let figures = rows.map(|(name, of)| (name, [alone, observed, elsewhere].map(|p| us(p, of))));
     let missed = |parts: &[Part]| parts.iter().map(|part| part.missed_ticks).sum::<u64>();
     if output.is_json() {
-        let [body, body_p99, wake, wake_p99] = figures.map(|(_, [alone, observed, beside])| {
+        let [body, body_p99, wake, wake_p99] = figures.map(|(_, [alone, observed, elsewhere])| {
             json!({
-                "alone_us": alone, "observed_us": observed, "ratio": observed / alone,
-                "neighbours_us": beside, "neighbours_ratio": beside / alone,
+                "alone_us": alone, "observed_us": observed, "elsewhere_us": elsewhere,
+                "ratio": observed / elsewhere,
             })
         });
         return output.json(&json!({
@@ -223,29 +186,28 @@ fn print(
             "body": { "p50": body, "p99": body_p99 },
             "wake": { "p50": wake, "p99": wake_p99 },
             "missed_ticks": {
-                "alone": missed(alone), "observed": missed(observed), "neighbours": missed(beside),
+                "alone": missed(alone), "observed": missed(observed), "elsewhere": missed(elsewhere),
             },
         }));
     }
-    let mut shown = table(&["", "alone", "observed", "ratio", "neighbours", "ratio"]);
-    for (name, [alone, observed, beside]) in figures {
+    let mut shown = table(&["", "alone", "observed", "elsewhere", "observed/elsewhere"]);
+    for (name, [alone, observed, elsewhere]) in figures {
         let text = atas_console::number;
         shown.add_row([
             name.to_owned(),
             text(alone, 1),
             text(observed, 1),
-            text(observed / alone, 2),
-            text(beside, 1),
-            text(beside / alone, 2),
+            text(elsewhere, 1),
+            text(observed / elsewhere, 2),
         ]);
     }
     output.table(shown)?;
     output.line(format_args!(
-        "{} observers: one of each kind hangs, one is killed and comes back twice a second; neighbours: the other cores copy memory; \
-         ticks missed {} alone, {} observed, {} among neighbours",
+        "{} observers: one of each kind hangs, one is killed and comes back twice a second; elsewhere: they look at another daemon; \
+         ticks missed {} alone, {} observed, {} elsewhere",
         2 * KINDS.len(),
         missed(alone),
         missed(observed),
-        missed(beside)
+        missed(elsewhere)
     ))
 }
