@@ -65,17 +65,17 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 // Services.
 #define ATAS_SERVICE_HAND_FRAME_LEFT "atas/v1/hand-frame/left"
 #define ATAS_SERVICE_HAND_FRAME_RIGHT "atas/v1/hand-frame/right"
-#define ATAS_SERVICE_JOINT_STATE "atas/v2/joint-state"
-#define ATAS_SERVICE_JOINT_COMMAND "atas/v1/joint-command"
+#define ATAS_SERVICE_JOINT_STATE "atas/v3/joint-state"
+#define ATAS_SERVICE_JOINT_COMMAND "atas/v2/joint-command"
 #define ATAS_SERVICE_GOAL "atas/v3/goal"
 #define ATAS_SERVICE_CONTROL "atas/v1/control"
 #define ATAS_SERVICE_GRASP_TARGET "atas/v1/grasp-target"
 #define ATAS_SERVICE_STATUS "atas/v3/status"
 #define ATAS_SERVICE_TICK_REPORT "atas/v1/tick-report"
-#define ATAS_SERVICE_VIEW "atas/v1/view"
+#define ATAS_SERVICE_VIEW "atas/v2/view"
 #define ATAS_SERVICE_MODULE_EVENT "atas/v1/module-event"
 #define ATAS_SERVICE_RUN_HEADER "atas/v2/run-header"
-#define ATAS_SERVICE_TICK_INPUTS "atas/v6/tick-inputs"
+#define ATAS_SERVICE_TICK_INPUTS "atas/v7/tick-inputs"
 #define ATAS_SERVICE_SENSOR_STATUS "atas/v1/sensor-status"
 #define ATAS_SERVICE_WORLD_TRUTH "atas/v3/world-truth"
 #define ATAS_SERVICE_AGENT_SENSORS "atas/v1/agent-sensors"
@@ -562,6 +562,8 @@ typedef struct atas_joint_state {
     double effort_n_m[32];
     // Positions that the servos hold now, rad: of the last command obeyed, also when it has expired.
     double commanded_rad[32];
+    // JointCommand::grip_limit_n of that command, 0 before the first.
+    double grip_limit_n[2];
     // Epoch of the writer of that command, 0 before the first.
     uint64_t command_epoch;
     // Sequence of that command.
@@ -573,8 +575,8 @@ typedef struct atas_joint_state {
     // CRC-32 (IEEE) of every byte before this field.
     uint32_t crc32;
 } atas_joint_state;
-#define ATAS_JOINT_STATE_TYPE "atas.JointState.v2"
-_Static_assert(sizeof(atas_joint_state) == 1088, "atas_joint_state");
+#define ATAS_JOINT_STATE_TYPE "atas.JointState.v3"
+_Static_assert(sizeof(atas_joint_state) == 1104, "atas_joint_state");
 _Static_assert(_Alignof(atas_joint_state) == 8, "atas_joint_state");
 _Static_assert(offsetof(atas_joint_state, stamp) == 0, "atas_joint_state.stamp");
 _Static_assert(offsetof(atas_joint_state, joint_count) == 24, "atas_joint_state.joint_count");
@@ -583,11 +585,12 @@ _Static_assert(offsetof(atas_joint_state, position_rad) == 32, "atas_joint_state
 _Static_assert(offsetof(atas_joint_state, velocity_rad_s) == 288, "atas_joint_state.velocity_rad_s");
 _Static_assert(offsetof(atas_joint_state, effort_n_m) == 544, "atas_joint_state.effort_n_m");
 _Static_assert(offsetof(atas_joint_state, commanded_rad) == 800, "atas_joint_state.commanded_rad");
-_Static_assert(offsetof(atas_joint_state, command_epoch) == 1056, "atas_joint_state.command_epoch");
-_Static_assert(offsetof(atas_joint_state, command_sequence) == 1064, "atas_joint_state.command_sequence");
-_Static_assert(offsetof(atas_joint_state, command_valid_until_ns) == 1072, "atas_joint_state.command_valid_until_ns");
-_Static_assert(offsetof(atas_joint_state, pad) == 1080, "atas_joint_state.pad");
-_Static_assert(offsetof(atas_joint_state, crc32) == 1084, "atas_joint_state.crc32");
+_Static_assert(offsetof(atas_joint_state, grip_limit_n) == 1056, "atas_joint_state.grip_limit_n");
+_Static_assert(offsetof(atas_joint_state, command_epoch) == 1072, "atas_joint_state.command_epoch");
+_Static_assert(offsetof(atas_joint_state, command_sequence) == 1080, "atas_joint_state.command_sequence");
+_Static_assert(offsetof(atas_joint_state, command_valid_until_ns) == 1088, "atas_joint_state.command_valid_until_ns");
+_Static_assert(offsetof(atas_joint_state, pad) == 1096, "atas_joint_state.pad");
+_Static_assert(offsetof(atas_joint_state, crc32) == 1100, "atas_joint_state.crc32");
 // Call last, after every other field is final.
 static inline void atas_joint_state_seal(atas_joint_state *payload) {
     payload->crc32 = atas_crc32(payload, offsetof(atas_joint_state, crc32));
@@ -617,13 +620,16 @@ typedef struct atas_joint_command {
     double position_rad[32];
     // Velocity feed-forward, rad/s; zero in HOLD.
     double velocity_rad_s[32];
+    // F_2, the most that what each hand holds may be pressed with, N; 0 for an empty hand. The robot does nothing with it but
+    // tell it in JointState: so a limit outlives the daemon that knows it.
+    double grip_limit_n[2];
     // Written as zero.
     uint32_t pad;
     // CRC-32 (IEEE) of every byte before this field.
     uint32_t crc32;
 } atas_joint_command;
-#define ATAS_JOINT_COMMAND_TYPE "atas.JointCommand.v1"
-_Static_assert(sizeof(atas_joint_command) == 576, "atas_joint_command");
+#define ATAS_JOINT_COMMAND_TYPE "atas.JointCommand.v2"
+_Static_assert(sizeof(atas_joint_command) == 592, "atas_joint_command");
 _Static_assert(_Alignof(atas_joint_command) == 8, "atas_joint_command");
 _Static_assert(offsetof(atas_joint_command, stamp) == 0, "atas_joint_command.stamp");
 _Static_assert(offsetof(atas_joint_command, valid_until_ns) == 24, "atas_joint_command.valid_until_ns");
@@ -633,8 +639,9 @@ _Static_assert(offsetof(atas_joint_command, mode) == 48, "atas_joint_command.mod
 _Static_assert(offsetof(atas_joint_command, joint_count) == 52, "atas_joint_command.joint_count");
 _Static_assert(offsetof(atas_joint_command, position_rad) == 56, "atas_joint_command.position_rad");
 _Static_assert(offsetof(atas_joint_command, velocity_rad_s) == 312, "atas_joint_command.velocity_rad_s");
-_Static_assert(offsetof(atas_joint_command, pad) == 568, "atas_joint_command.pad");
-_Static_assert(offsetof(atas_joint_command, crc32) == 572, "atas_joint_command.crc32");
+_Static_assert(offsetof(atas_joint_command, grip_limit_n) == 568, "atas_joint_command.grip_limit_n");
+_Static_assert(offsetof(atas_joint_command, pad) == 584, "atas_joint_command.pad");
+_Static_assert(offsetof(atas_joint_command, crc32) == 588, "atas_joint_command.crc32");
 // Call last, after every other field is final.
 static inline void atas_joint_command_seal(atas_joint_command *payload) {
     payload->crc32 = atas_crc32(payload, offsetof(atas_joint_command, crc32));
@@ -1314,8 +1321,8 @@ typedef struct atas_view {
     // The newest joint state, as it came, unchecked.
     atas_joint_state joints;
 } atas_view;
-#define ATAS_VIEW_TYPE "atas.View.v1"
-_Static_assert(sizeof(atas_view) == 7440, "atas_view");
+#define ATAS_VIEW_TYPE "atas.View.v2"
+_Static_assert(sizeof(atas_view) == 7456, "atas_view");
 _Static_assert(_Alignof(atas_view) == 8, "atas_view");
 _Static_assert(offsetof(atas_view, stamp) == 0, "atas_view.stamp");
 _Static_assert(offsetof(atas_view, tick) == 24, "atas_view.tick");
@@ -1497,8 +1504,8 @@ typedef struct atas_tick_inputs {
     // The command that was published.
     atas_joint_command command;
 } atas_tick_inputs;
-#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v6"
-_Static_assert(sizeof(atas_tick_inputs) == 12384, "atas_tick_inputs");
+#define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v7"
+_Static_assert(sizeof(atas_tick_inputs) == 12416, "atas_tick_inputs");
 _Static_assert(_Alignof(atas_tick_inputs) == 8, "atas_tick_inputs");
 _Static_assert(offsetof(atas_tick_inputs, stamp) == 0, "atas_tick_inputs.stamp");
 _Static_assert(offsetof(atas_tick_inputs, tick) == 24, "atas_tick_inputs.tick");
@@ -1509,9 +1516,9 @@ _Static_assert(offsetof(atas_tick_inputs, has_joints) == 48, "atas_tick_inputs.h
 _Static_assert(offsetof(atas_tick_inputs, has_target) == 52, "atas_tick_inputs.has_target");
 _Static_assert(offsetof(atas_tick_inputs, frames) == 56, "atas_tick_inputs.frames");
 _Static_assert(offsetof(atas_tick_inputs, joints) == 6360, "atas_tick_inputs.joints");
-_Static_assert(offsetof(atas_tick_inputs, target) == 7448, "atas_tick_inputs.target");
-_Static_assert(offsetof(atas_tick_inputs, order) == 7536, "atas_tick_inputs.order");
-_Static_assert(offsetof(atas_tick_inputs, command) == 11808, "atas_tick_inputs.command");
+_Static_assert(offsetof(atas_tick_inputs, target) == 7464, "atas_tick_inputs.target");
+_Static_assert(offsetof(atas_tick_inputs, order) == 7552, "atas_tick_inputs.order");
+_Static_assert(offsetof(atas_tick_inputs, command) == 11824, "atas_tick_inputs.command");
 
 // One hand's sensor, as the controller is wired to it.
 typedef struct atas_hand_wiring_record {

@@ -1,6 +1,6 @@
 //! What the robot's joints do and what they are told.
 
-use crate::capacity::JOINTS;
+use crate::capacity::{HANDS, JOINTS};
 use crate::code::code;
 use crate::payload::payload;
 use crate::stamp::Stamp;
@@ -12,7 +12,7 @@ payload! {
     ///
     /// The robot outlives the daemon. What it tells of the command in force lets the next daemon go on from there: a grip is
     /// what the servos are commanded beyond where the fingers are, so who began again from measured positions would let go.
-    JointState as "atas.JointState.v2" {
+    JointState as "atas.JointState.v3" {
         /// `captured_ns` is when the encoders were read.
         pub stamp: Stamp,
         /// Joints that carry data, at most [`JOINTS`].
@@ -27,6 +27,8 @@ payload! {
         pub effort_n_m: [f64; JOINTS],
         /// Positions that the servos hold now, rad: of the last command obeyed, also when it has expired.
         pub commanded_rad: [f64; JOINTS],
+        /// [`JointCommand::grip_limit_n`] of that command, 0 before the first.
+        pub grip_limit_n: [f64; HANDS],
         /// Epoch of the writer of that command, 0 before the first.
         pub command_epoch: u64,
         /// Sequence of that command.
@@ -47,7 +49,7 @@ payload! {
     ///
     /// The consumer enforces [`JointCommand::valid_until_ns`]: on expiry it holds the last commanded positions with
     /// zero velocity, which keeps the last safe grip force. Opening the hand is never the default stop.
-    JointCommand as "atas.JointCommand.v1" {
+    JointCommand as "atas.JointCommand.v2" {
         /// `captured_ns` is the tick's time.
         pub stamp: Stamp,
         /// The command must not be obeyed after this time, `CLOCK_MONOTONIC` nanoseconds.
@@ -64,6 +66,9 @@ payload! {
         pub position_rad: [f64; JOINTS],
         /// Velocity feed-forward, rad/s; zero in HOLD.
         pub velocity_rad_s: [f64; JOINTS],
+        /// F_2, the most that what each hand holds may be pressed with, N; 0 for an empty hand. The robot does nothing with it but
+        /// tell it in [`JointState`]: so a limit outlives the daemon that knows it.
+        pub grip_limit_n: [f64; HANDS],
         /// Written as zero.
         pub pad: u32,
         /// CRC-32 (IEEE) of every byte before this field.

@@ -5,8 +5,8 @@
 //! expired, from another; and if no joint would have to move faster than it can. When an obeyed command expires, the robot
 //! holds its positions with zero velocity: that keeps the grip.
 
-use crate::capacity::JOINTS;
-use crate::joints::JointCommand;
+use crate::capacity::{HANDS, JOINTS};
+use crate::joints::{JointCommand, JointState};
 use crate::stamp::Stamp;
 
 /// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
@@ -46,6 +46,18 @@ pub struct Accepted {
     pub stamp: Stamp,
     /// Until when, ns.
     pub valid_until_ns: u64,
+    /// What the command says of each hand's grip, N; see [`JointCommand::grip_limit_n`].
+    pub grip_limit_n: [f64; HANDS],
+}
+
+impl Accepted {
+    /// Tells the next daemon of this command, as the one in force.
+    pub fn tell(&self, state: &mut JointState) {
+        state.grip_limit_n = self.grip_limit_n;
+        state.command_epoch = self.stamp.writer_epoch;
+        state.command_sequence = self.stamp.sequence;
+        state.command_valid_until_ns = self.valid_until_ns;
+    }
 }
 
 /// The judge of arriving commands.
@@ -82,6 +94,7 @@ impl Obedience {
             },
             stamp: command.stamp,
             valid_until_ns: command.valid_until_ns,
+            grip_limit_n: command.grip_limit_n,
         };
         let keeps = self.is_whole(command, &accepted.orders)
             && command.valid_until_ns >= now_ns

@@ -150,7 +150,7 @@ payload! {
 payload! {
     /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
     /// than one target, is told in several parts, one after the other.
-    TickInputs as "atas.TickInputs.v6" {
+    TickInputs as "atas.TickInputs.v7" {
         /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
         pub stamp: Stamp,
         /// Index of the tick; a gap means missed ticks.

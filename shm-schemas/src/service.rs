@@ -5,9 +5,9 @@
 /// Publish-subscribe, per hand: [`crate::HandFrame`], one publisher, at the sensor's rate.
 pub const HAND_FRAME: [&str; 2] = ["atas/v1/hand-frame/left", "atas/v1/hand-frame/right"];
 /// Publish-subscribe: [`crate::JointState`], one publisher, 1 kHz.
-pub const JOINT_STATE: &str = "atas/v2/joint-state";
+pub const JOINT_STATE: &str = "atas/v3/joint-state";
 /// Publish-subscribe: [`crate::JointCommand`], one publisher (the daemon), every tick. A closed set of peers.
-pub const JOINT_COMMAND: &str = "atas/v1/joint-command";
+pub const JOINT_COMMAND: &str = "atas/v2/joint-command";
 /// Request-response: [`crate::GoalRequest`] answered by a stream of [`crate::GoalUpdate`].
 pub const GOAL: &str = "atas/v3/goal";
 /// Request-response: [`crate::ControlRequest`] answered by one [`crate::ControlReply`].
@@ -19,13 +19,13 @@ pub const STATUS: &str = "atas/v3/status";
 /// Publish-subscribe: [`crate::TickReport`], one per tick, from the daemon's non-real-time side.
 pub const TICK_REPORT: &str = "atas/v1/tick-report";
 /// Publish-subscribe: [`crate::View`], about 60 Hz, from the daemon's non-real-time side.
-pub const VIEW: &str = "atas/v1/view";
+pub const VIEW: &str = "atas/v2/view";
 /// Publish-subscribe: [`crate::ModuleEvent`], on change, from the daemon's non-real-time side.
 pub const MODULE_EVENT: &str = "atas/v1/module-event";
 /// Publish-subscribe: [`crate::RunHeader`], once, from the daemon's non-real-time side when it records.
 pub const RUN_HEADER: &str = "atas/v2/run-header";
 /// Publish-subscribe: [`crate::TickInputs`], every tick, from the daemon's non-real-time side when it records.
-pub const TICK_INPUTS: &str = "atas/v6/tick-inputs";
+pub const TICK_INPUTS: &str = "atas/v7/tick-inputs";
 /// Publish-subscribe: [`crate::SensorStatus`], about 10 Hz, from each sensor process.
 pub const SENSOR_STATUS: &str = "atas/v1/sensor-status";
 /// Publish-subscribe: [`crate::WorldTruth`], from the simulator, for judges only; the daemon never opens it.

@@ -10,7 +10,7 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 payload! {
     /// The newest frames and joint state, some 60 times a second: the streams of the 1 kHz loop have a closed set of peers,
     /// this one is for screens.
-    View as "atas.View.v1" {
+    View as "atas.View.v2" {
         /// `captured_ns` is the tick's time; `sequence` counts the views.
         pub stamp: Stamp,
         /// The tick that left it.

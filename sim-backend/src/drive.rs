@@ -73,9 +73,7 @@ impl Drive {
         state.commanded_count = self.joints as u32;
         state.commanded_rad = self.held.position_rad;
         if let Some(last) = &self.obeyed {
-            state.command_epoch = last.stamp.writer_epoch;
-            state.command_sequence = last.stamp.sequence;
-            state.command_valid_until_ns = last.valid_until_ns;
+            last.tell(state);
         }
     }
 
@@ -221,6 +219,7 @@ mod tests {
         assert_eq!((state.commanded_rad[3], state.command_epoch), (0.0, 0));
         let mut command = command(1.0, 5 * MS_NS);
         (command.stamp.sequence, command.stamp.writer_epoch) = (4, 7);
+        command.grip_limit_n = [0.0, 1.5];
         command.seal();
         drive.orders(Some(&command), 0);
         for ms in 1..50 {
@@ -237,6 +236,7 @@ mod tests {
             (state.command_sequence, state.command_valid_until_ns),
             (4, 5 * MS_NS)
         );
+        assert_eq!(state.grip_limit_n, [0.0, 1.5]);
     }
 
     proptest! {

@@ -15,19 +15,13 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 use system_tests::binary;
-use system_tests::gates::GATES;
+use system_tests::gates::{GATES, judge};
 
 fn main() -> ExitCode {
     let figures = measure();
     println!("{figures:#}");
     keep(&figures);
-    let verdicts = GATES.iter().map(|gate| (gate, gate.judge(&figures)));
-    let failed = verdicts.filter(|(gate, verdict)| {
-        println!("{}", gate.line(*verdict));
-        verdict.fails()
-    });
-    // Every gate is printed before one fails.
-    match failed.count() {
+    match judge(GATES, &figures) {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     }

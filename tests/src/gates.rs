@@ -1,4 +1,4 @@
-//! What `atas bench latency` must not get worse in: ratios and counts, and how they are judged.
+//! What the benches `latency` and `screens` must not get worse in: ratios and counts, and how they are judged.
 //!
 //! A bound is the aim with room for a busy machine of two cores; the README states what a quiet one reaches. A figure that was
 //! not measured holds nothing, and fails as one that got worse: `not_measured` beside the figures says what is lacking.
@@ -33,6 +33,14 @@ const fn at_most(name: &'static str, of: fn(&Value) -> Option<f64>, most: f64) -
     }
 }
 
+const fn at_least(name: &'static str, of: fn(&Value) -> Option<f64>, least: f64) -> Gate {
+    Gate {
+        least,
+        most: f64::INFINITY,
+        ..at_most(name, of, least)
+    }
+}
+
 const fn realtime(gate: Gate) -> Gate {
     Gate {
         realtime: true,
@@ -47,7 +55,7 @@ const fn exactly(name: &'static str, of: fn(&Value) -> Option<f64>, value: f64) 
     }
 }
 
-/// What is held.
+/// What is held of the tick.
 pub const GATES: &[Gate] = &[
     exactly(
         "allocations per tick",
@@ -145,6 +153,32 @@ pub const GATES: &[Gate] = &[
     ),
 ];
 
+/// What is held of what people look at. The serving process takes 3 % of a quiet core; a busy machine counts more for the same.
+pub const SCREENS: &[Gate] = &[
+    at_most("page, MB", |f| f["dashboard"]["page_mb"].as_f64(), 1.5),
+    at_most(
+        "dashboard's memory at its most, MB",
+        |f| f["dashboard"]["memory_mb"].as_f64(),
+        60.0,
+    ),
+    at_most(
+        "dashboard's share of a core, %",
+        |f| f["dashboard"]["cpu_percent"].as_f64(),
+        16.0,
+    ),
+    at_least(
+        "recorded time / time to export: mcap",
+        |f| f["export_times"]["mcap"].as_f64(),
+        20.0,
+    ),
+    at_least("... csv", |f| f["export_times"]["csv"].as_f64(), 20.0),
+    at_least(
+        "... parquet",
+        |f| f["export_times"]["parquet"].as_f64(),
+        20.0,
+    ),
+];
+
 /// How a figure stands to its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
@@ -190,8 +224,25 @@ impl Gate {
             Verdict::NotMeasured => (None, "NOT MEASURED"),
         };
         let value = value.map_or("–".to_owned(), |value| format!("{value:.4}"));
-        format!("{:40} {value:>12} of {:<10} {word}", self.name, self.most)
+        let bound = if self.most.is_finite() {
+            self.most
+        } else {
+            self.least
+        };
+        format!("{:40} {value:>12} of {bound:<10} {word}", self.name)
     }
+}
+
+/// Judges all, with a line each on standard output; how many fail. Every gate is printed before one fails.
+#[expect(clippy::print_stdout, reason = "figures are the product of a bench")]
+#[must_use]
+pub fn judge(gates: &[Gate], figures: &Value) -> usize {
+    let verdicts = gates.iter().map(|gate| (gate, gate.judge(figures)));
+    let failed = verdicts.filter(|(gate, verdict)| {
+        println!("{}", gate.line(*verdict));
+        verdict.fails()
+    });
+    failed.count()
 }
 
 fn ratio(of: &Value, to: &Value) -> Option<f64> {
@@ -261,7 +312,7 @@ mod tests {
     #[test]
     fn figures_without_a_number_fail_every_gate() {
         let silent = json!({"daemon": {"realtime": true}});
-        for gate in GATES {
+        for gate in GATES.iter().chain(SCREENS) {
             let verdict = gate.judge(&silent);
             assert_eq!(verdict, Verdict::NotMeasured, "{}", gate.name);
             assert!(gate.line(verdict).contains("NOT MEASURED"));

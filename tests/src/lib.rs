@@ -9,6 +9,7 @@ pub mod browser;
 pub mod figures;
 pub mod gates;
 pub mod loopback;
+pub mod terminal;
 
 use std::fs::File;
 use std::io::Write;

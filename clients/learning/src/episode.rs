@@ -127,6 +127,7 @@ impl Episode {
                 mode: Mode::RUN,
                 measured_rad: Some(&measured_rad),
                 joint_sequence: self.sensed.joints.stamp.sequence,
+                grip_limit_n: [0.0; 2],
                 settings: &self.settings.safety,
             },
         );

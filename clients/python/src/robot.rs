@@ -87,9 +87,7 @@ impl Robot {
         state.effort_n_m[..joints].copy_from_slice(effort_n_m);
         state.commanded_rad = self.held.position_rad;
         if let Some((last, ..)) = &self.obeyed {
-            state.command_epoch = last.stamp.writer_epoch;
-            state.command_sequence = last.stamp.sequence;
-            state.command_valid_until_ns = last.valid_until_ns;
+            last.tell(&mut state);
         }
         state.seal();
         state

@@ -34,8 +34,8 @@ class Foreign:
     def __init__(self, folder: str) -> None:
         self.peer = Peer(folder, "foreign")
         self.frames = [self.peer.publisher(f"atas/v1/hand-frame/{hand}") for hand in ("left", "right")]
-        self.states = self.peer.publisher("atas/v2/joint-state")
-        self.commands = self.peer.subscriber("atas/v1/joint-command")
+        self.states = self.peer.publisher("atas/v3/joint-state")
+        self.commands = self.peer.subscriber("atas/v2/joint-command")
         self.epoch = epoch()
         self.noise = np.random.default_rng(1)
         self.joints = atas.Simulation().joint_state["position_rad"][:22].copy()

@@ -203,9 +203,7 @@ impl Robot {
             ..JointState::default()
         };
         if let Some(last) = &self.obeyed {
-            state.command_epoch = last.stamp.writer_epoch;
-            state.command_sequence = last.stamp.sequence;
-            state.command_valid_until_ns = last.valid_until_ns;
+            last.tell(&mut state);
         }
         for (joint, reading) in self.readings[..count].iter().enumerate() {
             state.position_rad[joint] = reading.position_rad;

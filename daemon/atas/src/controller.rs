@@ -128,6 +128,7 @@ impl Controller {
                 mode: self.mode.mode(),
                 measured_rad: self.joints.fresh_rad(self.tick, &self.settings.intake),
                 joint_sequence: self.joints.sequence(),
+                grip_limit_n: core::array::from_fn(|hand| self.hands[hand].limit_n()),
                 settings: &self.settings.safety,
             },
         );

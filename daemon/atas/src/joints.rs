@@ -5,6 +5,7 @@ use crate::settings::Intake as Limits;
 use crate::tick::Tick;
 use crate::tick::seconds_between;
 use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
+use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, JointState, JointStatus, Reason};
 
 /// The gatekeeper of joint states, and the newest that it believed.
@@ -32,6 +33,7 @@ struct Newest {
     received_ns: u64,
     position_rad: RobotVector,
     commanded_rad: Option<RobotVector>,
+    grip_limit_n: [f64; HANDS],
     effort_n_m: Option<RobotVector>,
 }
 
@@ -71,6 +73,7 @@ impl JointIntake {
                     received_ns: tick.now_ns,
                     position_rad,
                     commanded_rad: self.commanded_of(state),
+                    grip_limit_n: state.grip_limit_n,
                     effort_n_m: self.effort_of(state),
                 });
             }
@@ -98,6 +101,13 @@ impl JointIntake {
     #[must_use]
     pub fn commanded_rad(&self) -> Option<&RobotVector> {
         self.newest.as_ref()?.commanded_rad.as_ref()
+    }
+
+    /// What the robot was told of F_2 of each hand's grip, N, as it came; zero if it tells nothing.
+    #[must_use]
+    pub fn grip_limit_n(&self) -> [f64; HANDS] {
+        self.newest
+            .map_or([0.0; HANDS], |newest| newest.grip_limit_n)
     }
 
     /// Torques of the servos, N·m, if the robot tells them.

@@ -296,6 +296,7 @@ impl Gate {
             let joints = self.position_rad.len();
             command.position_rad[..joints].copy_from_slice(&self.position_rad);
             command.velocity_rad_s[..joints].copy_from_slice(&self.velocity_rad_s);
+            command.grip_limit_n = ctx.grip_limit_n;
         }
         command.seal();
         command
@@ -315,6 +316,8 @@ pub struct GateContext<'a> {
     pub measured_rad: Option<&'a RobotVector>,
     /// Sequence of the joint state that the tick used.
     pub joint_sequence: u64,
+    /// F_2 of what each hand holds, N, for the next daemon; zero for an empty hand.
+    pub grip_limit_n: [f64; HANDS],
     /// Limits.
     pub settings: &'a Settings,
 }

@@ -8,6 +8,10 @@ use shm_schemas::Cause;
 /// Share of F_2 that F_1 never exceeds, so that Module 1 and Module 3 never contradict each other.
 const F1_BELOW_F2: f64 = 0.8;
 
+/// Multiple of the force found on an object up to which it may be pressed, if nobody tells how much it bears (ours, as one
+/// step of the load test).
+const KEEP_FACTOR: f64 = 1.2;
+
 /// What sets F_2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -56,6 +60,23 @@ impl Thresholds {
             Self::with_f2(max_force_n.min(settings.f2_max_n), Bound::Goal, settings)
         } else {
             self
+        }
+    }
+
+    /// For what the hand was found pressing with these forces, the weakest and the strongest, N, and of which F_2 is told, N;
+    /// zero if it is not.
+    #[must_use]
+    pub fn found([weakest_n, strongest_n]: [f64; 2], told_n: f64, settings: &Grasp) -> Self {
+        let told = told_n.is_finite() && told_n >= settings.keep_n;
+        let f2_n = if told {
+            told_n.min(settings.f2_max_n)
+        } else {
+            KEEP_FACTOR * strongest_n
+        };
+        Self {
+            f1_n: weakest_n.min(F1_BELOW_F2 * f2_n),
+            f2_n,
+            bound: Bound::Hand,
         }
     }
 

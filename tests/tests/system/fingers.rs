@@ -7,10 +7,10 @@ use rustix::process::Signal;
 use serde_json::Value;
 use shm_bus::FreshBus;
 use system_tests::browser::request;
+use system_tests::terminal::Terminal;
 use system_tests::{Process, alone, binary, wait_for};
 
 use crate::dashboard::{address, serve};
-use crate::top::Terminal;
 
 /// A robot in lock-step, its daemon, perhaps a recorder.
 struct Rig<'a> {

@@ -17,9 +17,8 @@ use rustix::process::{Pid, Signal, kill_process};
 use rustix::termios::LocalModes;
 use serde_json::Value;
 use shm_bus::BusName;
+use system_tests::terminal::Terminal;
 use system_tests::{alone, wait_for};
-
-use crate::top::Terminal;
 
 use house::*;
 

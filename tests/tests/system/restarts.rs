@@ -3,7 +3,7 @@
 
 use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
-use shm_schemas::{WorldTruth, service};
+use shm_schemas::{JointCommand, WorldTruth, service};
 use system_tests::{Process, alone, wait_for};
 
 /// How long an object must stay in the hand after what happened, of simulated time, ns.
@@ -17,6 +17,7 @@ struct Rig {
     _robot: Process,
     _goal: Process,
     truths: Subscriber<WorldTruth>,
+    commands: Subscriber<JointCommand>,
     truth: Box<WorldTruth>,
     bus: FreshBus,
 }
@@ -56,6 +57,9 @@ impl Rig {
             truths: observer
                 .subscriber(service::WORLD_TRUTH)
                 .expect("a subscriber"),
+            commands: observer
+                .subscriber(service::JOINT_COMMAND)
+                .expect("a subscriber"),
             truth: Box::default(),
             bus,
         }
@@ -74,6 +78,19 @@ impl Rig {
         self.until("the object to be lifted", |t| {
             t.objects[0].lifted_m > metres
         });
+    }
+
+    /// How much the object may be pressed with, as the daemon commands it now, N.
+    fn limit_n(&mut self) -> f64 {
+        let commands = &mut self.commands;
+        let mut command = JointCommand::default();
+        // What waits may be of a daemon that is gone.
+        commands.newest(&mut command).expect("readable");
+        wait_for("a command about a grip", || {
+            let came = commands.newest(&mut command).expect("readable");
+            let limit_n = command.grip_limit_n[1];
+            (came && limit_n > 0.0).then_some(limit_n)
+        })
     }
 
     fn atas(&self, word: &str) {
@@ -116,9 +133,11 @@ fn an_object_in_the_hand_stays_there_whatever_happens_to_the_daemon() {
     let _alone = alone();
     let mut held = Rig::new(("wood", "0.32,-0.15,0.0345", "50"));
     held.until_lifted(0.035);
+    let borne_n = held.limit_n();
     for (what, interrupt) in INTERRUPTIONS {
         interrupt(&mut held);
         held.assert_kept(&format!("{what} while it holds"));
+        assert_eq!(held.limit_n(), borne_n, "{what}");
     }
     for (what, interrupt) in INTERRUPTIONS {
         let mut lifted = Rig::new(("sponge", "0.32,-0.15,0.029", "60"));

@@ -204,7 +204,7 @@ mod tests {
         };
         check("status", Some("status"));
         check("sensor-status", Some("sensor-status"));
-        check("atas/v1/view", Some("view"));
+        check("atas/v2/view", Some("view"));
         check("hand-frame/left", Some("hand-frame/left"));
         check("left", Some("hand-frame/left"));
         check("tatus", None);

@@ -78,7 +78,8 @@ impl Controller {
     fn keep_grips(&mut self) {
         self.looks_for_grip = false;
         for hand in 0..HANDS {
-            if let Some(reason) = self.hands[hand].keep(&self.settings) {
+            let told_f2_n = self.joints.grip_limit_n()[hand];
+            if let Some(reason) = self.hands[hand].keep(told_f2_n, &self.settings) {
                 self.warn(reason.about(hand));
             }
         }

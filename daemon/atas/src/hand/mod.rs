@@ -51,6 +51,8 @@ pub(crate) struct HandControl {
     base_from_tip: [Matrix3<f64>; FINGERS_MAX],
     frames: u32,
     borne: Borne,
+    /// F_2 of what the hand holds, N; zero for an empty hand. It outlives the task, and goes with the touch.
+    limit_n: f64,
     /// A module has seen in the tick before that the object slides.
     slides: bool,
 }
@@ -83,6 +85,7 @@ impl HandControl {
             felt: None,
             base_from_tip: [Matrix3::identity(); FINGERS_MAX],
             frames: 0,
+            limit_n: 0.0,
             slides: false,
         }
     }
@@ -107,6 +110,7 @@ impl HandControl {
                     .update(&checked, slides, &settings.perception);
             }
         }
+        self.remember_limit();
         self.publish_touches(&before, settings, events);
         if self.intake.warning().is_some() {
             events.push(ModuleEvent {
@@ -114,6 +118,15 @@ impl HandControl {
                 ..self.event(EventKind::WARNING)
             });
         }
+    }
+
+    fn remember_limit(&mut self) {
+        let touches = |fingers: &Percept| fingers.virtual_fingers.iter().any(|f| f.in_contact);
+        self.limit_n = match &self.runner {
+            Some(runner) if runner.grips() => runner.thresholds().f2_n,
+            _ if touches(self.perception.percept()) => self.limit_n,
+            _ => 0.0,
+        };
     }
 
     /// What the hand must be held for.
@@ -192,8 +205,9 @@ impl HandControl {
         self.arbiter.rest();
     }
 
-    /// Goes on holding what the hand presses on, if it has no task and every finger presses; the reason to say so.
-    pub(crate) fn keep(&mut self, settings: &Settings) -> Option<Reason> {
+    /// Goes on holding what the hand presses on, if it has no task and every finger presses; the reason to say so. The robot
+    /// may tell F_2 of it, N; zero if it does not.
+    pub(crate) fn keep(&mut self, told_f2_n: f64, settings: &Settings) -> Option<Reason> {
         let percept = *self.perception.percept();
         let touches = percept.virtual_fingers.iter().all(|f| f.in_contact);
         let servo = self.servo.as_mut()?;
@@ -202,10 +216,15 @@ impl HandControl {
         }
         servo.take_grip(&self.model, &percept);
         let now = *servo.frame();
+        let f2_n = if self.limit_n > 0.0 {
+            self.limit_n
+        } else {
+            told_f2_n
+        };
         let waypoints = Waypoints::resting(&self.model, now, home(&self.model, &now), settings);
         self.modules.reset();
         self.arbiter.rest();
-        let runner = Runner::keep(waypoints, &now, &percept, settings);
+        let runner = Runner::keep(waypoints, &now, &percept, f2_n, settings);
         let (_, strongest_n) = force_range_n(&percept);
         let reason = Reason::limit(Cause::GRIP_FOUND, strongest_n, runner.thresholds().f2_n);
         self.runner = Some(runner);
@@ -397,6 +416,12 @@ impl HandControl {
     #[must_use]
     pub(crate) fn runner(&self) -> Option<&Runner> {
         self.runner.as_ref()
+    }
+
+    /// F_2 of what the hand holds, N; zero for an empty hand.
+    #[must_use]
+    pub(crate) fn limit_n(&self) -> f64 {
+        self.limit_n
     }
 
     /// What the gate must know of the grip.

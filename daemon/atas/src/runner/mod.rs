@@ -19,13 +19,11 @@ use crate::tasks::{
     BACK_OUT, BehaviourTable, KEEP, Motion, RAISE, STAND, STAND_LED, Step, Track, Transition,
     WITHDRAW,
 };
-use crate::thresholds::{Bound, Thresholds};
+use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{Cause, ModuleId, Reason};
 
-/// Multiple of the force found on an object up to which it may be pressed (ours, as one step of the load test).
-const KEEP_FACTOR: f64 = 1.2;
 /// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
 const LOST_AFTER_S: f64 = 0.05;
 /// How long a held object may slip on a finger before a warning, s (ours: several times what Module 2 takes to answer).
@@ -213,21 +211,18 @@ impl Runner {
         Self { table, ..self }
     }
 
-    /// Goes on with what the hand was found gripping. How much it bears is not known: a little more than it bears now.
+    /// Goes on with what the hand was found gripping, of which F_2 is told, N; zero if it is not.
     #[must_use]
     pub fn keep(
         waypoints: Waypoints,
         now: &GraspFrame,
         percept: &Percept,
+        told_f2_n: f64,
         settings: &Settings,
     ) -> Self {
         let (weakest_n, strongest_n) = force_range_n(percept);
         Self {
-            thresholds: Thresholds {
-                f1_n: weakest_n,
-                f2_n: KEEP_FACTOR * strongest_n,
-                bound: Bound::Hand,
-            },
+            thresholds: Thresholds::found([weakest_n, strongest_n], told_f2_n, &settings.grasp),
             all_touched: true,
             lifted_from_m: Some(now.centre_m),
             holds: true,

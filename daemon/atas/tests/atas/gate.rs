@@ -322,6 +322,7 @@ fn every_command_is_stamped_sealed_and_short_lived() {
             mode,
             measured_rad: None,
             joint_sequence: index + 100,
+            grip_limit_n: [0.0, 2.5],
             settings: &settings,
         };
         let command = *gate.pass(&raw, &[LOOSE; 2], &ctx).command();

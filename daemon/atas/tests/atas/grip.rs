@@ -36,6 +36,34 @@ fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     assert_eq!(refused.reason.cause, Cause::HAND_FULL);
 }
 
+/// Regression: how much the object bears went with the daemon, and every restart allowed a fifth more than the fingers pressed.
+#[test]
+fn what_the_object_bears_is_known_after_restarts_and_stops() {
+    let mut world = World::holding();
+    let borne_n = world.run(1).command.grip_limit_n;
+    assert!(borne_n[0] == 0.0 && borne_n[1] > 0.0, "{borne_n:?}");
+    for _ in 0..3 {
+        world.restart();
+        assert_eq!(world.controller.step_name(), "keep grip");
+        assert_eq!(world.run(1).command.grip_limit_n, borne_n);
+        world.order(Order::Stop(Reason::of(Cause::ESTOP)));
+        world.run(100);
+        world.order(Order::Recover);
+        world.run(100);
+        assert_eq!(world.run(1).command.grip_limit_n, borne_n);
+    }
+    world.told_f2_n = [0.0; 2];
+    world.restart();
+    let guessed_n = world.run(1).command.grip_limit_n;
+    assert!(guessed_n[1] > 0.0 && guessed_n[1] < borne_n[1]);
+    world.has_object = false;
+    assert_eq!(
+        world.run(300).command.grip_limit_n,
+        [0.0; 2],
+        "nothing is held"
+    );
+}
+
 /// Regression: every element at 25 N opened the fingers, and nobody was told.
 #[test]
 fn a_force_that_cannot_be_holds_and_opens_nothing() {

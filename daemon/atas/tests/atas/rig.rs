@@ -70,6 +70,7 @@ impl Rig {
                 mode,
                 measured_rad: self.measured_rad.as_ref(),
                 joint_sequence: 5,
+                grip_limit_n: [0.0; 2],
                 settings: &self.settings,
             },
         )

@@ -32,6 +32,8 @@ pub(crate) struct World {
     pub(crate) q_rad: RobotVector,
     /// Sensors and joints that say nothing: left, right, joints.
     pub(crate) mute: [bool; 3],
+    /// What the robot was told of F_2 of each hand's grip, N.
+    pub(crate) told_f2_n: [f64; 2],
     /// What happens to every joint state on its way.
     pub(crate) joint_fault: Option<fn(&mut JointState)>,
     /// What happens to every frame of the right hand on its way.
@@ -82,6 +84,7 @@ impl World {
             ms: 1_000,
             q_rad: home_rad(),
             mute: [false; 3],
+            told_f2_n: [0.0; 2],
             joint_fault: None,
             frame_fault: None,
             has_object: false,
@@ -137,6 +140,13 @@ impl World {
         HOLDING.clone()
     }
 
+    /// Another daemon begins where this one is.
+    pub(crate) fn restart(&mut self) {
+        self.controller = World::new().controller;
+        self.run_until(100, |w| w.mode() == Mode::RUN);
+        self.run(1);
+    }
+
     pub(crate) fn mode(&self) -> Mode {
         self.controller.mode().0
     }
@@ -187,10 +197,11 @@ impl World {
             frames[1].seal();
         }
         let mut state = joints(self.ms, now_ns, &self.q_rad);
+        state.grip_limit_n = self.told_f2_n;
         if let Some(fault) = self.joint_fault {
             fault(&mut state);
-            state.seal();
         }
+        state.seal();
         let [left, right] = frames;
         let muted = |frame: HandFrame, i: usize| if self.mute[i] { vec![] } else { vec![frame] };
         let heard = Logged {
@@ -210,6 +221,7 @@ impl World {
         if outputs.command.joint_count > 0 {
             self.q_rad
                 .copy_from_slice(&outputs.command.position_rad[..JOINTS]);
+            self.told_f2_n = outputs.command.grip_limit_n;
         }
         outputs
     }
