@@ -92,18 +92,16 @@ fn dashboard(bus: &str) -> Value {
     })
 }
 
-/// Processor time of a process, s.
+/// Processor time of a process's threads, s.
 fn cpu_s(pid: u32) -> f64 {
-    let stat = std::fs::read_to_string(format!("/proc/{pid}/schedstat")).unwrap_or_default();
-    let own = stat.split_whitespace().next();
     let threads = std::fs::read_dir(format!("/proc/{pid}/task")).expect("it lives");
-    let of = |path: &Path| -> Option<f64> {
-        let text = std::fs::read_to_string(path).ok()?;
-        text.split_whitespace().next()?.parse().ok()
-    };
-    assert!(own.is_some(), "this kernel counts no processor time");
-    let all = threads.filter_map(|thread| of(&thread.ok()?.path().join("schedstat")));
-    all.sum::<f64>() * 1e-9
+    let all_ns = threads.map(|thread| {
+        let path = thread.expect("readable").path().join("schedstat");
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let first = text.split_whitespace().next();
+        first.and_then(|word| word.parse().ok()).unwrap_or(f64::NAN)
+    });
+    all_ns.sum::<f64>() * 1e-9
 }
 
 /// Resident memory of a process at its most so far, MB.
@@ -187,5 +185,6 @@ fn record(file: &Path) -> f64 {
     let output = Command::new(binary("atas")).args(check).output();
     let said: Value =
         serde_json::from_slice(&output.expect("atas starts").stdout).expect("one JSON value");
-    said["ticks"].as_f64().expect("ticks") * 1e-3
+    // A tick is one part, as a sensor of 1 kHz sends one frame in it.
+    said["parts"].as_f64().expect("parts") * 1e-3
 }

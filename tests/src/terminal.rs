@@ -66,6 +66,10 @@ impl Terminal {
         });
     }
 
+    /// Makes the terminal as large.
+    ///
+    /// # Panics
+    /// If it is gone.
     pub fn resize(&self, rows: u16, columns: u16) {
         self.screen
             .lock()
@@ -84,12 +88,21 @@ impl Terminal {
         self.screen.lock().expect("whole").screen().contents()
     }
 
+    /// Waits until this stands on the screen.
+    ///
+    /// # Panics
+    /// If it does not for too long.
     pub fn wait_for(&self, part: &str) {
         wait_for(&format!("{part:?} on the screen"), || {
             self.text().contains(part).then_some(())
         });
     }
 
+    /// Whether these bytes were ever written.
+    ///
+    /// # Panics
+    /// If its reader panicked.
+    #[must_use]
     pub fn has_written(&self, bytes: &str) -> bool {
         let raw = self.raw.lock().expect("whole");
         raw.windows(bytes.len())
@@ -138,7 +151,11 @@ impl Drop for Terminal {
 }
 
 /// A program in a terminal of 80 × 24, and the terminal's other end.
-fn in_terminal(mut command: Command) -> (Child, File) {
+///
+/// # Panics
+/// If there is none to be had, or the program cannot be started.
+#[must_use]
+pub fn in_terminal(mut command: Command) -> (Child, File) {
     let master =
         openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).expect("a terminal");
     grantpt(&master).expect("granted");

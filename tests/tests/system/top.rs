@@ -1,11 +1,12 @@
 //! `atas top` in a real terminal, and `atas topic` beside it.
 
-use std::process::{Command, Stdio};
+use std::io::Read as _;
+use std::process::Command;
 
 use rustix::process::Signal;
 use serde_json::Value;
 use shm_bus::{FreshBus, STREAMS};
-use system_tests::terminal::Terminal;
+use system_tests::terminal::{Terminal, in_terminal};
 use system_tests::{Process, alone, binary, wait_for};
 
 /// Exit code, and each line of standard output as JSON.

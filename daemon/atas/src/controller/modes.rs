@@ -79,8 +79,8 @@ impl Controller {
         self.looks_for_grip = false;
         for hand in 0..HANDS {
             let told_f2_n = self.joints.grip_limit_n()[hand];
-            if let Some(reason) = self.hands[hand].keep(told_f2_n, &self.settings) {
-                self.warn(reason.about(hand));
+            if let Some(found) = self.hands[hand].keep(told_f2_n, &self.settings) {
+                self.outputs.events.push(found);
             }
         }
     }

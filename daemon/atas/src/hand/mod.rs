@@ -1,6 +1,7 @@
 //! One hand: everything between its frames and its joint positions, in the order in which data flows.
 
 mod borne;
+mod grip;
 mod telling;
 
 use crate::arbitration::{Arbiter, Intent};
@@ -120,15 +121,6 @@ impl HandControl {
         }
     }
 
-    fn remember_limit(&mut self) {
-        let touches = |fingers: &Percept| fingers.virtual_fingers.iter().any(|f| f.in_contact);
-        self.limit_n = match &self.runner {
-            Some(runner) if runner.grips() => runner.thresholds().f2_n,
-            _ if touches(self.perception.percept()) => self.limit_n,
-            _ => 0.0,
-        };
-    }
-
     /// What the hand must be held for.
     #[must_use]
     pub(crate) fn hold_reason(&self, tick: Tick, settings: &Settings) -> Reason {
@@ -203,32 +195,6 @@ impl HandControl {
     pub(crate) fn anchor(&mut self, q_rad: HandVector) {
         self.servo = Some(HandServo::at(&self.model, q_rad));
         self.arbiter.rest();
-    }
-
-    /// Goes on holding what the hand presses on, if it has no task and every finger presses; the reason to say so. The robot
-    /// may tell F_2 of it, N; zero if it does not.
-    pub(crate) fn keep(&mut self, told_f2_n: f64, settings: &Settings) -> Option<Reason> {
-        let percept = *self.perception.percept();
-        let touches = percept.virtual_fingers.iter().all(|f| f.in_contact);
-        let servo = self.servo.as_mut()?;
-        if !touches || self.runner.is_some() || self.borne.doubt().is_some() {
-            return None;
-        }
-        servo.take_grip(&self.model, &percept);
-        let now = *servo.frame();
-        let f2_n = if self.limit_n > 0.0 {
-            self.limit_n
-        } else {
-            told_f2_n
-        };
-        let waypoints = Waypoints::resting(&self.model, now, home(&self.model, &now), settings);
-        self.modules.reset();
-        self.arbiter.rest();
-        let runner = Runner::keep(waypoints, &now, &percept, f2_n, settings);
-        let (_, strongest_n) = force_range_n(&percept);
-        let reason = Reason::limit(Cause::GRIP_FOUND, strongest_n, runner.thresholds().f2_n);
-        self.runner = Some(runner);
-        Some(reason)
     }
 
     /// Takes in what the client that leads the hand wants, if one does.
@@ -416,26 +382,6 @@ impl HandControl {
     #[must_use]
     pub(crate) fn runner(&self) -> Option<&Runner> {
         self.runner.as_ref()
-    }
-
-    /// F_2 of what the hand holds, N; zero for an empty hand.
-    #[must_use]
-    pub(crate) fn limit_n(&self) -> f64 {
-        self.limit_n
-    }
-
-    /// What the gate must know of the grip.
-    #[must_use]
-    pub(crate) fn grip(&self) -> Grip {
-        let percept = self.perception.percept();
-        Grip {
-            normal_n: percept.virtual_fingers.map(|finger| finger.normal_n),
-            f2_n: self
-                .runner
-                .as_ref()
-                .filter(|r| r.stiffness().is_some())
-                .map(|r| r.thresholds().f2_n),
-        }
     }
 
     /// Takes the present reading as zero.

@@ -4,7 +4,7 @@ use crate::support::JOINTS;
 use crate::world::{World, commanded_gap_m, grasp, start};
 use atas_core::settings::PARAMETERS;
 use atas_core::{Inputs, Order, Tick};
-use shm_schemas::{Cause, EventKind, GoalState, Mode, Reason};
+use shm_schemas::{Cause, EventKind, GoalState, Hand, Mode, Reason};
 
 fn warned(outputs: &atas_core::Outputs) -> Vec<Cause> {
     let events = outputs.events.as_slice().iter();
@@ -26,6 +26,9 @@ fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     world.order(Order::Recover);
     let (outputs, _) = world.run_until(100, |w| w.controller.step_name() == "keep grip");
     assert_eq!(warned(&outputs), [Cause::GRIP_FOUND]);
+    let found = outputs.events.as_slice().iter();
+    let mut found = found.filter(|event| event.reason.cause == Cause::GRIP_FOUND);
+    assert!(found.all(|event| event.hand == Hand::RIGHT));
     assert_eq!(world.run(1).command.mode, Mode::RUN);
     let off_rad = |at: &[f64]| {
         let pairs = held_rad[..JOINTS].iter().zip(at);
