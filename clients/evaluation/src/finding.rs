@@ -115,7 +115,8 @@ fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// Mean true normal force of both sides at the end over the force needed, of what is in the hand then.
+/// Mean true normal force of both sides at the end, of what is in the hand then, over the force that keeps it from sliding, and over the
+/// one that also keeps it from turning.
 fn grasped(
     outcome: Outcome,
     hand: &HandModel,
@@ -127,5 +128,9 @@ fn grasped(
     }
     let pressed_n = &truth.normal_n[hand.side().index()][..hand.finger_count()];
     let mean_n = pressed_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
-    vec![("over_grip", mean_n / load.needed_n)]
+    let mut measures = vec![("over_grip", mean_n / load.needed_n)];
+    if hand.skin().layout.is_dome() {
+        measures.push(("over_steady", mean_n / load.gripped_n));
+    }
+    measures
 }

@@ -126,7 +126,12 @@ impl<'a> Stage<'a> {
     fn run(&self, mut worn: Worn) -> anyhow::Result<Record> {
         let begin_s = cpu_s();
         let (plan, job) = (self.plan, self.job);
-        let load = Load::of(&self.scene.objects[0].object, &plan.settings.grasp);
+        let told = self
+            .scene
+            .grasp_hint(0)
+            .context("a task is about an object")?;
+        let placed = &self.scene.objects[0];
+        let load = Load::of(&placed.object, &plan.settings.grasp).gripped(placed, told);
         let mut progress = GoalProgress::default();
         let mut run = OfflineRun::at_rest(self.robot, &self.scene, self.seed, worn.settings)?;
         run.make_ready(&mut worn.skin);

@@ -3,7 +3,7 @@
 use atas_core::settings;
 use atas_core::thresholds::Thresholds;
 use serde::{Deserialize, Serialize};
-use sim_backend::Object;
+use sim_backend::{GraspHint, Object, Placed};
 
 /// An object is borderline if the force it needs is within this share of F_2. Measured with `atas eval grasp --seeds 25`:
 /// of soft objects the stiffness probe finds F_2 too high by 5 to 9 %, with a standard deviation of 4 %.
@@ -16,6 +16,8 @@ pub struct Load {
     pub needed_n: f64,
     /// Normal force that carries it without letting it turn between the fingers ([`Object::steady_n`]).
     pub steady_n: f64,
+    /// Normal force that does so where two domes take hold of it: as far beside its middle as the hand was told wrongly.
+    pub gripped_n: f64,
     /// Normal force that crushes it.
     pub crush_n: f64,
     /// Most that the hand may press with (`grasp.f2_max_n`), whatever the object.
@@ -31,9 +33,24 @@ impl Load {
         Self {
             needed_n: object.needed_n(),
             steady_n: object.steady_n(),
+            gripped_n: object.steady_n(),
             crush_n: object.crush_n,
             press_n: grasp.f2_max_n,
             f2_n: Thresholds::for_stiffness(object.stiffness_n_m, grasp).f2_n,
+        }
+    }
+
+    /// The same for an object that does not stand where the hand was told.
+    #[must_use]
+    pub fn gripped(self, placed: &Placed, told: GraspHint) -> Self {
+        let [off_x_m, off_y_m] = [0, 1].map(|axis| placed.position_m[axis] - told.from_m[axis]);
+        // Across the closing axis; along it the fingers find the object.
+        let beside_m = told.yaw_rad.cos() * off_y_m - told.yaw_rad.sin() * off_x_m;
+        let mut object = placed.object.clone();
+        object.centre_of_mass_m.y += beside_m;
+        Self {
+            gripped_n: object.steady_n(),
+            ..self
         }
     }
 
@@ -62,6 +79,8 @@ impl Load {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use robot_model::Side;
+    use sim_backend::Scene;
 
     #[test]
     fn feasibility_under_the_rule() {
@@ -69,6 +88,7 @@ mod tests {
             let load = Load {
                 needed_n,
                 steady_n: needed_n,
+                gripped_n: needed_n,
                 crush_n,
                 press_n: 8.0,
                 f2_n,
@@ -95,6 +115,7 @@ mod tests {
             let load = Load {
                 needed_n: 1.0,
                 steady_n,
+                gripped_n: steady_n,
                 crush_n,
                 press_n: 8.0,
                 f2_n: 0.7,
@@ -106,6 +127,24 @@ mod tests {
         check(7.9, f64::INFINITY, true);
         check(8.0, f64::INFINITY, false);
         check(f64::NAN, f64::INFINITY, false);
+    }
+
+    #[test]
+    fn what_is_gripped_beside_its_middle_needs_more() {
+        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+        let (told, mut placed) = (
+            scene.grasp_hint(0).expect("an object"),
+            scene.objects[0].clone(),
+        );
+        let load = Load::of(&placed.object, &settings::Grasp::default());
+        let along = [told.yaw_rad.cos(), told.yaw_rad.sin()];
+        let mut gripped_n = |by_m: f64, [x, y]: [f64; 2]| {
+            placed.position_m = [told.from_m[0] + by_m * x, told.from_m[1] + by_m * y];
+            load.gripped(&placed, told).gripped_n
+        };
+        assert!((gripped_n(0.002, along) / load.needed_n - 1.0).abs() < 1e-6);
+        let beside = gripped_n(0.002, [-along[1], along[0]]) / load.needed_n;
+        assert!((1.05..1.3).contains(&beside), "{beside}");
     }
 
     #[test]

@@ -59,6 +59,7 @@ fn errors(name: &str) -> String {
 fn heading(name: &str) -> &str {
     match name {
         "over_grip" => "over-grip",
+        "over_steady" => "over what turns",
         "slip_mm" => "slip mm",
         "turn_deg" => "turn °",
         "bottle_turn_deg" => "bottle turns °",
