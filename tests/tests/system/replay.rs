@@ -13,6 +13,9 @@ const CONFIG: &str = "
 joints_required = false
 [hands.left]
 required = false
+# A machine that is taken away between the tick's clock and its intake sees frames of later: of what is tested, none is lost.
+[intake]
+future_s = 0.1
 ";
 
 #[test]
