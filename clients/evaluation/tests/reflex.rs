@@ -28,7 +28,10 @@ fn a_clumsy_policy_holds_with_the_reflex_and_not_without() {
             assert!(told[side][field].is_number(), "{side}.{field}: {told}");
         }
     }
-    for field in ["count", "p50", "p99"] {
+    let slip = &report.slip_to_command_ms;
+    assert!(slip.p99.is_some_and(|ms| ms <= 15.0), "{slip:?}");
+    assert!(slip.p99_with_f2 >= slip.p99, "{slip:?}");
+    for field in ["count", "p50", "p99", "p99_with_f2"] {
         assert!(
             told["slip_to_command_ms"][field].is_number(),
             "{field}: {told}"

@@ -84,7 +84,7 @@ pub struct Side {
 pub struct Latency {
     /// Slips that were counted.
     pub count: u64,
-    /// Slips at F_2, which may not be answered by pressing harder; not counted.
+    /// Slips during which F_2 forbade to press harder before anything was answered; not counted.
     pub at_f2: u64,
     /// Slips that stopped without an answer; counted with the time that they lasted.
     pub unanswered: u64,
@@ -94,6 +94,8 @@ pub struct Latency {
     pub p99: Option<f64>,
     /// All, ms.
     pub max: Option<f64>,
+    /// 99 of 100 of these and of the slips at F_2 together, ms: those count until F_2 allowed an answer, or until they ended.
+    pub p99_with_f2: Option<f64>,
 }
 
 impl ReflexPlan {
@@ -178,23 +180,29 @@ impl Side {
 
 impl Latency {
     fn of<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Self {
-        let mut ms: Vec<f64> = trials
-            .clone()
-            .flat_map(|trial| trial.onsets.latencies_ms().iter().copied())
-            .collect();
-        ms.sort_by(f64::total_cmp);
-        // The least that this share of them does not exceed.
-        let share = |share: f64| {
-            let rank = (share * ms.len() as f64).ceil() as usize;
-            ms.get(rank.max(1) - 1).copied()
+        let sorted = |of: fn(&Trial) -> &[f64]| {
+            let mut ms: Vec<f64> = trials.clone().flat_map(of).copied().collect();
+            ms.sort_by(f64::total_cmp);
+            ms
         };
+        let ms = sorted(|trial| trial.onsets.latencies_ms());
+        let at_f2_ms = sorted(|trial| trial.onsets.at_f2_ms());
+        let mut all_ms = [ms.as_slice(), &at_f2_ms].concat();
+        all_ms.sort_by(f64::total_cmp);
         Self {
             count: ms.len() as u64,
-            at_f2: trials.clone().map(|trial| trial.onsets.at_f2()).sum(),
-            unanswered: trials.map(|trial| trial.onsets.unanswered()).sum(),
-            p50: share(0.5),
-            p99: share(0.99),
-            max: share(1.0),
+            at_f2: at_f2_ms.len() as u64,
+            unanswered: trials.clone().map(|trial| trial.onsets.unanswered()).sum(),
+            p50: quantile(&ms, 0.5),
+            p99: quantile(&ms, 0.99),
+            max: quantile(&ms, 1.0),
+            p99_with_f2: quantile(&all_ms, 0.99),
         }
     }
+}
+
+/// The least of sorted values that this share of them does not exceed.
+fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.max(1) - 1).copied()
 }

@@ -2,7 +2,8 @@
 //!
 //! The simulator knows which share of a fingertip's pressure lies on skin that slides. At the rim some always does; when nearly
 //! all of it slides, friction is exhausted and the object moves in the hand: that tick is the onset. It is answered by the first
-//! tick from then on in which that finger is commanded to close.
+//! tick from then on in which that finger is commanded to close. A finger at F_2 may not press harder (Module 3): slips there are
+//! kept apart.
 
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::HandReport;
@@ -26,7 +27,7 @@ const TICK_MS: f64 = 1.0;
 pub(super) struct Onsets {
     fingers: [Finger; VIRTUAL_FINGERS],
     latencies_ms: Vec<f64>,
-    at_f2: u64,
+    at_f2_ms: Vec<f64>,
     unanswered: u64,
 }
 
@@ -96,29 +97,63 @@ impl Onsets {
     }
 
     fn end(&mut self, run: &Run) {
-        match run.answer {
-            _ if run.slid_m < SLIP_M => {}
-            Some(answer) => self
-                .latencies_ms
-                .push((answer - run.begin) as f64 * TICK_MS),
-            None if run.at_f2 => self.at_f2 += 1,
-            None => {
-                self.unanswered += 1;
-                let lasted_ms = (run.last - run.begin) as f64 * TICK_MS;
-                self.latencies_ms.push(lasted_ms);
-            }
+        if run.slid_m < SLIP_M {
+            return;
+        }
+        let end = run.answer.unwrap_or(run.last);
+        let lasted_ms = (end - run.begin) as f64 * TICK_MS;
+        if run.at_f2 {
+            self.at_f2_ms.push(lasted_ms);
+        } else {
+            self.unanswered += u64::from(run.answer.is_none());
+            self.latencies_ms.push(lasted_ms);
         }
     }
 
+    /// From onset to answer, or to the end of a slip that had none, ms; of slips at F_2 apart.
     pub(super) fn latencies_ms(&self) -> &[f64] {
         &self.latencies_ms
     }
 
-    pub(super) fn at_f2(&self) -> u64 {
-        self.at_f2
+    /// The same of the slips during which F_2 forbade an answer, ms.
+    pub(super) fn at_f2_ms(&self) -> &[f64] {
+        &self.at_f2_ms
     }
 
     pub(super) fn unanswered(&self) -> u64 {
         self.unanswered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(runs: &[(Option<u64>, bool, f64)]) -> Onsets {
+        let mut onsets = Onsets::default();
+        for &(answer, at_f2, slid_m) in runs {
+            onsets.end(&Run {
+                begin: 100,
+                last: 140,
+                slid_m,
+                answer,
+                at_f2,
+            });
+        }
+        onsets
+    }
+
+    #[test]
+    fn a_slip_counts_until_it_is_answered_or_over_and_apart_at_f2() {
+        let onsets = told(&[
+            (Some(103), false, 1e-4),
+            (None, false, 1e-4),
+            (Some(103), false, 1e-6),
+            (Some(119), true, 1e-4),
+            (None, true, 1e-4),
+        ]);
+        assert_eq!(onsets.latencies_ms(), [3.0, 40.0]);
+        assert_eq!(onsets.unanswered(), 1);
+        assert_eq!(onsets.at_f2_ms(), [19.0, 40.0]);
     }
 }

@@ -54,12 +54,13 @@ fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
     let slip = &report.slip_to_command_ms;
     let ms = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| number(ms, 0));
     output.line(format!(
-        "slip onset to command: p50 {} ms, p99 {} ms, max {} ms over {} slips; {} more at F_2; {} ended unanswered",
+        "slip onset to command: p50 {} ms, p99 {} ms, max {} ms over {} slips; {} more at F_2, p99 with them {} ms; {} ended unanswered",
         ms(slip.p50),
         ms(slip.p99),
         ms(slip.max),
         slip.count,
         slip.at_f2,
+        ms(slip.p99_with_f2),
         slip.unanswered,
     ))?;
     output.line(format!(

@@ -79,7 +79,7 @@ impl BehaviourTable {
         let fingers = percept.virtual_fingers.iter();
         for ((finger, slipping), turning) in fingers.zip(&mut self.slipping).zip(&mut self.turning)
         {
-            *slipping = uses_up(finger, *slipping, settings);
+            *slipping = uses_up(finger, *slipping, context);
             *turning = turns(finger, *turning, context);
             slips |= *slipping
                 || *turning

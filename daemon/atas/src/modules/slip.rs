@@ -5,7 +5,7 @@
 //! The bare rule dF_t > dr fails: smooth sliding has dF_t = 0, and pressing on a sliding contact only just sustains
 //! itself. Partial slip shows in the distribution of forces instead, as the friction utilisation S. The module is
 //! active while any finger
-//!   (a) uses more than `slip_on` of its friction, until less than `slip_off`,
+//!   (a) uses more than `slip_on` of its friction, until less than `slip_off` (in a hand that a client leads, 0.84 of both),
 //!   (b) slips grossly,
 //!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S where anything is known of friction,
 //!   (d) carries half of the moment about the closing axis that friction could: what hangs beside its centre of mass turns in
@@ -23,7 +23,6 @@ use super::fall::Fall;
 use super::vain::Vain;
 use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::{FingerPercept, Percept};
-use crate::settings::Grasp;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
@@ -41,6 +40,10 @@ const CONVEYS_M: f64 = 0.001;
 const BRAKING_S: f64 = 0.15;
 /// Multiple of the pressing speed while it falls (ours): it falls by millimetres otherwise.
 const HURRY: f64 = 3.0;
+/// Share of `slip_on` and `slip_off` at which a hand that a client leads presses harder (ours: what slides bears a tenth less than what
+/// sticks, so S falls below `slip_on` once it does; and dragged around a curved face, elements that lean into the way read up to a fifth
+/// more friction than there is. A grasp finds either out by its load test; a client moves as it likes).
+const LED_SHARE: f64 = 0.84;
 /// How far the hand must have carried its object, so that nothing but the hand holds it, m (ours).
 const HANGS_M: f64 = 0.001;
 /// Share of the tangential force that a trembling hand changes within the window of dF_t, usually and at most (ours).
@@ -86,7 +89,7 @@ impl Module for Slip {
         }
         let in_vain = self.press_in_vain(percept, down_n, context);
         for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
-            *slipping = uses_up(finger, *slipping, settings);
+            *slipping = uses_up(finger, *slipping, context);
             let nears = *slipping || (!brakes && is_loading(finger, context));
             let slips = slips_grossly(finger, context) || (nears && !context.tries);
             cause |= slips && !context.proved && !in_vain;
@@ -156,14 +159,20 @@ fn conveys(context: &Context<'_>) -> bool {
     ahead_m.xy().norm() > CONVEYS_M
 }
 
-/// Whether a finger uses up its friction, with hysteresis.
-pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, settings: &Grasp) -> bool {
-    finger.utilisation
-        > if used_up {
-            settings.slip_off
-        } else {
-            settings.slip_on
-        }
+/// Whether a finger uses up its friction, with hysteresis; of a hand that is led, sooner.
+pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, context: &Context<'_>) -> bool {
+    let settings = &context.settings.grasp;
+    let share = if context.lead.is_some() {
+        LED_SHARE
+    } else {
+        1.0
+    };
+    let limit = if used_up {
+        settings.slip_off
+    } else {
+        settings.slip_on
+    };
+    finger.utilisation > share * limit
 }
 
 /// Whether what is lifted is about to turn in the hand, with hysteresis.

@@ -1,6 +1,7 @@
 //! One module on the bench.
 
 use atas_core::Settings;
+use atas_core::follow::Lead;
 use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
 use atas_core::path::{Path, Speeds};
 use atas_core::perception::{FingerPercept, Percept};
@@ -45,6 +46,7 @@ pub(crate) struct Bench {
     pub(crate) lowering_m: Option<f64>,
     pub(crate) hangs: bool,
     pub(crate) proved: bool,
+    pub(crate) lead: Option<Lead>,
 }
 
 impl Bench {
@@ -65,6 +67,7 @@ impl Bench {
             lowering_m: None,
             hangs: true,
             proved: false,
+            lead: None,
         }
     }
 
@@ -98,7 +101,7 @@ impl Bench {
             closing_axis: self.frame.closing_axis(),
             turning: -1.0,
             lowering_m: self.lowering_m,
-            lead: None,
+            lead: self.lead.as_ref(),
             base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::VIRTUAL_FINGERS],
             turns_by_wrist: false,
             overread: 1.0,

@@ -1,11 +1,12 @@
 //! The modules one by one: what they feel and know, and what they propose.
 
 use crate::bench::{Bench, finger, path, percept, pressed, sliding};
+use atas_core::follow::Lead;
 use atas_core::modules::{Proposal, Selection, Verdict, force_range_n};
 use atas_core::perception::{FingerPercept, Percept};
 use nalgebra::Vector3;
 use robot_model::Skin;
-use shm_schemas::{Cause, ModuleId};
+use shm_schemas::{Cause, GripOrder, ModuleId};
 
 const FREE: f64 = f64::INFINITY;
 
@@ -113,6 +114,24 @@ fn module_2_has_hysteresis_and_a_latch() {
             "S = {utilisation} for {ticks} ms"
         );
     }
+}
+
+/// Regression: a bottle that was dragged through the fingers by a led hand read S = 0.8 for 130 ms, and slid by 1.2 mm unanswered.
+#[test]
+fn module_2_presses_sooner_in_a_hand_that_is_led() {
+    let active = |is_led: bool, utilisation: f64| {
+        let mut bench = Bench::new(ModuleId::SLIP);
+        bench.lead = is_led.then_some(Lead {
+            frame: bench.frame,
+            grip: GripOrder::HOLD,
+        });
+        bench.evaluate(&sliding(2.0, utilisation)).active
+    };
+    assert_eq!(
+        [0.75, 0.8, 0.93].map(|s| active(false, s)),
+        [false, false, true]
+    );
+    assert_eq!([0.75, 0.8].map(|s| active(true, s)), [false, true]);
 }
 
 /// What the pattern of forces says is no evidence against a test; what turns or falls is.
