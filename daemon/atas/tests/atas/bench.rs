@@ -9,7 +9,7 @@ use atas_core::tasks::BehaviourTable;
 use atas_core::thresholds::{Bound, Thresholds};
 use nalgebra::Vector3;
 use robot_model::GraspFrame;
-use shm_schemas::ModuleId;
+use shm_schemas::{GripOrder, ModuleId};
 
 /// Lifts by 50 mm within 5 s.
 pub(crate) fn path() -> Path {
@@ -68,6 +68,19 @@ impl Bench {
             hangs: true,
             proved: false,
             lead: None,
+        }
+    }
+
+    /// A module of a hand that a client leads.
+    pub(crate) fn led(id: ModuleId) -> Self {
+        let bench = Self::new(id);
+        let lead = Lead {
+            frame: bench.frame,
+            grip: GripOrder::HOLD,
+        };
+        Self {
+            lead: Some(lead),
+            ..bench
         }
     }
 

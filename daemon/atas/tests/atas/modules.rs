@@ -1,12 +1,11 @@
 //! The modules one by one: what they feel and know, and what they propose.
 
 use crate::bench::{Bench, finger, path, percept, pressed, sliding};
-use atas_core::follow::Lead;
 use atas_core::modules::{Proposal, Selection, Verdict, force_range_n};
 use atas_core::perception::{FingerPercept, Percept};
 use nalgebra::Vector3;
 use robot_model::Skin;
-use shm_schemas::{Cause, GripOrder, ModuleId};
+use shm_schemas::{Cause, ModuleId};
 
 const FREE: f64 = f64::INFINITY;
 
@@ -119,19 +118,11 @@ fn module_2_has_hysteresis_and_a_latch() {
 /// Regression: a bottle that was dragged through the fingers by a led hand read S = 0.8 for 130 ms, and slid by 1.2 mm unanswered.
 #[test]
 fn module_2_presses_sooner_in_a_hand_that_is_led() {
-    let active = |is_led: bool, utilisation: f64| {
-        let mut bench = Bench::new(ModuleId::SLIP);
-        bench.lead = is_led.then_some(Lead {
-            frame: bench.frame,
-            grip: GripOrder::HOLD,
-        });
-        bench.evaluate(&sliding(2.0, utilisation)).active
-    };
-    assert_eq!(
-        [0.75, 0.8, 0.93].map(|s| active(false, s)),
-        [false, false, true]
-    );
-    assert_eq!([0.75, 0.8].map(|s| active(true, s)), [false, true]);
+    let active = |mut bench: Bench, s: f64| bench.evaluate(&sliding(2.0, s)).active;
+    for (s, free, led) in [(0.75, false, false), (0.8, false, true), (0.93, true, true)] {
+        assert_eq!(active(Bench::new(ModuleId::SLIP), s), free, "S = {s}");
+        assert_eq!(active(Bench::led(ModuleId::SLIP), s), led, "S = {s}, led");
+    }
 }
 
 /// What the pattern of forces says is no evidence against a test; what turns or falls is.
