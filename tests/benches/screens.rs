@@ -33,10 +33,7 @@ fn main() -> ExitCode {
     let name = bus.as_str();
     let _robot = Process::start("atas-sim", &["run", "--object", "wood", "--bus", name]);
     let _daemon = Process::start("atasd", &["--config", "/dev/null", "--bus", name]);
-    wait_for("the daemon", || {
-        let mut asked = Process::start("atas", &["status", "--bus", name]);
-        (asked.wait().code() == Some(0)).then_some(())
-    });
+    wait_until_ready(name);
     let figures = json!({
         "dashboard": dashboard(name),
         "answers_ms": {
@@ -51,6 +48,13 @@ fn main() -> ExitCode {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     }
+}
+
+fn wait_until_ready(bus: &str) {
+    wait_for("the daemon", || {
+        let mut asked = Process::start("atas", &["status", "--bus", bus]);
+        (asked.wait().code() == Some(0)).then_some(())
+    });
 }
 
 /// The page of a running robot in a browser; null without one.
@@ -170,10 +174,7 @@ fn record(file: &Path) -> f64 {
     let control = "--lockstep --record-stream --config /dev/null --bus";
     let control: Vec<&str> = control.split(' ').chain([name]).collect();
     let mut daemon = Process::start("atasd", &control);
-    wait_for("the daemon", || {
-        let mut asked = Process::start("atas", &["status", "--bus", name]);
-        (asked.wait().code() == Some(0)).then_some(())
-    });
+    wait_until_ready(name);
     let goal = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 10 --bus";
     let goal: Vec<&str> = goal.split(' ').chain([name]).collect();
     assert_eq!(Process::start("atas", &goal).wait().code(), Some(0));
