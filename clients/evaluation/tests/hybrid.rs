@@ -64,15 +64,15 @@ fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
 /// Regression: a robot that waited for another one whose course was over did so for ever.
 #[test]
 fn what_goes_wrong_is_named_robot_by_robot_and_the_course_ends() {
-    let straight = Responses::from_fn(|_| Wheels { left: 2, right: 2 });
-    let (report, trials) = run(2, straight);
+    let nowhere = Responses::from_fn(|_| Wheels::STOP);
+    let (report, trials) = run(2, nowhere);
     assert_eq!(report.success, 0.0);
     let failures: Vec<Option<&str>> = trials[0]
         .robots
         .iter()
         .map(|robot| robot.failure.as_deref())
         .collect();
-    assert_eq!(failures, [Some("met another robot"); 2]);
-    assert_eq!(report.failures["met another robot"], 1, "once per trial");
+    assert_eq!(failures, [Some("object not found"); 2]);
+    assert_eq!(report.failures["object not found"], 1, "once per trial");
     assert_eq!(report.objects["wood"], [2, 2]);
 }

@@ -6,7 +6,7 @@ pub const SENSORS: usize = 5;
 pub const ROWS: usize = 1 << SENSORS;
 
 /// The levels of the two wheels in one frame: 0 stop, 1 medium, 2 high (paper Table 1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Wheels {
     /// Left wheel.
     pub left: u8,

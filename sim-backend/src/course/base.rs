@@ -15,6 +15,8 @@ const MEDIUM_M_S: f64 = 0.15;
 pub const HIGH_M_S: f64 = 2.0 * MEDIUM_M_S;
 /// Distance between the wheels, m.
 const TRACK_M: f64 = 0.30;
+/// Distance of a wheel from the base's middle, m.
+pub(super) const HALF_TRACK_M: f64 = TRACK_M / 2.0;
 /// Greatest change of a wheel's speed, m/s², and of that change, m/s³.
 const ACCELERATION_M_S2: f64 = 0.8;
 const JERK_M_S3: f64 = 8.0;
@@ -119,6 +121,15 @@ impl Base {
             wheels: [Wheel::default(); 2],
             floor,
             ride: Ride::STILL,
+        }
+    }
+
+    /// The same base where no bump comes: what it does is the same, and its heave is nothing.
+    #[must_use]
+    pub(super) fn on_even_floor(&self) -> Self {
+        Self {
+            floor: Floor::even(),
+            ..self.clone()
         }
     }
 

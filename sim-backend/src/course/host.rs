@@ -65,7 +65,7 @@ impl Host {
     /// What names the numbers of every course, so that tables can refuse another field.
     #[must_use]
     pub fn field_hash() -> u64 {
-        fnv1a(FNV_OFFSET, b"atas course v1")
+        fnv1a(FNV_OFFSET, b"atas course v2")
     }
 
     /// Ticks since the first frame.

@@ -12,6 +12,9 @@ pub const HALF_SIDE_M: f64 = 3.0;
 pub const LANES_MAX: usize = 2;
 /// Radius of a robot with its arms before it, m: the farthest corner of what it holds.
 pub(super) const ROBOT_M: f64 = 0.45;
+/// Radius of the base itself, m, and of what stands on the floor.
+pub(super) const BASE_M: f64 = 0.16;
+pub(super) const OBJECT_M: f64 = 0.05;
 /// Nearest that an object or a goal may be to a wall, and a start, m: a robot must get round them, and turn.
 const TO_WALL_M: f64 = 1.0;
 const START_TO_WALL_M: f64 = 0.7;

@@ -3,15 +3,16 @@
 //! ```text
 //!  Layout ─▶ Course ──sense──▶ row of a behaviour table (three IR, two photo sensors, as on the swarm's field)
 //!              ▲  └──ride───▶ how the base moves: World::ride of the robot on it
-//!              └──steer── wheel levels ◀─ table, every 100 ms, and a pace
+//!              └──guard── wheel levels ◀─ table, every 100 ms, and a pace
 //! ```
 //!
 //! * **In:** a [`Layout`], wheel levels (0 stop, 1 medium, 2 high: paper Table 1) once per frame. **Out:** rows, rides, and what
 //!   went wrong ([`Mishap`](shm_schemas::Mishap)). A [`Host`] runs a [`Cast`] so that coordinators and tables may be anywhere.
 //! * **Right of way:** robots have it in turn, 30 s each; a robot knows how far the one that has it is ([`Course::to_first_m`]), and
 //!   whoever decides may let it stand meanwhile.
-//! * **Invariants:** deterministic, no clock, randomness only from the seed; a base keeps its limits of acceleration and jerk
-//!   whatever it is told; one that had a mishap brakes and stays.
+//! * **Invariants:** deterministic, no clock, randomness only from the seed; a base keeps its limits of acceleration and jerk, and
+//!   clear of walls, objects and other bases, whatever it is told. That it does is judged apart: one that had a mishap all the
+//!   same brakes and stays.
 //! * **Absent on purpose:** the robot on the base with its hands (that is [`World`](crate::World)), whoever decides, slip of the wheels. A base
 //!   is a disc, and a robot with its arms before it a larger one; the arms' own shape does not count.
 //!
@@ -22,6 +23,7 @@ mod base;
 mod cast;
 mod drive;
 mod floor;
+mod guard;
 mod host;
 mod layout;
 mod rovers;

@@ -5,16 +5,13 @@ use shm_schemas::Mishap;
 
 use super::base::{Base, Pace, Place};
 use super::floor::Floor;
-use super::layout::{HALF_SIDE_M, Layout, ROBOT_M};
+use super::guard::{Order, Surroundings};
+use super::layout::{BASE_M, HALF_SIDE_M, Layout, OBJECT_M, ROBOT_M};
 use super::sight::{Disc, row};
 use crate::ride::Ride;
 
-/// Radius of the base itself, m, and of what stands on the floor.
-const BASE_M: f64 = 0.16;
-const OBJECT_M: f64 = 0.05;
-
-/// Radius of a robot that another one with its arms before it must get past, m (ours: fewest robots met so on held-out courses;
-/// the sum of both radii, 0.9 m, leaves no way between a robot and a wall).
+/// Radius of a robot that another one with its arms before it sees in its way, m (ours: so a table turns before the guard must; the
+/// sum of both radii, 0.9 m, leaves no way between a robot and a wall).
 const PASSING_M: f64 = 0.75;
 
 /// How long a robot has the right of way before the next one has it, steps: 30 s (ours: about the time of one way). With one
@@ -44,8 +41,7 @@ impl Light {
 #[derive(Clone, Debug)]
 struct Rover {
     base: Base,
-    wheels: Wheels,
-    pace: Pace,
+    order: Order,
     /// Its course is over: it stays where it is.
     rests: bool,
     /// Where its object stands; `None` while a hand has it.
@@ -71,8 +67,7 @@ impl Course {
         let rovers = layout.lanes().iter().enumerate();
         let rovers = rovers.map(|(robot, lane)| Rover {
             base: Base::new(lane.start, floor(robot)),
-            wheels: Wheels::STOP,
-            pace: Pace::Free,
+            order: Order::default(),
             rests: false,
             object_m: Some(lane.object.at_m),
             goal_m: lane.goal_m,
@@ -139,16 +134,31 @@ impl Course {
         Some(libm::hypot(ahead_m, left_m))
     }
 
-    /// Says at which levels a robot's wheels shall turn from now on, and at which pace.
+    /// Says at which levels a robot's wheels shall turn in the frame that begins, and at which pace. Where they would not keep it
+    /// clear of everything, it turns about a wheel instead, or brakes; a robot that is told nothing brakes after a frame.
     pub fn steer(&mut self, robot: usize, wheels: Wheels, pace: Pace) {
-        let rover = &mut self.rovers[robot];
-        (rover.wheels, rover.pace) = (wheels, pace);
+        let base = &self.rovers[robot].base;
+        if let Some(order) = self.surroundings(robot).allow(base, wheels, pace) {
+            self.rovers[robot].order = order;
+        }
+    }
+
+    /// What a robot must keep clear of.
+    fn surroundings(&self, robot: usize) -> Surroundings {
+        let others = self.rovers.iter().enumerate().filter(|(k, _)| *k != robot);
+        let foreseen = |(_, other): (usize, &Rover)| (other.base.on_even_floor(), other.order);
+        let objects_m = self.rovers.iter().filter_map(|rover| rover.object_m);
+        Surroundings {
+            others: others.map(foreseen).collect(),
+            objects_m: objects_m.collect(),
+        }
     }
 
     /// Says that a robot's course is over: it brakes and stays, and lets the others know, so that nobody waits for it to pass.
     pub fn rest(&mut self, robot: usize) {
         let rover = &mut self.rovers[robot];
-        (rover.wheels, rover.rests) = (Wheels::STOP, true);
+        rover.order.stop();
+        rover.rests = true;
     }
 
     /// Says where a robot's object stands, m, or that the hand has it.
@@ -160,11 +170,10 @@ impl Course {
     pub fn step(&mut self) {
         self.steps += 1;
         for rover in &mut self.rovers {
-            let wheels = match rover.mishap {
-                Some(_) => Wheels::STOP,
-                None => rover.wheels,
-            };
-            rover.base.step(wheels, rover.pace);
+            if rover.mishap.is_some() {
+                rover.order.stop();
+            }
+            rover.order.step(&mut rover.base);
         }
         for robot in 0..self.rovers.len() {
             let mishap = self.mishap_of(robot);
@@ -220,8 +229,10 @@ impl Course {
 
 #[cfg(test)]
 mod tests {
-    use super::super::layout::Lane;
+    use super::super::FRAME_STEPS;
+    use super::super::layout::{LANES_MAX, Lane};
     use super::*;
+    use proptest::prelude::*;
 
     const AHEAD: Wheels = Wheels { left: 2, right: 2 };
 
@@ -241,35 +252,86 @@ mod tests {
         Course::new(&layout, None)
     }
 
-    fn ends(mut course: Course, expected: [Option<Mishap>; 2]) {
-        for robot in 0..course.robots() {
-            course.steer(robot, AHEAD, Pace::Free);
+    fn ends(mut course: Course, placed_m: [f64; 2], expected: [Option<Mishap>; 2]) {
+        course.rovers[0].base = Base::new(
+            Place {
+                at_m: placed_m,
+                yaw_rad: 0.0,
+            },
+            Floor::even(),
+        );
+        for _ in 0..10 {
+            (0..course.robots()).for_each(|robot| course.steer(robot, AHEAD, Pace::Free));
+            (0..FRAME_STEPS).for_each(|_| course.step());
         }
-        (0..4000).for_each(|_| course.step());
         for (robot, expected) in (0..course.robots()).zip(expected) {
-            assert_eq!(course.mishap(robot), expected);
-            assert!(
-                course.stands(robot) || expected.is_none(),
-                "it stays after a mishap"
-            );
-            let at_m = course.place(robot).at_m;
-            assert!(
-                at_m.iter().all(|m| m.abs() < HALF_SIDE_M),
-                "it brakes before the wall: {at_m:?}"
-            );
+            assert_eq!(course.mishap(robot), expected, "robot {robot}");
+            assert_eq!(course.stands(robot), expected.is_some(), "robot {robot}");
         }
     }
 
+    /// The guard lets no base come so far, so each is put there.
     #[test]
     fn mishaps_are_named_and_end_the_drive() {
         let left = Some(Mishap::LEFT_FIELD);
-        ends(course(&[([0.0, 0.0], 0.0, [0.0, 1.5])]), [left, None]);
-        let over = Some(Mishap::MET_OBJECT);
-        ends(course(&[([0.0, 1.5], 0.0, [1.5, 1.5])]), [over, None]);
+        let one = course(&[([0.0, 0.0], 0.0, [0.0, 1.5])]);
+        ends(one.clone(), [2.6, 0.0], [left, None]);
+        ends(one, [0.1, 1.4], [Some(Mishap::MET_OBJECT), None]);
         let met = Some(Mishap::MET_ROBOT);
+        let two = [
+            ([-1.5, 0.0], 0.0, [0.0, 1.9]),
+            ([1.5, 0.0], 0.0, [1.8, 1.0]),
+        ];
+        ends(course(&two), [0.8, 0.0], [met, met]);
+    }
+
+    /// Against a wall, an object and another base; the paper's tables know no way back, so what stands there must turn.
+    #[test]
+    fn a_base_that_only_drives_ahead_meets_nothing_and_never_stays() {
         let pi = core::f64::consts::PI;
-        let opposite = [([-1.5, 0.0], 0.0, [0.0, 1.9]), ([1.5, 0.0], pi, [1.8, 1.0])];
-        ends(course(&opposite), [met, met]);
+        for lanes in [
+            &[([0.0, 0.0], 0.0, [0.0, 1.5])][..],
+            &[([0.0, 1.5], 0.0, [1.5, 1.5])],
+            &[([-1.5, 0.0], 0.0, [0.0, 1.9]), ([1.5, 0.0], pi, [1.8, 1.0])],
+        ] {
+            let mut course = course(lanes);
+            let mut stood = vec![0; course.robots()];
+            for _ in 0..600 {
+                for (robot, stood) in stood.iter_mut().enumerate() {
+                    course.steer(robot, AHEAD, Pace::Free);
+                    *stood = if course.stands(robot) { *stood + 1 } else { 0 };
+                    assert!(*stood < 20, "{lanes:?}: robot {robot} stays");
+                }
+                (0..FRAME_STEPS).for_each(|_| course.step());
+            }
+            let mishaps = (0..course.robots()).map(|robot| course.mishap(robot));
+            assert_eq!(mishaps.flatten().next(), None, "{lanes:?}");
+        }
+    }
+
+    proptest! {
+        /// Whatever tables and coordinators say, and even if they fall silent.
+        #[test]
+        fn no_base_meets_anything(
+            seed in 0_u64..1 << 40,
+            robots in 1..=LANES_MAX,
+            told in proptest::collection::vec((0_u8..4, 0_u8..3, 0_u8..3, 1_u8..30), 1..60),
+        ) {
+            let layout = Layout::drawn(robots, seed).expect("a course");
+            let mut course = Course::new(&layout, Some(seed));
+            for (robot, (pace, left, right, frames)) in (0..robots).cycle().zip(told) {
+                let pace = if pace == 0 { Pace::Carrying } else { Pace::Free };
+                for _ in 0..frames {
+                    course.steer(robot, Wheels { left, right }, pace);
+                    course.steer(robots - 1 - robot, AHEAD, Pace::Free);
+                    (0..FRAME_STEPS).for_each(|_| course.step());
+                }
+                for robot in 0..robots {
+                    prop_assert_eq!(course.mishap(robot), None, "robot {}", robot);
+                }
+                (0..FRAME_STEPS).for_each(|_| course.step());
+            }
+        }
     }
 
     #[test]

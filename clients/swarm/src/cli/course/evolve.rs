@@ -25,8 +25,8 @@ pub(super) const HELD_OUT: u64 = 100;
     after_help = "Example:\n  ebts evolve course --seed 1 --out mine-course.toml\n  atas eval hybrid --table mine-course.toml"
 )]
 pub(crate) struct EvolveCourseArgs {
-    /// Generations after the random population.
-    #[arg(long, default_value_t = 250)]
+    /// Generations after the random population (with many more, tables learn the courses and not the task).
+    #[arg(long, default_value_t = 60)]
     generations: u32,
     /// Names the run: the same seed gives the same table, bit for bit.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
