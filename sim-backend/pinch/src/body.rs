@@ -11,6 +11,9 @@ pub(crate) const STEP_S: f32 = 500e-6;
 pub(crate) const STEPS_PER_TICK: usize = 2;
 /// Share of its way to the command that a servo goes in one step (ours: a time constant of 4 ms stands for latency and lag).
 const SERVO_SHARE: f32 = STEP_S / (0.004 + STEP_S);
+/// Stiffness of a finger whose servos give way, at its tip, N/m (that of the two-hand arm's, as far as its last two joints make it;
+/// the forces that a probe leaves agree within a tenth).
+const FINGER_N_M: f32 = 6.3e3;
 /// Stiffness of the table under the object, N/m: four corners (`sim-backend/src/world_object.rs`).
 const TABLE_N_M: f32 = 8e4;
 /// Share of the object's momentum that the table takes in one step.
@@ -19,14 +22,14 @@ const TABLE_DAMPING: f32 = 0.2;
 /// Both fingers press alike, so one stands for two; the object moves up and down only.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Body<const N: usize> {
-    /// Mass, kg; static friction; stiffness, N/m.
+    /// Mass, kg; static friction; stiffness of object and finger in series, N/m.
     mass_kg: Lanes<N>,
     friction: Lanes<N>,
-    stiffness_n_m: Lanes<N>,
+    yields_n_m: Lanes<N>,
     /// How far the finger has closed since it touched the undeformed object, commanded and true, m.
     pub(crate) closing_to_m: Lanes<N>,
     closed_m: Lanes<N>,
-    /// How far the object gives way under it, m.
+    /// How far object and finger give way, m.
     give_m: Lanes<N>,
     /// Height of the hand, commanded and true, m; of the object, m and m/s.
     pub(crate) hand_to_m: Lanes<N>,
@@ -51,7 +54,7 @@ impl<const N: usize> Body<N> {
         Self {
             mass_kg,
             friction,
-            stiffness_n_m,
+            yields_n_m: stiffness_n_m * FINGER_N_M / (stiffness_n_m + FINGER_N_M),
             closing_to_m: zero,
             closed_m: zero,
             give_m: zero,
@@ -80,7 +83,7 @@ impl<const N: usize> Body<N> {
         self.fall(friction_n);
     }
 
-    /// The object's softness: one Newton step of the implicit spring and damper. Returns the stiffness of the skin that
+    /// Softness of object and finger: one Newton step of the implicit spring and damper. Returns the stiffness of the skin that
     /// touches, N/m.
     #[inline(always)]
     fn give_way(&mut self) -> Lanes<N> {
@@ -93,7 +96,7 @@ impl<const N: usize> Body<N> {
             force_n = force_n + touches.select(deep_m, zero) * bristle.normal_n_m;
             slope_n_m = slope_n_m + touches.select(Lanes::splat(bristle.normal_n_m), zero);
         }
-        let k = self.stiffness_n_m;
+        let k = self.yields_n_m;
         let residual_n = force_n - k * self.give_m;
         let share = k * (OBJECT_DAMPING_S / STEP_S) + k + slope_n_m;
         self.give_m = self.give_m + residual_n / share;

@@ -142,7 +142,7 @@ impl<'a, const N: usize> Batch<'a, N> {
         let body = &self.body;
         self.percept
             .feel(&body.normal_n, &body.shear_n, noise, tick);
-        self.percept.tell(self.f2_n, self.carried_m);
+        self.percept.tell(self.f2_n);
         let probes = self.probe_left_s.above(0.0);
         let (fingers_m_s, hand) = self.read(probes);
         self.act(probes, fingers_m_s, hand);

@@ -15,30 +15,29 @@ const SAMPLES: usize = 10;
 const NOISE_N: f32 = 0.003;
 /// How much the third of the elements that read highest reads too high: a share (gain spread), and N per N of one element's
 /// force (noise). Ours, fitted to the full simulation's utilisation at gross slip.
-const TOP_SHARE: f32 = 1.03;
-const TOP_NOISE_N: f32 = 0.0008;
+const TOP_SHARE: f32 = 1.05;
+const TOP_NOISE_N: f32 = 0.0003;
 
 const FORCE_SHARE: f32 = TICK_S / (0.005 + TICK_S);
 const FRICTION_SHARE: f32 = TICK_S / (0.02 + TICK_S);
 const RELAX_SHARE: f32 = TICK_S / (0.05 + TICK_S);
+const FELT_SHARE: f32 = TICK_S / (0.03 + TICK_S);
 const TOUCH_ON_N: f32 = 0.06;
 const TOUCH_OFF_N: f32 = 0.03;
 const ELEMENT_FLOOR_N: f32 = 0.012;
 const TANGENTIAL_FLOOR_N: f32 = 0.04;
 const DR_N: f32 = 0.06;
-const STEADY_SHARE: f32 = 0.06;
 const SLIP_ON: f32 = 0.92;
 const SLIP_OFF: f32 = 0.86;
 const SLIP_GROSS: f32 = 0.955;
 const SLIP_GROSS_S: f32 = 0.01;
 const SLIP_LOADING: f32 = 0.8;
 const SLIP_LATCH_S: f32 = 0.02;
-const ALIKE: f32 = 0.935;
-const ALIKE_ABOVE: f32 = 0.8;
-const HANGS_M: f32 = 0.001;
+const GROSS_OVER: f32 = 0.9;
+const SLIDING_SHARE: f32 = 0.96;
 const RELEASE_SHARE_F2: f32 = 0.97;
 const LIFTED_M: f32 = 0.003;
-const SPARE_BELOW: f32 = 0.89;
+const SPARE_BELOW: f32 = 0.91;
 const SPARE_S: f32 = 0.1;
 
 /// What the fingers feel and remember.
@@ -46,15 +45,20 @@ const SPARE_S: f32 = 0.1;
 pub(crate) struct Percept<const N: usize> {
     normal_by_ring_n: [Lanes<N>; RINGS],
     shear_by_ring_n: [Lanes<N>; RINGS],
+    /// The same after the friction filter besides.
+    steady_normal_n: [Lanes<N>; RINGS],
+    steady_shear_n: [Lanes<N>; RINGS],
     /// F_n and F_t as felt, N.
     pub(crate) normal_n: Lanes<N>,
     tangential_n: Lanes<N>,
-    /// Reading of friction, the highest so far, utilisation against either.
-    reading: Lanes<N>,
+    /// Highest reading of friction so far, utilisation against it, and against the present one.
     remembered: Lanes<N>,
     utilisation: Lanes<N>,
     utilisation_now: Lanes<N>,
     gross_s: Lanes<N>,
+    /// F_t/F_n, low-passed, and the largest of it in this bout of gross slip.
+    felt: Lanes<N>,
+    slid_from: Lanes<N>,
     window_n: [Lanes<N>; SAMPLES],
     oldest: usize,
     touching: Mask<N>,
@@ -71,13 +75,16 @@ impl<const N: usize> Percept<N> {
         Self {
             normal_by_ring_n: [zero; RINGS],
             shear_by_ring_n: [zero; RINGS],
+            steady_normal_n: [zero; RINGS],
+            steady_shear_n: [zero; RINGS],
             normal_n: zero,
             tangential_n: zero,
-            reading: zero,
             remembered: zero,
             utilisation: zero,
             utilisation_now: zero,
             gross_s: zero,
+            felt: zero,
+            slid_from: zero,
             window_n: [zero; SAMPLES],
             oldest: 0,
             touching: Mask::NONE,
@@ -122,8 +129,17 @@ impl<const N: usize> Percept<N> {
     #[inline(always)]
     fn use_friction(&mut self) {
         let zero = Lanes::splat(0.0);
+        let known = self.tangential_n.above(TANGENTIAL_FLOOR_N);
+        for (steady, felt) in [
+            (&mut self.steady_normal_n, &self.normal_by_ring_n),
+            (&mut self.steady_shear_n, &self.shear_by_ring_n),
+        ] {
+            for (steady, felt) in steady.iter_mut().zip(felt) {
+                *steady = steady.towards(*felt, FRICTION_SHARE);
+            }
+        }
         let (mut top, mut pressed) = (zero, Mask::NONE);
-        let rings = self.normal_by_ring_n.iter().zip(&self.shear_by_ring_n);
+        let rings = self.steady_normal_n.iter().zip(&self.steady_shear_n);
         for ((n, t), elements) in rings.zip(ELEMENTS).skip(1) {
             let (n, t) = (*n, t.abs());
             let presses = n.above(ELEMENT_FLOOR_N * elements);
@@ -133,18 +149,22 @@ impl<const N: usize> Percept<N> {
             top = presses.select(ratio.greater(top), top);
             pressed = pressed | presses;
         }
-        let known = pressed & self.tangential_n.above(TANGENTIAL_FLOOR_N);
+        let known = pressed & known;
         let ratio = self.tangential_n / (self.normal_n.greater(zero) + 0.01);
-        let reading = self
-            .reading
-            .towards(top.lesser(Lanes::splat(1.2)), FRICTION_SHARE);
-        self.reading = known.select(reading, self.reading);
-        let now = ratio / self.reading.greater(Lanes::splat(0.03));
+        let reading = top.lesser(Lanes::splat(1.2));
+        let now = ratio / reading.greater(Lanes::splat(0.03));
         let now = self.utilisation_now.towards(now, FRICTION_SHARE);
         self.utilisation_now = known.select(now, self.utilisation_now);
-        let gross = known & self.utilisation_now.above(SLIP_GROSS);
+        let felt = self.felt.towards(ratio, FELT_SHARE);
+        self.felt = known.select(felt, self.felt);
+        let alike = known & self.utilisation_now.above(SLIP_GROSS);
+        let ended = known & self.utilisation_now.below(GROSS_OVER);
+        let slid_from = alike.select(self.slid_from.greater(self.felt), self.slid_from);
+        self.slid_from = ended.select(zero, slid_from);
+        let gross = alike & self.felt.gt(self.slid_from * SLIDING_SHARE);
         self.gross_s = gross.select(self.gross_s + TICK_S, zero);
-        let remembered = self.remembered.greater(self.reading);
+        let reading = known.select(reading, zero);
+        let remembered = self.remembered.greater(reading);
         let relaxed = remembered.towards(ratio, RELAX_SHARE);
         let remembered = self.gross_s.above(SLIP_GROSS_S).select(relaxed, remembered);
         // What has left the fingers is forgotten.
@@ -153,9 +173,9 @@ impl<const N: usize> Percept<N> {
         self.utilisation = known.select(utilisation.lesser(Lanes::splat(1.2)), zero);
     }
 
-    /// Tells the bits that remember; `carried_m` is how far the hand has carried the object.
+    /// Tells the bits that remember. No load test stands beside a table, so nothing is known to hang.
     #[inline(always)]
-    pub(crate) fn tell(&mut self, f2_n: Lanes<N>, carried_m: Lanes<N>) {
+    pub(crate) fn tell(&mut self, f2_n: Lanes<N>) {
         let zero = Lanes::splat(0.0);
         let released_n = self.above_f2.select(f2_n * RELEASE_SHARE_F2, f2_n);
         self.above_f2 = self.normal_n.gt(released_n);
@@ -164,12 +184,8 @@ impl<const N: usize> Percept<N> {
             .select(Lanes::splat(SLIP_OFF), Lanes::splat(SLIP_ON));
         self.slipping = self.utilisation.gt(limit);
         let increment_n = (self.tangential_n - self.window_n[self.oldest]).abs();
-        let steady_n = (self.tangential_n * STEADY_SHARE).greater(Lanes::splat(DR_N));
-        let loads = increment_n.gt(steady_n) & self.utilisation.above(SLIP_LOADING);
-        let alike = carried_m.above(HANGS_M)
-            & self.utilisation_now.above(ALIKE)
-            & self.utilisation.above(ALIKE_ABOVE);
-        let slips = self.slipping | self.gross_s.above(SLIP_GROSS_S) | alike | loads;
+        let loads = increment_n.above(DR_N) & self.utilisation.above(SLIP_LOADING);
+        let slips = self.slipping | self.gross_s.above(SLIP_GROSS_S) | loads;
         self.latch_s = slips.select(Lanes::splat(SLIP_LATCH_S), self.latch_s - TICK_S);
         let spares = self.utilisation.above(0.0)
             & self.utilisation.below(SPARE_BELOW)

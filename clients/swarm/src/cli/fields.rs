@@ -34,7 +34,8 @@ fn fields(words: &str) -> Option<String> {
         }
         "slurm" => "{scripts, runs}",
         "agreement" => {
-            "{pairs, agree, share, first_seed, seeds, verdicts, rules: [{rule, share}], objects, wall_s}"
+            "{pairs, agree, share, first_seed, seeds, verdicts, rules: [{rule, share}], objects, differ: [{object, seed, rule, full, reduced}], \
+             wall_s}"
         }
         "analyse" => {
             return Some(format!(

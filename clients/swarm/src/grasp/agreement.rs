@@ -31,8 +31,25 @@ pub struct Agreement {
     pub rules: Vec<RuleAgreement>,
     /// Share that agrees per object.
     pub objects: BTreeMap<String, f64>,
+    /// The pairs about which they differ.
+    pub differ: Vec<Differ>,
     /// How long it took, s.
     pub wall_s: f64,
+}
+
+/// A pair about which both simulations differ.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Differ {
+    /// The family of the object.
+    pub object: String,
+    /// Its member.
+    pub seed: u64,
+    /// What the rule has.
+    pub rule: String,
+    /// What the full simulation's judge says.
+    pub full: String,
+    /// The verdict of the reduced one.
+    pub reduced: Verdict,
 }
 
 /// How often both agree about one rule.
@@ -82,7 +99,7 @@ pub fn measure(
 /// Number of grasps that [`measure`] simulates in full.
 #[must_use]
 pub fn jobs(seeds: u64) -> u64 {
-    (Rules::all().len() as u64 + 1) * seeds * super::course::OBJECTS as u64
+    (Rules::all().len() as u64 + 1) * seeds * super::course::FAMILIES as u64
 }
 
 /// A plan of grasps under the usual condition: the controller's own modules, then these laws.
@@ -117,6 +134,8 @@ pub(super) fn plan(
 
 struct Compared {
     object: String,
+    seed: u64,
+    outcome: String,
     full: Verdict,
     reduced: Verdict,
 }
@@ -144,6 +163,8 @@ fn compare(rules: &Rules, series: &[TrialRow]) -> Vec<Compared> {
     );
     let compared = |(row, outcome): (&TrialRow, &pinch::Outcome)| Compared {
         object: row.object.clone(),
+        seed: row.seed,
+        outcome: row.outcome.clone(),
         full: full_verdict(&row.outcome),
         reduced: verdict(outcome),
     };
@@ -170,6 +191,17 @@ impl Agreement {
         let same = |pairs: &[Compared]| pairs.iter().filter(|p| p.full == p.reduced).count() as u64;
         let share = |same: u64, of: u64| same as f64 / of.max(1) as f64;
         let (pairs, agree) = (all().count() as u64, compared.iter().map(|c| same(c)).sum());
+        let differ = |(rules, pairs): (&Rules, &Vec<Compared>)| {
+            let differ = |pair: &Compared| Differ {
+                object: pair.object.clone(),
+                seed: pair.seed,
+                rule: rules.name(),
+                full: pair.outcome.clone(),
+                reduced: pair.reduced,
+            };
+            let pairs = pairs.iter().filter(|pair| pair.full != pair.reduced);
+            pairs.map(differ).collect::<Vec<_>>()
+        };
         let rule = |(rules, pairs): (&Rules, &Vec<Compared>)| RuleAgreement {
             rule: rules.name(),
             share: share(same(pairs), pairs.len() as u64),
@@ -186,6 +218,7 @@ impl Agreement {
                 .into_iter()
                 .map(|(name, (a, b))| (name, share(a, b)))
                 .collect(),
+            differ: rules.iter().zip(compared).flat_map(differ).collect(),
             wall_s,
         }
     }
