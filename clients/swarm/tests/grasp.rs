@@ -6,7 +6,7 @@ use atas_core::Settings;
 use atas_core::thresholds::Thresholds;
 use ebts::ga;
 use ebts::genome::Genome;
-use ebts::grasp::course::{GENOME_BITS, genome, objects, table};
+use ebts::grasp::course::{GENOME_BITS, families, genome, table};
 use ebts::grasp::evolve::{Evaluator, Evolved, evaluate_table, evolve};
 use ebts::grasp::rules::Rules;
 use ebts::grasp::table_file::GraspFile;
@@ -35,31 +35,31 @@ fn a_genome_is_a_table_and_back() {
 }
 
 fn run(seed: u64, engine: Engine) -> Evolved {
-    let objects = objects().expect("built in");
-    let mut evaluator = Evaluator::new(&objects, engine, false);
+    let families = families().expect("built in");
+    let mut evaluator = Evaluator::new(&families, engine, false);
     let go_on = |_, _| ControlFlow::Continue(());
     evolve(&mut evaluator, ga::Settings::default(), seed, 30, go_on).expect("not stopped")
 }
 
 #[test]
 fn runs_repeat_on_every_engine_and_what_is_remembered_changes_no_point() {
-    let objects = objects().expect("built in");
+    let families = families().expect("built in");
     let expected = run(3, Engine::fastest());
     for engine in Engine::all() {
         assert_eq!(run(3, engine), expected, "{}", engine.name());
     }
     assert_ne!(run(4, Engine::fastest()).best, expected.best);
-    let (points, ..) = evaluate_table(&objects, &expected.best.genome, false);
+    let (points, ..) = evaluate_table(&families, &expected.best.genome, false);
     assert_eq!(points, expected.best.points);
     assert!(expected.rises.len() > 3, "it learns: {:?}", expected.rises);
 }
 
 #[test]
 fn the_papers_rules_earn_most_points_and_are_found_in_themselves() {
-    let objects = objects().expect("built in");
+    let families = families().expect("built in");
     let rules = Rules::PAPER.table();
     let (points, read, _) =
-        evaluate_table(&objects, &genome(&rules).expect("of the course"), false);
+        evaluate_table(&families, &genome(&rules).expect("of the course"), false);
     assert!(points.iter().all(|points| *points > 60.0), "{points:?}");
     let again = found_again(&rules, read);
     for found in [
@@ -81,21 +81,21 @@ fn the_papers_rules_earn_most_points_and_are_found_in_themselves() {
         .into_iter()
         .find(|rules| rules.name() == "nothing");
     let nothing = genome(&nothing.expect("one choice").table()).expect("of the course");
-    let (without, ..) = evaluate_table(&objects, &nothing, false);
+    let (without, ..) = evaluate_table(&families, &nothing, false);
     assert!(without.iter().sum::<f32>() < points.iter().sum::<f32>() / 2.0);
 }
 
 #[test]
 fn a_file_that_was_changed_is_not_believed() {
-    let objects = objects().expect("built in");
+    let families = families().expect("built in");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("table.toml");
     let rules = Rules::PAPER.table();
-    let (points, ..) = evaluate_table(&objects, &genome(&rules).expect("of the course"), false);
+    let (points, ..) = evaluate_table(&families, &genome(&rules).expect("of the course"), false);
     let file = GraspFile::of(&rules, (1, 0), false, points);
     file.write(&path).expect("written");
     assert_eq!(
-        GraspFile::read(&path, &objects).expect("whole"),
+        GraspFile::read(&path, &families).expect("whole"),
         (file, rules)
     );
     let text = std::fs::read_to_string(&path).expect("text");
@@ -118,7 +118,7 @@ fn a_file_that_was_changed_is_not_believed() {
     ] {
         assert!(text.contains(from), "{from}");
         std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
-        let error = GraspFile::read(&path, &objects)
+        let error = GraspFile::read(&path, &families)
             .expect_err(part)
             .to_string();
         assert!(error.contains(part), "{error}");

@@ -1,15 +1,18 @@
 //! What is grasped, and what the bits and levels of a table mean.
 
 use atas_core::tasks::BehaviourTable;
+use atas_evaluation::trial_seed;
 use pinch::{Bit, Interface, Patience, Rows};
+use robot_model::Side;
 use shm_schemas::SensorBit;
+use sim_backend::Scene;
 
 use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
 use crate::genome::Genome;
 
-/// Objects, as the paper has goals.
-pub const OBJECTS: usize = core::mem::size_of::<GoalPoints>() / core::mem::size_of::<f32>();
+/// Families of objects, as the paper has goals.
+pub const FAMILIES: usize = core::mem::size_of::<GoalPoints>() / core::mem::size_of::<f32>();
 /// The sensor bits, S1 to S5.
 pub const BITS: [SensorBit; 5] = [
     SensorBit::TOUCHING,
@@ -25,32 +28,49 @@ pub const HAND: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
 /// Bits of a genome: Eq. 1.
 pub const GENOME_BITS: usize = (1 << BITS.len()) * 2 * 2;
 
-/// An object of the course.
+/// Members of each family that a table is tried on (ours: with one, tables learn the objects and not the task).
+pub const MEMBERS: usize = 8;
+
+/// A family of objects of the course.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Object {
-    /// Its name in the simulator.
+pub struct Family {
+    /// The name of its objects in the simulator.
     pub name: String,
-    /// What the reduced simulation knows of it.
-    pub reduced: pinch::Object,
+    /// What the reduced simulation knows of its members: the built-in object, then such as are drawn by tuning seeds.
+    pub members: [pinch::Object; MEMBERS],
 }
 
-/// The eight objects of the built-in set.
+/// The eight families of the built-in set.
 ///
 /// # Errors
 /// A built-in object's file is wrong.
-pub fn objects() -> Result<Vec<Object>> {
-    let full = atas_evaluation::Task::Grasp.objects();
-    let full = full.map_err(Error::from_part)?;
-    let reduce = |object: &sim_backend::Object| Object {
+pub fn families() -> Result<Vec<Family>> {
+    let objects = atas_evaluation::Task::Grasp.objects();
+    let objects = objects.map_err(Error::from_part)?;
+    let family = |object: &sim_backend::Object| Family {
         name: object.name.clone(),
-        reduced: reduced(
-            object.mass_kg,
-            object.friction,
-            object.stiffness_n_m,
-            object.crush_n,
-        ),
+        members: core::array::from_fn(|number| match number as u64 {
+            0 => reduced_of(object),
+            number => reduced_of(&member(object, number)),
+        }),
     };
-    Ok(full.iter().map(reduce).collect())
+    Ok(objects.iter().map(family).collect())
+}
+
+/// The member of a family that an evaluation draws by this seed.
+fn member(object: &sim_backend::Object, seed: u64) -> sim_backend::Object {
+    let scene = Scene::grasp(object.clone(), Side::Right);
+    let drawn = scene.varied(trial_seed(&object.name, seed));
+    drawn.objects[0].object.clone()
+}
+
+fn reduced_of(object: &sim_backend::Object) -> pinch::Object {
+    reduced(
+        object.mass_kg,
+        object.friction,
+        object.stiffness_n_m,
+        object.crush_n,
+    )
 }
 
 /// An object as the reduced simulation has it.

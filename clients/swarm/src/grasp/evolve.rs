@@ -1,13 +1,14 @@
 //! One run of the paper's genetic algorithm on the reduced grasp.
 //!
-//! As on the field: a trial whose object was tried before with a table that agrees in every row that was read then cannot come
-//! out differently, and is not simulated again.
+//! As on the field: a family that was tried before with a table that agrees in every row that was read then cannot come out
+//! differently, and is not simulated again.
 
 use std::ops::ControlFlow;
 
 use pinch::{Engine, Outcome, Patience, Trial};
+use rayon::prelude::*;
 
-use super::course::{Course, GENOME_BITS, OBJECTS, Object, rows, table};
+use super::course::{Course, FAMILIES, Family, GENOME_BITS, MEMBERS, rows, table};
 use super::fitness::points;
 use crate::error::Result;
 use crate::evaluate::{GoalPoints, Individual};
@@ -35,25 +36,23 @@ pub struct Evolved {
 /// Evaluates genomes on the course.
 pub struct Evaluator<'a> {
     course: Course,
-    objects: &'a [Object],
+    families: &'a [Family],
     engine: Engine,
     force_limit: bool,
     memo: Memo<1>,
-    outcomes: Vec<Outcome>,
     simulated: u64,
 }
 
 impl<'a> Evaluator<'a> {
-    /// An evaluator on these objects.
+    /// An evaluator on these families.
     #[must_use]
-    pub fn new(objects: &'a [Object], engine: Engine, force_limit: bool) -> Self {
+    pub fn new(families: &'a [Family], engine: Engine, force_limit: bool) -> Self {
         Self {
             course: Course::default(),
-            objects,
+            families,
             engine,
             force_limit,
             memo: Memo::default(),
-            outcomes: Vec::new(),
             simulated: 0,
         }
     }
@@ -64,45 +63,66 @@ impl<'a> Evaluator<'a> {
             .into_iter()
             .map(|genome| Individual {
                 genome,
-                points: [0.0; OBJECTS],
+                points: [0.0; FAMILIES],
             })
             .collect();
-        let (mut pending, mut trials) = (Vec::new(), Vec::new());
-        // Object by object, so that lanes end at about the same time.
-        for (object, reduced) in self
-            .objects
-            .iter()
-            .map(|o| o.reduced)
-            .enumerate()
-            .take(OBJECTS)
-        {
+        for (family, known) in self.families.iter().enumerate().take(FAMILIES) {
+            let (mut pending, mut trials) = (Vec::new(), Vec::new());
             for (index, individual) in evaluated.iter_mut().enumerate() {
                 let bits = individual.genome.words()[0];
-                match self.memo.recall(object, &[bits]) {
-                    Some(points) => individual.points[object] = points,
+                match self.memo.recall(family, &[bits]) {
+                    Some(points) => individual.points[family] = points,
                     None => {
-                        pending.push((index, object));
-                        trials.push(Trial {
-                            object: reduced,
-                            rows: rows(&table(&individual.genome)),
-                            seed: object as u32 + 1,
-                        });
+                        pending.push(index);
+                        trials.extend(trials_of(family, known, &individual.genome));
                     }
                 }
             }
-        }
-        let interface = self.course.interface(self.force_limit, Patience::SHORT);
-        self.engine.run(&interface, &trials, &mut self.outcomes);
-        self.simulated += trials.len() as u64;
-        for ((index, object), outcome) in pending.into_iter().zip(&self.outcomes) {
-            let earned = points(&self.objects[object].reduced, outcome);
-            evaluated[index].points[object] = earned;
-            let bits = evaluated[index].genome.words()[0];
-            self.memo
-                .learn(object, &[bits], mask_of(outcome.rows_read), earned);
+            let outcomes = self.simulate(&trials);
+            for (index, outcomes) in pending.into_iter().zip(outcomes.chunks(MEMBERS)) {
+                let (earned, rows_read) = earned(known, outcomes);
+                evaluated[index].points[family] = earned;
+                let bits = evaluated[index].genome.words()[0];
+                self.memo.learn(family, &[bits], mask_of(rows_read), earned);
+            }
         }
         evaluated
     }
+
+    /// Simulates trials, on all cores; which core does what changes nothing.
+    fn simulate(&mut self, trials: &[Trial]) -> Vec<Outcome> {
+        self.simulated += trials.len() as u64;
+        let interface = self.course.interface(self.force_limit, Patience::SHORT);
+        let part = |trials: &[Trial]| {
+            let mut outcomes = Vec::new();
+            self.engine.run(&interface, trials, &mut outcomes);
+            outcomes
+        };
+        trials.par_chunks(PART).flat_map_iter(part).collect()
+    }
+}
+
+/// Trials that one core simulates in one go: two batches of the widest engine.
+const PART: usize = 32;
+
+/// The trials of a table on all members of a family.
+fn trials_of(family: usize, known: &Family, genome: &Genome) -> impl Iterator<Item = Trial> {
+    let rows = rows(&table(genome));
+    let first_seed = (family * MEMBERS) as u32 + 1;
+    let trial = move |(object, seed)| Trial { object, rows, seed };
+    known.members.into_iter().zip(first_seed..).map(trial)
+}
+
+/// What a family's outcomes earn in the mean, and the rows that were read.
+fn earned(family: &Family, outcomes: &[Outcome]) -> (f32, u64) {
+    let members = family.members.iter().zip(outcomes);
+    let sum: f32 = members
+        .map(|(object, outcome)| points(object, outcome))
+        .sum();
+    let rows_read = outcomes
+        .iter()
+        .fold(0, |read, outcome| read | outcome.rows_read);
+    (sum / MEMBERS as f32, rows_read)
 }
 
 /// The bits of the rows that were read.
@@ -141,30 +161,22 @@ pub fn evolve(
     })
 }
 
-/// What a table earns per object, and which rows it read.
+/// What a table earns per family, which rows it read, and what became of each family's first member.
 #[must_use]
 pub fn evaluate_table(
-    objects: &[Object],
+    families: &[Family],
     genome: &Genome,
     force_limit: bool,
 ) -> (GoalPoints, u64, Vec<Outcome>) {
-    let course = Course::default();
-    let trials: Vec<Trial> = (objects.iter().zip(1..))
-        .map(|(object, seed)| Trial {
-            object: object.reduced,
-            rows: rows(&table(genome)),
-            seed,
-        })
-        .collect();
-    let mut outcomes = Vec::new();
-    let interface = course.interface(force_limit, Patience::SHORT);
-    Engine::fastest().run(&interface, &trials, &mut outcomes);
-    let mut earned = [0.0; OBJECTS];
-    for (earned, (object, outcome)) in earned.iter_mut().zip(objects.iter().zip(&outcomes)) {
-        *earned = points(&object.reduced, outcome);
+    let mut evaluator = Evaluator::new(families, Engine::fastest(), force_limit);
+    let (mut points, mut read, mut firsts) = ([0.0; FAMILIES], 0, Vec::new());
+    for (index, (family, points)) in families.iter().zip(&mut points).enumerate() {
+        let trials: Vec<Trial> = trials_of(index, family, genome).collect();
+        let outcomes = evaluator.simulate(&trials);
+        let (earned, rows_read) = earned(family, &outcomes);
+        *points = earned;
+        read |= rows_read;
+        firsts.extend(outcomes.into_iter().next());
     }
-    let read = outcomes
-        .iter()
-        .fold(0, |read, outcome| read | outcome.rows_read);
-    (earned, read, outcomes)
+    (points, read, firsts)
 }

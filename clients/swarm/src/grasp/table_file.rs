@@ -7,7 +7,7 @@ use atas_core::tasks::BehaviourTable;
 use serde::{Deserialize, Serialize};
 use shm_schemas::SensorBit;
 
-use super::course::{self, Object};
+use super::course::{self, Family};
 use super::evolve::evaluate_table;
 use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
@@ -83,7 +83,7 @@ impl GraspFile {
     ///
     /// # Errors
     /// It is no such file, its table is none, or it is not worth what the file says.
-    pub fn read(path: &Path, objects: &[Object]) -> Result<(Self, BehaviourTable)> {
+    pub fn read(path: &Path, families: &[Family]) -> Result<(Self, BehaviourTable)> {
         let refuse = |was: String| {
             Error::refused(
                 format_args!("use {}", path.display()),
@@ -103,7 +103,7 @@ impl GraspFile {
         }
         let genome = course::genome(&table)
             .ok_or_else(|| refuse("it has other bits or levels than the course".to_owned()))?;
-        let (points, ..) = evaluate_table(objects, &genome, file.force_limit);
+        let (points, ..) = evaluate_table(families, &genome, file.force_limit);
         if points != file.points {
             return Err(refuse(format!(
                 "its table earns {points:?}, and it says {:?}",

@@ -85,7 +85,7 @@ pub struct Judged {
 pub fn jobs(tables: usize, seeds: u64) -> u64 {
     (laws(&vec![Rules::PAPER.table(); tables]).len() as u64 + 1)
         * seeds
-        * super::course::OBJECTS as u64
+        * super::course::FAMILIES as u64
 }
 
 fn laws(tables: &[BehaviourTable]) -> Vec<GripPolicy> {

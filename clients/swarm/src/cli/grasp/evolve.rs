@@ -13,7 +13,7 @@ use serde::Serialize;
 use ebts::error::Result;
 use ebts::evaluate::GoalPoints;
 use ebts::ga::Settings;
-use ebts::grasp::course::{self, Object};
+use ebts::grasp::course::{self, Family};
 use ebts::grasp::evolve::{Evaluator, evolve as evolve_one};
 use ebts::grasp::table_file::GraspFile;
 
@@ -61,10 +61,10 @@ struct Evolved<'a> {
 pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<()> {
     let start = Instant::now();
     spare(&args.out, args.overwrite)?;
-    let (objects, stop) = (course::objects()?, stop_flag()?);
+    let (families, stop) = (course::families()?, stop_flag()?);
     let bar = ProgressBar::new(args.evolution.generations.into()).with_style(style("generation"));
     let (file, simulated) = run(
-        &objects,
+        &families,
         &args.evolution,
         args.seed,
         &stop,
@@ -93,9 +93,9 @@ pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<(
             evolved.generations,
             evolved.wall_s
         );
-        for (object, points) in objects.iter().zip(evolved.points) {
+        for (family, points) in families.iter().zip(evolved.points) {
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "  {:<18} {points:>5.1}", object.name);
+            let _ = writeln!(text, "  {:<18} {points:>5.1}", family.name);
         }
         text
     })
@@ -103,13 +103,13 @@ pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<(
 
 /// One run; its table file, and how many grasps it simulated.
 pub(super) fn run(
-    objects: &[Object],
+    families: &[Family],
     args: &EvolutionArgs,
     seed: u64,
     stop: &AtomicBool,
     mut tell: impl FnMut(u32, f32),
 ) -> Result<(GraspFile, u64)> {
-    let mut evaluator = Evaluator::new(objects, Engine::fastest(), args.with_module_3);
+    let mut evaluator = Evaluator::new(families, Engine::fastest(), args.with_module_3);
     let watch = |generation, best| {
         tell(generation, best);
         unless_set(stop)

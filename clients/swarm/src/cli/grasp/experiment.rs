@@ -14,7 +14,7 @@ use serde::Serialize;
 use ebts::error::{Error, Result};
 use ebts::experiment::Shard;
 use ebts::files::write_atomically;
-use ebts::grasp::course::{self, Object};
+use ebts::grasp::course::{self, Family};
 use ebts::grasp::evolve::evaluate_table;
 use ebts::grasp::figure;
 use ebts::grasp::table_file::GraspFile;
@@ -79,13 +79,13 @@ struct Verdict {
 
 pub(in crate::cli) fn experiment(args: &ExperimentGraspArgs, format: Format) -> Result<()> {
     let start = Instant::now();
-    let (objects, stop) = (course::objects()?, stop_flag()?);
+    let (families, stop) = (course::families()?, stop_flag()?);
     std::fs::create_dir_all(&args.out).map_err(Error::io("make", &args.out))?;
     let threads = match args.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
     };
-    let mut tables = pool(threads)?.install(|| runs(args, &objects, &stop))?;
+    let mut tables = pool(threads)?.install(|| runs(args, &families, &stop))?;
     if args.shard.is_some() {
         return answer(format, &tables.len(), || {
             format!("{} runs are in {}\n", tables.len(), args.out.display())
@@ -112,7 +112,7 @@ pub(in crate::cli) fn experiment(args: &ExperimentGraspArgs, format: Format) -> 
     })?;
     let figure_path = args.out.join("verdict.svg");
     figure::draw(&judged, &figure_path)?;
-    let found = concluded(args, &objects, &tables, judged, start)?;
+    let found = concluded(args, &families, &tables, judged, start)?;
     let text = serde_json::to_string_pretty(&found).map_err(Error::from_part)?;
     write_atomically(&args.out.join("verdict.json"), text.as_bytes())?;
     answer(format, &found, || describe(&found, &figure_path))
@@ -121,7 +121,7 @@ pub(in crate::cli) fn experiment(args: &ExperimentGraspArgs, format: Format) -> 
 /// The runs of the experiment, evolved or read.
 fn runs(
     args: &ExperimentGraspArgs,
-    objects: &[Object],
+    families: &[Family],
     stop: &AtomicBool,
 ) -> Result<Vec<(GraspFile, BehaviourTable)>> {
     let jobs = (args.first_seed..args.first_seed + args.seeds).map(|seed| Job { agents: 1, seed });
@@ -130,10 +130,10 @@ fn runs(
     let one = |job: &Job| {
         let path = args.out.join(format!("seed-{}.toml", job.seed));
         if !path.exists() {
-            let (file, _) = run(objects, &args.evolution, job.seed, stop, |_, _| ())?;
+            let (file, _) = run(families, &args.evolution, job.seed, stop, |_, _| ())?;
             file.write(&path)?;
         }
-        let (file, table) = GraspFile::read(&path, objects)?;
+        let (file, table) = GraspFile::read(&path, families)?;
         let evolution = &args.evolution;
         if (file.generations, file.force_limit, file.seed)
             != (evolution.generations, evolution.with_module_3, job.seed)
@@ -158,7 +158,7 @@ fn runs(
 
 fn concluded(
     args: &ExperimentGraspArgs,
-    objects: &[Object],
+    families: &[Family],
     tables: &[(GraspFile, BehaviourTable)],
     judged: Judged,
     start: Instant,
@@ -176,7 +176,7 @@ fn concluded(
         .iter()
         .filter_map(|(file, table)| Some((file, table, course::genome(table)?)))
         .map(|(file, table, genome)| {
-            let (_, read, _) = evaluate_table(objects, &genome, file.force_limit);
+            let (_, read, _) = evaluate_table(families, &genome, file.force_limit);
             found_again(table, read)
         })
         .collect();

@@ -33,13 +33,13 @@ struct Shown {
 
 /// Shows a grasp table in words, or as a task.
 pub(in crate::cli) fn show(path: &Path, task: Option<&str>, format: Format) -> Result<()> {
-    let objects = course::objects()?;
-    let (file, table) = GraspFile::read(path, &objects)?;
+    let families = course::families()?;
+    let (file, table) = GraspFile::read(path, &families)?;
     if let Some(name) = task {
         return print(file.task(name).as_bytes());
     }
     let genome = course::genome(&table).ok_or_else(|| Error::from_part("not of the course"))?;
-    let (_, read, outcomes) = evaluate_table(&objects, &genome, file.force_limit);
+    let (_, read, outcomes) = evaluate_table(&families, &genome, file.force_limit);
     let rows = sentences(&table, read);
     let again = found_again(&table, read);
     let shown = Shown {
@@ -60,15 +60,15 @@ pub(in crate::cli) fn show(path: &Path, task: Option<&str>, format: Format) -> R
             file.generations,
             file.hash
         );
-        for ((object, points), outcome) in objects.iter().zip(file.points).zip(&outcomes) {
+        for ((family, points), outcome) in families.iter().zip(file.points).zip(&outcomes) {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
                 "  {:<18} {points:>5.1}  {:?}, F_n {:.2} N of {:.2} N needed, {:.1} s",
-                object.name,
+                family.name,
                 outcome.end,
                 outcome.normal_n,
-                object.reduced.needed_n(),
+                family.members[0].needed_n(),
                 outcome.time_s
             );
         }
