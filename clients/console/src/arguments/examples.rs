@@ -164,7 +164,7 @@ const HELPS: &[Help] = &[
             "atas eval reflex",
             "atas eval reflex --trials 40 --first-seed 1",
         ],
-        "one object: with{trials, success, crushed, failures}, without{…}, slip_to_command_ms{count, at_f2, unanswered, p50, p99, max, p99_with_f2}",
+        "one object: with{trials, success, crushed, failures, over_grip_median}, without{…}, slip_to_command_ms{count, at_f2, unanswered, p50, p99, max, p99_with_f2}",
     ),
     Help(
         "eval calibration",

@@ -24,7 +24,7 @@ use serde::Serialize;
 
 use crate::Task;
 use crate::seeds;
-use crate::statistics::wilson;
+use crate::statistics::{median, wilson};
 use trial::{Trial, numb, run};
 
 pub use script::Script;
@@ -77,6 +77,8 @@ pub struct Side {
     pub weakly: [u64; 2],
     /// The same.
     pub hard: [u64; 2],
+    /// Median over successes of the normal force in the end over the force needed; `null` without one.
+    pub over_grip_median: Option<f64>,
 }
 
 /// How long it takes.
@@ -174,6 +176,7 @@ impl Side {
             failures,
             weakly: of(true),
             hard: of(false),
+            over_grip_median: median(trials.filter_map(|t| t.over_grip).collect()),
         }
     }
 }

@@ -40,6 +40,9 @@ pub(super) struct Trial {
     pub(super) weakly: bool,
     /// The slips of what was carried.
     pub(super) onsets: Onsets,
+    /// Mean true normal force of both sides in the end over the force that keeps the object from sliding; nothing of one that is not
+    /// in the hand as it was taken.
+    pub(super) over_grip: Option<f64>,
 }
 
 /// The settings of a hand without the reflex: it feels nothing.
@@ -88,9 +91,8 @@ pub(super) fn run(
     }
     let truth = run.world().truth();
     let object = &truth.objects[0];
-    let pressed = truth.normal_n[SIDE.index()][..VIRTUAL_FINGERS]
-        .iter()
-        .all(|n| *n > PRESSED_N);
+    let sides_n = &truth.normal_n[SIDE.index()][..VIRTUAL_FINGERS];
+    let pressed = sides_n.iter().all(|n| *n > PRESSED_N);
     let failure = match () {
         () if object.crushed != 0 => Some("crushed".to_owned()),
         () if object.dropped != 0 => Some("dropped".to_owned()),
@@ -102,7 +104,10 @@ pub(super) fn run(
         () if object.turn_in_hand_rad > TURN_MAX_RAD => Some("turned in the hand".to_owned()),
         () => None,
     };
+    let mean_n = sides_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
+    let over_grip = mean_n / scene.objects[0].object.needed_n();
     Ok(Trial {
+        over_grip: failure.is_none().then_some(over_grip),
         failure,
         crushed: object.crushed != 0,
         weakly: script.is_weak(),

@@ -47,10 +47,20 @@ fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
             Cell::new(of(side.weakly)),
             Cell::new(of(side.hard)),
             Cell::new(side.crushed),
+            Cell::new(
+                side.over_grip_median
+                    .map_or("-".to_owned(), |m| number(m, 2)),
+            ),
             Cell::new(otherwise.join(", ")),
         ]);
     }
     output.table(lines)?;
+    let over_grip = |median: Option<f64>| median.map_or("-".to_owned(), |m| number(m, 2));
+    output.line(format!(
+        "over-grip of what was held, median: {} with reflex, {} without",
+        over_grip(report.with.over_grip_median),
+        over_grip(report.without.over_grip_median),
+    ))?;
     let slip = &report.slip_to_command_ms;
     let ms = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| number(ms, 0));
     output.line(format!(
