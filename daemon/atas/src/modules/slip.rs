@@ -42,7 +42,7 @@ const BRAKING_S: f64 = 0.15;
 const HURRY: f64 = 3.0;
 /// Share of `slip_on` and `slip_off` at which a hand that a client leads presses harder (ours: what slides bears a tenth less than what
 /// sticks, so S falls below `slip_on` once it does; and dragged around a curved face, elements that lean into the way read up to a fifth
-/// more friction than there is. A grasp finds either out by its load test; a client moves as it likes).
+/// more friction than there is. A grasp finds either out by its load test; a client moves as it likes. It costs a hundredth of over-grip).
 const LED_SHARE: f64 = 0.84;
 /// How far the hand must have carried its object, so that nothing but the hand holds it, m (ours).
 const HANGS_M: f64 = 0.001;
