@@ -64,8 +64,8 @@ fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
 /// Regression: a robot that waited for another one whose course was over did so for ever.
 #[test]
 fn what_goes_wrong_is_named_robot_by_robot_and_the_course_ends() {
-    let nowhere = Responses::from_fn(|_| Wheels::STOP);
-    let (report, trials) = run(2, nowhere);
+    let straight = Responses::from_fn(|_| Wheels { left: 2, right: 2 });
+    let (report, trials) = run(2, straight);
     assert_eq!(report.success, 0.0);
     let failures: Vec<Option<&str>> = trials[0]
         .robots

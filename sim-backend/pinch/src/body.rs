@@ -11,8 +11,8 @@ pub(crate) const STEP_S: f32 = 500e-6;
 pub(crate) const STEPS_PER_TICK: usize = 2;
 /// Share of its way to the command that a servo goes in one step (ours: a time constant of 4 ms stands for latency and lag).
 const SERVO_SHARE: f32 = STEP_S / (0.004 + STEP_S);
-/// Stiffness of a finger whose servos give way, at its tip, N/m (that of the two-hand arm's, as far as its last two joints make it;
-/// the forces that a probe leaves agree within a tenth).
+/// Stiffness of a finger whose servos give way, at its tip, N/m (ours: fitted to the force that a probe leaves in the full simulation;
+/// the last two joints of the two-hand arm's fingers give about as much).
 const FINGER_N_M: f32 = 6.3e3;
 /// Stiffness of the table under the object, N/m: four corners (`sim-backend/src/world_object.rs`).
 const TABLE_N_M: f32 = 8e4;

@@ -129,7 +129,6 @@ impl<const N: usize> Percept<N> {
     #[inline(always)]
     fn use_friction(&mut self) {
         let zero = Lanes::splat(0.0);
-        let known = self.tangential_n.above(TANGENTIAL_FLOOR_N);
         for (steady, felt) in [
             (&mut self.steady_normal_n, &self.normal_by_ring_n),
             (&mut self.steady_shear_n, &self.shear_by_ring_n),
@@ -149,7 +148,7 @@ impl<const N: usize> Percept<N> {
             top = presses.select(ratio.greater(top), top);
             pressed = pressed | presses;
         }
-        let known = pressed & known;
+        let known = pressed & self.tangential_n.above(TANGENTIAL_FLOOR_N);
         let ratio = self.tangential_n / (self.normal_n.greater(zero) + 0.01);
         let reading = top.lesser(Lanes::splat(1.2));
         let now = ratio / reading.greater(Lanes::splat(0.03));

@@ -133,7 +133,8 @@ impl Surroundings {
     }
 }
 
-fn apart(a_m: [f64; 2], b_m: [f64; 2], by_m: f64) -> bool {
+/// Whether two points are at least so far apart, m.
+pub(super) fn apart(a_m: [f64; 2], b_m: [f64; 2], by_m: f64) -> bool {
     let [dx, dy] = [a_m[0] - b_m[0], a_m[1] - b_m[1]];
     dx * dx + dy * dy >= by_m * by_m
 }

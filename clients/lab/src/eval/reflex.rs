@@ -47,10 +47,6 @@ fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
             Cell::new(of(side.weakly)),
             Cell::new(of(side.hard)),
             Cell::new(side.crushed),
-            Cell::new(
-                side.over_grip_median
-                    .map_or("-".to_owned(), |m| number(m, 2)),
-            ),
             Cell::new(otherwise.join(", ")),
         ]);
     }
