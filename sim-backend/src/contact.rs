@@ -10,9 +10,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::avx2;
+use crate::lanes::{LaneSet, Lanes, Row, Rows, Vectors, portable, vector};
 use crate::pad::Pad;
 use crate::shape::Shape;
-use bristle::{Bristle, Rub};
+use bristle::{Bristles, Rods, Rub, Rubbed};
 use compression::Compression;
 
 mod bristle;
@@ -58,23 +61,33 @@ pub(crate) struct Wrench {
     pub(crate) moment_n_m: Vector3<f64>,
 }
 
-/// A bristle that touches in this step.
+/// Bristles side by side, of which some touch in this step.
 #[derive(Clone, Copy, Debug)]
-struct Touch {
-    bristle: usize,
-    depth_m: f64,
-    point_m: Vector3<f64>,
-    normal: Vector3<f64>,
-    /// Force on the object, object frame.
-    force_n: Vector3<f64>,
+struct Patch {
+    /// Which of the skin's blocks they are.
+    block: usize,
+    touching: LaneSet,
+    depth_m: Row,
+    point_m: Rows,
+    normal: Rows,
+    /// Forces on the object, object frame.
+    force_n: Rows,
+}
+
+/// What the bristles of a block remember, which of them touched last, and in which step that was.
+#[derive(Clone, Copy, Debug, Default)]
+struct Memory {
+    bristles: Bristles,
+    touched: LaneSet,
+    touched_in: u64,
 }
 
 /// The contact of one fingertip: its bristles' memory and what it last felt.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
-    /// Each bristle's memory, and the step in which it last touched.
-    bristles: Vec<(Bristle, u64)>,
-    touches: Vec<Touch>,
+    /// Per block of the skin.
+    memories: Vec<Memory>,
+    patches: Vec<Patch>,
     step: u64,
     compression: Compression,
     object_from_tip: Matrix3<f64>,
@@ -91,8 +104,8 @@ impl Contact {
     /// Of a fingertip with this skin.
     pub(crate) fn new(pad: &Pad) -> Self {
         Self {
-            bristles: vec![(Bristle::default(), 0); pad.count()],
-            touches: Vec::with_capacity(pad.count()),
+            memories: vec![Memory::default(); pad.blocks.len()],
+            patches: Vec::with_capacity(pad.blocks.len()),
             step: 1,
             compression: Compression::default(),
             object_from_tip: Matrix3::identity(),
@@ -111,7 +124,7 @@ impl Contact {
     /// One step of `dt_s` with nothing in reach.
     pub(crate) fn free(&mut self, dt_s: f64) {
         self.let_go();
-        self.touches.clear();
+        self.patches.clear();
         self.free_s += dt_s;
         self.compression.recover(dt_s);
         self.normal_n = 0.0;
@@ -126,8 +139,42 @@ impl Contact {
         approach: &Approach,
         dt_s: f64,
     ) -> Wrench {
-        self.find_touches(pad, &surface.shape, approach);
-        if self.touches.is_empty() {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(cpu) = avx2::Cpu::detect() {
+            #[expect(
+                unsafe_code,
+                reason = "a function for instructions that not every machine has"
+            )]
+            // SAFETY: this machine has AVX2.
+            return unsafe { self.press_avx2(cpu, pad, surface, approach, dt_s) };
+        }
+        self.press_in::<portable::Numbers>((), pad, surface, approach, dt_s)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn press_avx2(
+        &mut self,
+        cpu: avx2::Cpu,
+        pad: &Pad,
+        surface: &Surface,
+        approach: &Approach,
+        dt_s: f64,
+    ) -> Wrench {
+        self.press_in::<avx2::Numbers>(cpu, pad, surface, approach, dt_s)
+    }
+
+    #[inline(always)]
+    fn press_in<L: Lanes>(
+        &mut self,
+        cpu: L::Cpu,
+        pad: &Pad,
+        surface: &Surface,
+        approach: &Approach,
+        dt_s: f64,
+    ) -> Wrench {
+        self.find_touches::<L>(cpu, pad, &surface.shape, approach);
+        if self.patches.is_empty() {
             self.free(dt_s);
             return Wrench::default();
         }
@@ -137,86 +184,126 @@ impl Contact {
         }
         self.free_s = 0.0;
         self.object_from_tip = approach.object_from_tip;
-        self.give_way(pad, surface, dt_s);
-        self.drag(pad, surface, approach, dt_s)
+        self.give_way::<L>(cpu, pad, surface, dt_s);
+        self.drag::<L>(cpu, pad, surface, approach, dt_s)
     }
 
     /// Collects the bristles under the surface: all against the supporting plane first, then those few exactly.
-    fn find_touches(&mut self, pad: &Pad, shape: &Shape, approach: &Approach) {
-        self.touches.clear();
+    #[inline(always)]
+    fn find_touches<L: Lanes>(
+        &mut self,
+        cpu: L::Cpu,
+        pad: &Pad,
+        shape: &Shape,
+        approach: &Approach,
+    ) {
+        self.patches.clear();
         let face = shape.face_towards(&approach.centre_m);
         let gap_m = face.normal.dot(&approach.centre_m) - face.offset_m;
         if gap_m >= pad.reach_m {
             return;
         }
-        let normal_in_tip = approach.object_from_tip.tr_mul(&face.normal);
-        let touches = &mut self.touches;
-        pad.below_plane(&normal_in_tip, gap_m, |bristle, over_reach| {
-            let arm_m = approach.object_from_tip * over_reach * pad.reach_m;
-            let point_m = approach.centre_m + arm_m;
-            if let Some((depth_m, normal)) = face
-                .depth_at(&point_m)
-                .filter(|(depth_m, _)| *depth_m > 0.0)
-            {
-                let force_n = Vector3::zeros();
-                touches.push(Touch {
-                    bristle,
-                    depth_m,
-                    point_m,
-                    normal,
-                    force_n,
+        let inward_m = approach.object_from_tip.tr_mul(&face.normal) * -pad.reach_m;
+        let (inward_m, gap_m) = (Vectors::splat(cpu, &inward_m), L::splat(cpu, gap_m));
+        let (centre_m, reach_m) = (
+            Vectors::splat(cpu, &approach.centre_m),
+            L::splat(cpu, pad.reach_m),
+        );
+        let none_m = L::splat(cpu, 0.0);
+        for (block, over_reach) in pad.blocks.iter().enumerate() {
+            let over_reach = Vectors::<L>::load(cpu, over_reach);
+            let below = L::set((over_reach.dot(inward_m) - gap_m).above(none_m));
+            if below.is_empty() {
+                continue;
+            }
+            let arm_m = over_reach.turned(cpu, &approach.object_from_tip) * reach_m;
+            let point_m = centre_m + arm_m;
+            let (depth_m, normal) = face.under(cpu, point_m);
+            let touching = L::set(depth_m.above(none_m)).and(below);
+            if !touching.is_empty() {
+                self.patches.push(Patch {
+                    block,
+                    touching,
+                    depth_m: depth_m.store(),
+                    point_m: point_m.store(),
+                    normal: normal.store(),
+                    force_n: Rows::default(),
                 });
             }
-        });
+        }
     }
 
     /// Lets the object give way, and forgets the bristles that no longer press.
-    fn give_way(&mut self, pad: &Pad, surface: &Surface, dt_s: f64) {
-        let depths_m = self.touches.iter().map(|touch| touch.depth_m);
+    #[inline(always)]
+    fn give_way<L: Lanes>(&mut self, cpu: L::Cpu, pad: &Pad, surface: &Surface, dt_s: f64) {
+        let patches = self.patches.iter();
+        let depths_m = patches.flat_map(|patch| patch.touching.map(|lane| patch.depth_m[lane]));
         self.compression
             .step(depths_m, pad.stiffness_n_m, surface.stiffness_n_m, dt_s);
-        let compression_m = self.compression.depth_m;
-        if compression_m == 0.0 {
+        if self.compression.depth_m == 0.0 {
             return;
         }
-        self.touches.retain_mut(|touch| {
-            touch.depth_m -= compression_m;
-            touch.depth_m > 0.0
-        });
+        let compression_m = L::splat(cpu, self.compression.depth_m);
+        let none_m = L::splat(cpu, 0.0);
+        for patch in &mut self.patches {
+            let depth_m = L::load(cpu, &patch.depth_m) - compression_m;
+            patch.depth_m = depth_m.store();
+            patch.touching = patch.touching.and(L::set(depth_m.above(none_m)));
+        }
     }
 
     /// Normal and friction force of every touching bristle, and their sum.
-    fn drag(&mut self, pad: &Pad, surface: &Surface, approach: &Approach, dt_s: f64) -> Wrench {
-        let bristle_n_m = pad.stiffness_n_m;
-        let skin_n_m = bristle_n_m * self.touches.len() as f64;
+    #[inline(always)]
+    fn drag<L: Lanes>(
+        &mut self,
+        cpu: L::Cpu,
+        pad: &Pad,
+        surface: &Surface,
+        approach: &Approach,
+        dt_s: f64,
+    ) -> Wrench {
+        let count: u32 = self.patches.iter().map(|patch| patch.touching.len()).sum();
+        let skin_n_m = pad.stiffness_n_m * f64::from(count);
         let damping_s = SKIN_DAMPING_S.min(DAMPING_SHARE * surface.mass_kg / (dt_s * skin_n_m));
+        let number = |value| L::splat(cpu, value);
+        let rods = Rods {
+            shear_n_m: number(pad.stiffness_n_m * SHEAR_STIFFNESS_RATIO),
+            damping_s: number(damping_s),
+            dt_s: number(dt_s),
+        };
+        let (bristle_n_m, friction) = (number(pad.stiffness_n_m), number(surface.friction));
+        let velocity_m_s = Vectors::splat(cpu, &approach.velocity_m_s);
+        let angular_rad_s = Vectors::splat(cpu, &approach.angular_rad_s);
         let mut sum = Wrench::default();
         let (mut normal_n, mut slid_n_m, mut sliding_n) = (0.0, 0.0, 0.0);
-        for touch in &mut self.touches {
-            let (velocity, leaving_m_s) = approach.velocity_at(touch);
-            let pressing_n = (bristle_n_m * (touch.depth_m - damping_s * leaving_m_s)).max(0.0);
-            let (bristle, touched_in) = &mut self.bristles[touch.bristle];
-            let is_fresh = *touched_in + 1 != self.step;
-            let before = if is_fresh {
-                Bristle::default()
-            } else {
-                *bristle
+        for patch in &mut self.patches {
+            let point_m = Vectors::<L>::load(cpu, &patch.point_m);
+            let normal = Vectors::load(cpu, &patch.normal);
+            let velocity = velocity_m_s + angular_rad_s.cross(point_m);
+            let leaving_m_s = velocity.dot(normal);
+            let depth_m = L::load(cpu, &patch.depth_m);
+            let spring_n = bristle_n_m * (depth_m - rods.damping_s * leaving_m_s);
+            let none_n = number(0.0);
+            let pressing_n = L::select(spring_n.above(none_n), spring_n, none_n);
+            let rub = Rub {
+                normal,
+                sliding_m_s: velocity - normal * leaving_m_s,
+                limit_n: friction * pressing_n,
             };
-            let rubbed = before.rubbed(&Rub {
-                normal: touch.normal,
-                sliding_m_s: velocity - touch.normal * leaving_m_s,
-                shear_n_m: bristle_n_m * SHEAR_STIFFNESS_RATIO,
-                damping_s,
-                limit_n: surface.friction * pressing_n,
-                dt_s,
-            });
-            (*bristle, *touched_in) = (rubbed.bristle, self.step);
-            touch.force_n = rubbed.force_n - touch.normal * pressing_n;
-            normal_n += pressing_n;
-            slid_n_m += pressing_n * rubbed.slid_m;
-            sliding_n += if rubbed.slid_m > 0.0 { pressing_n } else { 0.0 };
-            sum.force_n += touch.force_n;
-            sum.moment_n_m += touch.point_m.cross(&touch.force_n);
+            let memory = &mut self.memories[patch.block];
+            let rubbed = memory.rub(cpu, self.step, patch.touching, &rub, &rods);
+            let force_n = rubbed.force_n - normal * pressing_n;
+            patch.force_n = force_n.store();
+            let moment_n_m = point_m.cross(force_n).store();
+            let (pressing_n, slid_m) = (pressing_n.store(), rubbed.slid_m.store());
+            for lane in patch.touching {
+                let (pressing_n, slid_m) = (pressing_n[lane], slid_m[lane]);
+                normal_n += pressing_n;
+                slid_n_m += pressing_n * slid_m;
+                sliding_n += if slid_m > 0.0 { pressing_n } else { 0.0 };
+                sum.force_n += vector(&patch.force_n, lane);
+                sum.moment_n_m += vector(&moment_n_m, lane);
+            }
         }
         self.normal_n = normal_n;
         if normal_n > 0.0 {
@@ -229,10 +316,13 @@ impl Contact {
     /// Adds up the force of the object on the tip per element, tip frame, N.
     pub(crate) fn element_forces(&self, pad: &Pad, force_n: &mut [Vector3<f64>]) {
         force_n.fill(Vector3::zeros());
-        for touch in &self.touches {
-            force_n[pad.element_of(touch.bristle)] -= touch.force_n;
+        for patch in &self.patches {
+            for lane in patch.touching {
+                let element = pad.element_of(patch.block, lane);
+                force_n[element] -= vector(&patch.force_n, lane);
+            }
         }
-        if !self.touches.is_empty() {
+        if !self.patches.is_empty() {
             for force in force_n {
                 *force = self.object_from_tip.tr_mul(force);
             }
@@ -245,12 +335,25 @@ impl Contact {
     }
 }
 
-impl Approach {
-    /// Velocity of the skin against the object where a bristle touches, and its share along the outward normal, m/s.
-    #[inline]
-    fn velocity_at(&self, touch: &Touch) -> (Vector3<f64>, f64) {
-        let velocity = self.velocity_m_s + self.angular_rad_s.cross(&touch.point_m);
-        (velocity, velocity.dot(&touch.normal))
+impl Memory {
+    /// Rubs those that touch in this step; what did not touch in the step before has forgotten its shear.
+    #[inline(always)]
+    fn rub<L: Lanes>(
+        &mut self,
+        cpu: L::Cpu,
+        step: u64,
+        touching: LaneSet,
+        rub: &Rub<L>,
+        rods: &Rods<L>,
+    ) -> Rubbed<L> {
+        let known = if self.touched_in + 1 == step {
+            self.touched
+        } else {
+            LaneSet::default()
+        };
+        self.bristles.forget(touching.without(known));
+        (self.touched, self.touched_in) = (touching, step);
+        self.bristles.rub(cpu, touching, rub, rods)
     }
 }
 

@@ -25,7 +25,7 @@
 //! * **Absent on purpose:** contact of links other than the fingertips, of fingertips with each other and with the table,
 //!   and of objects with each other, but for a cap and its bottle (`closure.rs`); fingertips do not feel plates; rigid-body coupling between joints (the servos hide it, see `plant.rs`). A fingertip
 //!   touches one object at a time and has no skin beyond its 35° sensing cap.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod body;
 mod clock;
@@ -38,6 +38,7 @@ pub mod faults;
 mod fingertip;
 mod hand;
 mod hold;
+mod lanes;
 mod object;
 mod pad;
 mod plant;

@@ -9,13 +9,12 @@ use robot_model::{Compression, Skin};
 use shm_schemas::Layout;
 use shm_schemas::layout::{DOME_RADIUS_M, Grid, Millimetres, NamedLayout};
 
+use crate::lanes::{LANES, Rows};
+
 /// Bristles per element of a dome (tactile design; 1 is measurably wrong, 19 changes nothing more).
 pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
 /// Bristles along each edge of an element of a grid (ours: the next odd square).
 const BRISTLES_PER_EDGE: usize = 3;
-/// Bristles that are tested for contact together: a whole number of vectors on every machine.
-const BLOCK: usize = 8;
-
 /// Winkler foundation stiffness of the skin, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
 pub(crate) const FOUNDATION_N_M3: f64 = 1.7e8;
 /// Distance of the six outer bristles from their element's centre, in radii of a disc of the element's area (prototype).
@@ -63,8 +62,8 @@ pub struct NoPlaces(NamedLayout);
 /// The bristles of one fingertip, tip frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Pad {
-    /// Places of the bristles, over the reach: block, component, place in the block. Padding is zero.
-    blocks: Vec<[[f64; BLOCK]; 3]>,
+    /// Places of the bristles, over the reach, in blocks. Padding is not a number: it is never below a plane.
+    pub(crate) blocks: Vec<Rows>,
     /// No bristle is farther from the tip frame's origin, m.
     pub(crate) reach_m: f64,
     /// Normal stiffness of one bristle, N/m.
@@ -158,51 +157,21 @@ impl Pad {
     }
 
     fn add(&mut self, element: usize, over_reach: [f64; 3]) {
-        let place = self.count() % BLOCK;
-        if place == 0 {
-            self.blocks.push([[0.0; BLOCK]; 3]);
+        let lane = self.elements.len() % LANES;
+        if lane == 0 {
+            self.blocks.push([[f64::NAN; LANES]; 3]);
         }
         if let Some(block) = self.blocks.last_mut() {
             for (component, value) in block.iter_mut().zip(over_reach) {
-                component[place] = value;
+                component[lane] = value;
             }
         }
         self.elements.push(element as u8);
     }
 
-    /// How many bristles it has.
-    pub(crate) fn count(&self) -> usize {
-        self.elements.len()
-    }
-
-    /// Shows every bristle that lies below a plane: its index and its place over the reach, tip frame. The plane has this
-    /// outward normal, tip frame, and this distance from the tip frame's origin.
-    #[inline]
-    pub(crate) fn below_plane(
-        &self,
-        normal: &Vector3<f64>,
-        gap_m: f64,
-        mut show: impl FnMut(usize, Vector3<f64>),
-    ) {
-        let reach_m = -normal * self.reach_m;
-        for (index, [x, y, z]) in self.blocks.iter().enumerate() {
-            let depth_m: [f64; BLOCK] = core::array::from_fn(|i| {
-                x[i] * reach_m.x + y[i] * reach_m.y + z[i] * reach_m.z - gap_m
-            });
-            let mut below = (0..BLOCK).fold(0_u32, |set, i| set | u32::from(depth_m[i] > 0.0) << i);
-            while below != 0 {
-                let i = below.trailing_zeros() as usize;
-                below &= below - 1;
-                if index * BLOCK + i < self.count() {
-                    show(index * BLOCK + i, Vector3::new(x[i], y[i], z[i]));
-                }
-            }
-        }
-    }
-
     /// The element that a bristle belongs to.
-    pub(crate) fn element_of(&self, bristle: usize) -> usize {
-        self.elements[bristle].into()
+    pub(crate) fn element_of(&self, block: usize, lane: usize) -> usize {
+        self.elements[block * LANES + lane].into()
     }
 }
 

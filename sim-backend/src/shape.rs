@@ -2,9 +2,11 @@
 //!
 //! A convex shape meets a dome on the [`Face`] that separates it farthest from the dome's centre. The face's supporting
 //! plane bounds the shape, so one dot product per bristle tells which bristles cannot touch; only the others ask
-//! [`Face::depth_at`]. Coordinates are the object's: origin in the middle, z upright.
+//! [`Face::under`]. Coordinates are the object's: origin in the middle, z upright.
 
 use nalgebra::Vector3;
+
+use crate::lanes::{Lanes, Vectors};
 
 /// The outline of a rigid object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,31 +174,39 @@ impl Face {
         }
     }
 
-    /// How deep a point lies under the face, m, and the face's outward normal there; `None` outside of the face's edges.
+    /// How deep points lie under the face, m, and the face's outward normals there; beside the face's edges the depth is −∞.
     /// The depth is negative above the face.
-    #[inline]
-    pub(crate) fn depth_at(&self, point_m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-        match self.extent {
+    #[inline(always)]
+    pub(crate) fn under<L: Lanes>(&self, cpu: L::Cpu, point_m: Vectors<L>) -> (L, Vectors<L>) {
+        let number = |value| L::splat(cpu, value);
+        let radial_m = || (point_m.x * point_m.x + point_m.y * point_m.y).sqrt();
+        let (inside, depth_m, normal) = match self.extent {
             Extent::Rectangle(edges_m) => {
-                let inside = point_m.x.abs() <= edges_m.x
-                    && point_m.y.abs() <= edges_m.y
-                    && point_m.z.abs() <= edges_m.z;
-                inside.then(|| self.flat_depth(point_m))
+                let inside = point_m.x.abs().at_most(number(edges_m.x))
+                    & point_m.y.abs().at_most(number(edges_m.y))
+                    & point_m.z.abs().at_most(number(edges_m.z));
+                let normal = Vectors::splat(cpu, &self.normal);
+                (inside, number(self.offset_m) - normal.dot(point_m), normal)
             }
             Extent::Disc(radius_m) => {
-                (radial_distance_m(point_m) <= radius_m).then(|| self.flat_depth(point_m))
+                let inside = radial_m().at_most(number(radius_m));
+                let normal = Vectors::splat(cpu, &self.normal);
+                (inside, number(self.offset_m) - normal.dot(point_m), normal)
             }
             Extent::Side(radius_m, half_height_m) => {
-                let radial_m = radial_distance_m(point_m);
-                let outward = Vector3::new(point_m.x, point_m.y, 0.0);
-                (point_m.z.abs() <= half_height_m && radial_m > 0.0)
-                    .then(|| (radius_m - radial_m, outward / radial_m))
+                let (radial_m, none_m) = (radial_m(), number(0.0));
+                let inside =
+                    point_m.z.abs().at_most(number(half_height_m)) & radial_m.above(none_m);
+                let normal = Vectors {
+                    x: point_m.x / radial_m,
+                    y: point_m.y / radial_m,
+                    z: none_m,
+                };
+                (inside, number(radius_m) - radial_m, normal)
             }
-        }
-    }
-
-    fn flat_depth(&self, point_m: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        (self.offset_m - self.normal.dot(point_m), self.normal)
+        };
+        let beside_m = number(f64::NEG_INFINITY);
+        (L::select(inside, depth_m, beside_m), normal)
     }
 }
 
@@ -207,6 +217,8 @@ fn radial_distance_m(point_m: &Vector3<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::portable::Numbers;
+    use crate::lanes::vector;
 
     const BOX: Shape = Shape::Box {
         half_m: Vector3::new(0.02, 0.03, 0.04),
@@ -216,12 +228,21 @@ mod tests {
         half_height_m: 0.06,
     };
 
+    /// Depth and normal of one point, if it is inside of the edges.
+    fn depth_at(face: &Face, point_m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let (depth_m, normal) = face.under((), Vectors::<Numbers>::splat((), point_m));
+        let depth_m = depth_m.store()[0];
+        depth_m
+            .is_finite()
+            .then(|| (depth_m, vector(&normal.store(), 0)))
+    }
+
     #[test]
     fn faces() {
         let check =
             |shape: Shape, from: [f64; 3], at: [f64; 3], expected: Option<(f64, [f64; 3])>| {
                 let face = shape.face_towards(&Vector3::from(from));
-                let depth = face.depth_at(&Vector3::from(at));
+                let depth = depth_at(&face, &Vector3::from(at));
                 match (depth, expected) {
                     (Some((depth_m, normal)), Some((expected_m, expected))) => {
                         assert!(
@@ -293,7 +314,7 @@ mod tests {
             let (from_m, at_m) = (point(), point());
             for shape in [BOX, CYLINDER] {
                 let face = shape.face_towards(&from_m);
-                if let Some((depth_m, _)) = face.depth_at(&at_m) {
+                if let Some((depth_m, _)) = depth_at(&face, &at_m) {
                     let plane_m = face.offset_m - face.normal.dot(&at_m);
                     assert!(depth_m <= plane_m + 1e-12, "{shape:?} {from_m} {at_m}");
                 }

@@ -1,93 +1,130 @@
-//! One bristle's friction: an elastic rod that drags until the limit, then slides (elasto-plastic return map).
+//! Friction of bristles: each an elastic rod that drags until the limit, then slides (elasto-plastic return map).
 
-use nalgebra::Vector3;
+use crate::lanes::{LANES, LaneSet, Lanes, Row, Rows, Vectors};
 
 /// Kinetic over static friction (prototype).
 const KINETIC_FRICTION_RATIO: f64 = 0.9;
 
-/// What a touching bristle remembers from step to step. A fresh one is the default.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Bristle {
-    /// Shear of its foot against its root, object frame, m.
-    shear_m: Vector3<f64>,
-    /// Whether it slid in the step before, so that kinetic friction holds.
-    pub(super) slipping: bool,
+/// What touching bristles remember from step to step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bristles {
+    /// Shear of each foot against its root, object frame, m.
+    shear_m: Rows,
+    /// Of the static friction, what holds each: all, or the kinetic share where it slid in the step before.
+    friction_ratio: Row,
 }
 
-/// How a bristle's foot is rubbed in one step.
-pub(super) struct Rub {
+/// How bristles' feet are rubbed in one step.
+#[derive(Clone, Copy)]
+pub(super) struct Rub<L> {
     /// Outward normal of the surface.
-    pub(super) normal: Vector3<f64>,
+    pub(super) normal: Vectors<L>,
     /// Velocity of the foot along the surface, m/s.
-    pub(super) sliding_m_s: Vector3<f64>,
-    /// Shear stiffness, N/m.
-    pub(super) shear_n_m: f64,
-    /// Damping over stiffness while it sticks, s.
-    pub(super) damping_s: f64,
+    pub(super) sliding_m_s: Vectors<L>,
     /// Static friction times normal force, N.
-    pub(super) limit_n: f64,
+    pub(super) limit_n: L,
+}
+
+/// What the bristles are, and how long the step is.
+#[derive(Clone, Copy)]
+pub(super) struct Rods<L> {
+    /// Shear stiffness, N/m.
+    pub(super) shear_n_m: L,
+    /// Damping over stiffness while one sticks, s.
+    pub(super) damping_s: L,
     /// Length of the step, s.
-    pub(super) dt_s: f64,
+    pub(super) dt_s: L,
 }
 
 /// What came of it.
-pub(super) struct Rubbed {
-    pub(super) bristle: Bristle,
+#[derive(Clone, Copy)]
+pub(super) struct Rubbed<L> {
     /// Friction force on the object, N.
-    pub(super) force_n: Vector3<f64>,
+    pub(super) force_n: Vectors<L>,
     /// Distance slid, m; zero while it sticks.
-    pub(super) slid_m: f64,
+    pub(super) slid_m: L,
 }
 
-impl Bristle {
-    /// The bristle after one step: the elastic trial force, or what friction leaves of it.
-    #[inline]
-    pub(super) fn rubbed(self, rub: &Rub) -> Rubbed {
-        // The object may have turned under the bristle: only the shear along the surface stays.
-        let along_m = self.shear_m - rub.normal * self.shear_m.dot(&rub.normal);
-        let shear_m = along_m + rub.sliding_m_s * rub.dt_s;
-        let trial_n = (shear_m + rub.sliding_m_s * rub.damping_s) * rub.shear_n_m;
-        let ratio = if self.slipping {
-            KINETIC_FRICTION_RATIO
-        } else {
-            1.0
-        };
-        let limit_n = ratio * rub.limit_n;
-        let square_n2 = trial_n.dot(&trial_n);
-        if square_n2 <= limit_n * limit_n {
-            let bristle = Self {
-                shear_m,
-                slipping: false,
-            };
-            return Rubbed {
-                bristle,
-                force_n: trial_n,
-                slid_m: 0.0,
-            };
+impl Default for Bristles {
+    fn default() -> Self {
+        Self {
+            shear_m: [[0.0; LANES]; 3],
+            friction_ratio: [1.0; LANES],
         }
-        rub.slide(trial_n * (limit_n / square_n2.sqrt()), limit_n)
     }
 }
 
-impl Rub {
-    /// A sliding bristle under its limiting force: its shear is what will carry that force once the sliding stops, and no
-    /// damping turns it round.
-    #[inline]
-    fn slide(&self, force_n: Vector3<f64>, limit_n: f64) -> Rubbed {
-        let speed_m_s = self.sliding_m_s.dot(&self.sliding_m_s).sqrt();
-        let carried_m = limit_n / self.shear_n_m;
-        let damping_s = self
-            .damping_s
-            .min(carried_m / (speed_m_s + f64::MIN_POSITIVE));
-        let shear_m = force_n / self.shear_n_m - self.sliding_m_s * damping_s;
-        let bristle = Bristle {
-            shear_m,
-            slipping: true,
-        };
-        Rubbed {
-            bristle,
-            force_n,
-            slid_m: speed_m_s * self.dt_s,
+impl Bristles {
+    /// Makes these forget their shear.
+    #[inline(always)]
+    pub(super) fn forget(&mut self, fresh: LaneSet) {
+        for lane in fresh {
+            self.friction_ratio[lane] = 1.0;
+            self.shear_m.iter_mut().for_each(|axis| axis[lane] = 0.0);
         }
+    }
+
+    /// One step of those that touch: the elastic trial force, or what friction leaves of it. What the others' lanes hold
+    /// afterwards means nothing.
+    #[inline(always)]
+    pub(super) fn rub<L: Lanes>(
+        &mut self,
+        cpu: L::Cpu,
+        touching: LaneSet,
+        rub: &Rub<L>,
+        rods: &Rods<L>,
+    ) -> Rubbed<L> {
+        let before_m = Vectors::load(cpu, &self.shear_m);
+        // The object may have turned under the bristle: only the shear along the surface stays.
+        let along_m = before_m - rub.normal * before_m.dot(rub.normal);
+        let shear_m = along_m + rub.sliding_m_s * rods.dt_s;
+        let trial_n = (shear_m + rub.sliding_m_s * rods.damping_s) * rods.shear_n_m;
+        let limit_n = L::load(cpu, &self.friction_ratio) * rub.limit_n;
+        let square_n2 = trial_n.dot(trial_n);
+        let sticks = square_n2.at_most(limit_n * limit_n);
+        let (one, none) = (L::splat(cpu, 1.0), L::splat(cpu, 0.0));
+        if touching.without(L::set(sticks)).is_empty() {
+            self.shear_m = shear_m.store();
+            self.friction_ratio = one.store();
+            return Rubbed {
+                force_n: trial_n,
+                slid_m: none,
+            };
+        }
+        let force_n = trial_n * (limit_n / square_n2.sqrt());
+        let (slid_m, left_m) = rub.slide(cpu, force_n, limit_n, rods);
+        let kinetic = L::splat(cpu, KINETIC_FRICTION_RATIO);
+        self.shear_m = Vectors::select(sticks, shear_m, left_m).store();
+        self.friction_ratio = L::select(sticks, one, kinetic).store();
+        Rubbed {
+            force_n: Vectors::select(sticks, trial_n, force_n),
+            slid_m: L::select(sticks, none, slid_m),
+        }
+    }
+
+    /// Whether one slid in the step before.
+    #[cfg(test)]
+    pub(super) fn slipping(&self, lane: usize) -> bool {
+        self.friction_ratio[lane] < 1.0
+    }
+}
+
+impl<L: Lanes> Rub<L> {
+    /// Sliding bristles under their limiting force: how far they slide, m, and their shear, m: what will carry that force once
+    /// the sliding stops; no damping turns it round.
+    #[inline(always)]
+    fn slide(
+        &self,
+        cpu: L::Cpu,
+        force_n: Vectors<L>,
+        limit_n: L,
+        rods: &Rods<L>,
+    ) -> (L, Vectors<L>) {
+        let speed_m_s = self.sliding_m_s.dot(self.sliding_m_s).sqrt();
+        let carried_m = limit_n / rods.shear_n_m;
+        let turning_s = carried_m / (speed_m_s + L::splat(cpu, f64::MIN_POSITIVE));
+        let damping_s = L::select(turning_s.above(rods.damping_s), rods.damping_s, turning_s);
+        let shear_m = force_n / rods.shear_n_m - self.sliding_m_s * damping_s;
+        (speed_m_s * rods.dt_s, shear_m)
     }
 }

@@ -76,15 +76,13 @@ impl Bench {
     fn elements(&self) -> (usize, usize) {
         let mut touching = [0; ELEMENTS];
         let mut slipping = [0; ELEMENTS];
-        for touch in self
-            .contact
-            .touches
-            .iter()
-            .filter(|touch| touch.depth_m > 0.0)
-        {
-            let element = self.pad.element_of(touch.bristle);
-            touching[element] += 1;
-            slipping[element] += usize::from(self.contact.bristles[touch.bristle].0.slipping);
+        for patch in &self.contact.patches {
+            let bristles = &self.contact.memories[patch.block].bristles;
+            for lane in patch.touching {
+                let element = self.pad.element_of(patch.block, lane);
+                touching[element] += 1;
+                slipping[element] += usize::from(bristles.slipping(lane));
+            }
         }
         let slips = |e: &usize| touching[*e] > 0 && 2 * slipping[*e] >= touching[*e];
         (
