@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::avx2;
-use crate::lanes::{LaneSet, Lanes, Row, Rows, Vectors, portable, vector};
+use crate::lanes::{LANES, LaneSet, Lanes, Row, Rows, Vectors, portable, vector};
 use crate::pad::Pad;
 use crate::shape::Shape;
 use bristle::{Bristles, Rods, Rub, Rubbed};
@@ -88,6 +88,8 @@ pub(crate) struct Contact {
     /// Per block of the skin.
     memories: Vec<Memory>,
     patches: Vec<Patch>,
+    /// How deep every bristle that touches is, in their order, m: where the object gives way.
+    depths_m: Vec<f64>,
     step: u64,
     compression: Compression,
     object_from_tip: Matrix3<f64>,
@@ -106,6 +108,7 @@ impl Contact {
         Self {
             memories: vec![Memory::default(); pad.blocks.len()],
             patches: Vec::with_capacity(pad.blocks.len()),
+            depths_m: Vec::with_capacity(pad.blocks.len() * LANES),
             step: 1,
             compression: Compression::default(),
             object_from_tip: Matrix3::identity(),
@@ -205,11 +208,8 @@ impl Contact {
         }
         let inward_m = approach.object_from_tip.tr_mul(&face.normal) * -pad.reach_m;
         let (inward_m, gap_m) = (Vectors::splat(cpu, &inward_m), L::splat(cpu, gap_m));
-        let (centre_m, reach_m) = (
-            Vectors::splat(cpu, &approach.centre_m),
-            L::splat(cpu, pad.reach_m),
-        );
-        let none_m = L::splat(cpu, 0.0);
+        let centre_m = Vectors::splat(cpu, &approach.centre_m);
+        let (reach_m, none_m) = (L::splat(cpu, pad.reach_m), L::splat(cpu, 0.0));
         for (block, over_reach) in pad.blocks.iter().enumerate() {
             let over_reach = Vectors::<L>::load(cpu, over_reach);
             let below = L::set((over_reach.dot(inward_m) - gap_m).above(none_m));
@@ -236,10 +236,21 @@ impl Contact {
     /// Lets the object give way, and forgets the bristles that no longer press.
     #[inline(always)]
     fn give_way<L: Lanes>(&mut self, cpu: L::Cpu, pad: &Pad, surface: &Surface, dt_s: f64) {
-        let patches = self.patches.iter();
-        let depths_m = patches.flat_map(|patch| patch.touching.map(|lane| patch.depth_m[lane]));
-        self.compression
-            .step(depths_m, pad.stiffness_n_m, surface.stiffness_n_m, dt_s);
+        if surface.stiffness_n_m.is_infinite() {
+            return self.compression.stand_firm();
+        }
+        self.depths_m.clear();
+        for patch in &self.patches {
+            for lane in patch.touching {
+                self.depths_m.push(patch.depth_m[lane]);
+            }
+        }
+        self.compression.step(
+            &self.depths_m,
+            pad.stiffness_n_m,
+            surface.stiffness_n_m,
+            dt_s,
+        );
         if self.compression.depth_m == 0.0 {
             return;
         }

@@ -72,8 +72,30 @@ struct Factored {
     cross: OwnByTrunk,
     g: Own,
     tip: OwnByTip,
-    /// What is left of the trunk's tip Jacobian, with the trunk's L⁻¹ applied.
+    /// The trunk's tip Jacobian; when the trunk is factored, what is left of it with the trunk's L⁻¹ applied.
     trunk_tip: TrunkByTip,
+}
+
+impl Factored {
+    /// What a finger's elimination begins with.
+    fn of(finger: &FingerBlock) -> Self {
+        Self {
+            l: finger.h,
+            cross: finger.cross,
+            g: finger.g,
+            tip: finger.tip_by_own,
+            trunk_tip: finger.tip_by_trunk,
+        }
+    }
+
+    /// Factors the block of the finger's own joints, in place, and applies L⁻¹ to the rest.
+    fn eliminate(&mut self, joints: usize, trunk_joints: usize) -> Option<()> {
+        cholesky(&mut self.l, joints)?;
+        forward_substitute(&self.l, &mut self.cross, joints, trunk_joints);
+        forward_substitute(&self.l, &mut self.g, joints, 1);
+        forward_substitute(&self.l, &mut self.tip, joints, 3);
+        Some(())
+    }
 }
 
 impl ArrowSystem {
@@ -116,12 +138,15 @@ impl ArrowSystem {
     pub(crate) fn solve(&self, joint_count: usize) -> Option<HandVector> {
         let mut factored = ArrayVec::<Factored, FINGERS_MAX>::new();
         for finger in &self.fingers {
-            factored.push(factor(finger, self.trunk_joints)?);
+            factored.push(Factored::of(finger));
+            factored
+                .last_mut()?
+                .eliminate(finger.joint_count, self.trunk_joints)?;
         }
         let trunk_l = self.factor_trunk(&factored)?;
         let trunk_g = self.eliminate_fingers_from_g(&factored, &trunk_l);
         for (factored, finger) in factored.iter_mut().zip(&self.fingers) {
-            self.eliminate_finger_from_tip(finger, factored, &trunk_l);
+            self.eliminate_finger_from_tip(finger.joint_count, factored, &trunk_l);
         }
         let force = self.constraint_forces(&factored, &trunk_g)?;
 
@@ -164,7 +189,8 @@ impl ArrowSystem {
                 }
             }
         }
-        cholesky(h, n)
+        cholesky(&mut h, n)?;
+        Some(h)
     }
 
     fn eliminate_fingers_from_g(&self, factored: &[Factored], trunk_l: &TrunkSquare) -> Trunk {
@@ -180,20 +206,23 @@ impl ArrowSystem {
 
     fn eliminate_finger_from_tip(
         &self,
-        finger: &FingerBlock,
+        joints: usize,
         factored: &mut Factored,
         trunk_l: &TrunkSquare,
     ) {
         let n = self.trunk_joints;
-        let (cross, tip) = (&factored.cross, &factored.tip);
-        let mut trunk_tip = finger.tip_by_trunk;
+        let Factored {
+            cross,
+            tip,
+            trunk_tip,
+            ..
+        } = factored;
         for j in 0..3 {
             for i in 0..n {
-                trunk_tip[(i, j)] -= dot(finger.joint_count, |k| cross[(k, i)] * tip[(k, j)]);
+                trunk_tip[(i, j)] -= dot(joints, |k| cross[(k, i)] * tip[(k, j)]);
             }
         }
-        forward_substitute(trunk_l, &mut trunk_tip, n, 3);
-        factored.trunk_tip = trunk_tip;
+        forward_substitute(trunk_l, trunk_tip, n, 3);
     }
 
     /// ν: the multipliers that bring each tip where it should be.
@@ -226,9 +255,9 @@ impl ArrowSystem {
             }
         }
         self.soften_within_sides(&mut a);
-        let l = cholesky(a, tips)?;
-        forward_substitute(&l, &mut residual, tips, 1);
-        back_substitute(&l, &mut residual, tips);
+        cholesky(&mut a, tips)?;
+        forward_substitute(&a, &mut residual, tips, 1);
+        back_substitute(&a, &mut residual, tips);
         Some(core::array::from_fn(|finger| {
             residual.fixed_rows::<3>(3 * finger).into()
         }))
@@ -271,24 +300,8 @@ fn hold_in_square<const N: usize>(
     g[joint] = value;
 }
 
-fn factor(finger: &FingerBlock, trunk_joints: usize) -> Option<Factored> {
-    let n = finger.joint_count;
-    let l = cholesky(finger.h, n)?;
-    let mut factored = Factored {
-        l,
-        cross: finger.cross,
-        g: finger.g,
-        tip: finger.tip_by_own,
-        trunk_tip: TrunkByTip::zeros(),
-    };
-    forward_substitute(&l, &mut factored.cross, n, trunk_joints);
-    forward_substitute(&l, &mut factored.g, n, 1);
-    forward_substitute(&l, &mut factored.tip, n, 3);
-    Some(factored)
-}
-
-/// Lower Cholesky factor of the first `n` rows; reads only the lower triangle, leaves the upper one as it was.
-fn cholesky<const N: usize>(mut m: SMatrix<f64, N, N>, n: usize) -> Option<SMatrix<f64, N, N>> {
+/// Makes the first `n` rows their lower Cholesky factor; reads only the lower triangle, leaves the upper one as it was.
+fn cholesky<const N: usize>(m: &mut SMatrix<f64, N, N>, n: usize) -> Option<()> {
     for j in 0..n {
         for k in 0..j {
             let factor = m[(j, k)];
@@ -306,7 +319,7 @@ fn cholesky<const N: usize>(mut m: SMatrix<f64, N, N>, n: usize) -> Option<SMatr
             m[(i, j)] /= root;
         }
     }
-    Some(m)
+    Some(())
 }
 
 /// b := L⁻¹b over the first `n` rows, column by column for `columns` of them.

@@ -23,16 +23,6 @@ pub struct HandPose {
 }
 
 impl HandPose {
-    /// Room for a pose.
-    const UNKNOWN: Self = Self {
-        q_rad: HandVector::NONE,
-        base_from_frame: ArrayVec::new_const(),
-        base_from_hand: Transform::IDENTITY,
-        hand_axis: Vector3::new(0.0, 0.0, 0.0),
-        base_from_tip: ArrayVec::new_const(),
-        side_m: [Vector3::new(0.0, 0.0, 0.0); VIRTUAL_FINGERS],
-    };
-
     /// The joint angles that this pose was computed from, radians.
     #[must_use]
     pub fn q_rad(&self) -> &HandVector {
@@ -97,7 +87,15 @@ impl HandModel {
     /// missing counts as 0.
     #[must_use]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
-        let mut pose = HandPose::UNKNOWN;
+        // Part by part: a pose copied from a constant would copy the room of all frames.
+        let mut pose = HandPose {
+            q_rad: *q_rad,
+            base_from_frame: ArrayVec::new(),
+            base_from_hand: Transform::IDENTITY,
+            hand_axis: Vector3::zeros(),
+            base_from_tip: ArrayVec::new(),
+            side_m: [Vector3::zeros(); VIRTUAL_FINGERS],
+        };
         self.compute(&mut pose, q_rad);
         pose
     }

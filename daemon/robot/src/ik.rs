@@ -232,31 +232,29 @@ impl HandModel {
                 }
                 system.trunk_g[j] += along(dome, j, e) * w_dome;
             }
-            system
-                .fingers
-                .push(self.finger_block(finger, jacobian, error, &posture, w_dome));
+            system.fingers.push(FingerBlock::default());
+            let block = &mut system.fingers[finger];
+            self.fill_finger(finger, jacobian, error, &posture, w_dome, block);
         }
         system
     }
 
-    fn finger_block(
+    fn fill_finger(
         &self,
         finger: usize,
         jacobian: &HandJacobian,
         error: &TaskError,
         posture: &PostureRows,
         w_dome: f64,
-    ) -> FingerBlock {
+        block: &mut FingerBlock,
+    ) {
         let own = self.finger_joints(finger);
         let of_tip = &jacobian.tips[finger];
         let (dome, tip) = (&of_tip.dome_axis, &of_tip.position);
-        let mut block = FingerBlock {
-            first_joint: own.start,
-            joint_count: own.len(),
-            e: error.tip[finger],
-            side: self.virtual_finger(finger),
-            ..FingerBlock::default()
-        };
+        block.first_joint = own.start;
+        block.joint_count = own.len();
+        block.e = error.tip[finger];
+        block.side = self.virtual_finger(finger);
         for (row, joint) in own.clone().enumerate() {
             for (column, other) in own.clone().enumerate() {
                 block.h[(row, column)] = columns(dome, joint, other) * w_dome;
@@ -274,7 +272,6 @@ impl HandModel {
             let of_tip = tip.column(trunk).transpose();
             block.tip_by_trunk.set_row(trunk, &of_tip);
         }
-        block
     }
 
     /// The diagonal of H and the part of g that pull towards the reference posture.

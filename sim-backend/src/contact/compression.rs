@@ -21,24 +21,19 @@ impl Compression {
         self.depth_m -= self.depth_m * (dt_s / RECOVERY_S);
     }
 
+    /// One step of a rigid object.
+    pub(super) fn stand_firm(&mut self) {
+        self.depth_m = 0.0;
+    }
+
     /// One implicit step of c·du/dt + k·u = force of the bristles at depth − u, for bristles at these depths.
-    pub(super) fn step(
-        &mut self,
-        depths_m: impl Iterator<Item = f64> + Clone,
-        bristle_n_m: f64,
-        object_n_m: f64,
-        dt_s: f64,
-    ) {
-        if object_n_m.is_infinite() {
-            self.depth_m = 0.0;
-            return;
-        }
+    pub(super) fn step(&mut self, depths_m: &[f64], bristle_n_m: f64, object_n_m: f64, dt_s: f64) {
         let before_m = self.depth_m;
         let damping_n_m = object_n_m * (DAMPING_S / dt_s);
         for _ in 0..STEPS_MAX {
             let u = self.depth_m;
             let (mut force_n, mut slope_n_m) = (0.0, 0.0);
-            for depth_m in depths_m.clone().filter(|depth_m| *depth_m > u) {
+            for depth_m in depths_m.iter().filter(|depth_m| **depth_m > u) {
                 force_n += bristle_n_m * (depth_m - u);
                 slope_n_m += bristle_n_m;
             }
