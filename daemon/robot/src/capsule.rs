@@ -33,6 +33,51 @@ impl Capsule {
     };
 }
 
+impl Capsule {
+    /// The smallest capsule about two bodies of one joint whose axis joins two of their four ends.
+    pub(crate) fn about(&self, other: &Self) -> Self {
+        let balls = [self, other].map(|of| [(of.a_m, of.radius_m), (of.b_m, of.radius_m)]);
+        let balls = balls.as_flattened();
+        let mut least = self.between(self.a_m, self.b_m, balls);
+        for (index, (a_m, _)) in balls.iter().enumerate() {
+            for (b_m, _) in &balls[index + 1..] {
+                let about = self.between(*a_m, *b_m, balls);
+                if about.volume_m3() < least.volume_m3() {
+                    least = about;
+                }
+            }
+        }
+        least
+    }
+
+    /// Between two points, as thick as it must be to hold these balls.
+    fn between(&self, a_m: Vector3<f64>, b_m: Vector3<f64>, balls: &[(Vector3<f64>, f64)]) -> Self {
+        let mut body = Self {
+            a_m,
+            b_m,
+            radius_m: 0.0,
+            joint: self.joint,
+        };
+        for (centre_m, radius_m) in balls {
+            let ball = Self {
+                a_m: *centre_m,
+                b_m: *centre_m,
+                radius_m: *radius_m,
+                joint: self.joint,
+            };
+            let reach_m = segment_distance_m(&body, &ball) + radius_m;
+            body.radius_m = body.radius_m.max(reach_m);
+        }
+        body
+    }
+
+    /// How much room it takes, m³.
+    pub(crate) fn volume_m3(&self) -> f64 {
+        let across_m2 = core::f64::consts::PI * self.radius_m * self.radius_m;
+        across_m2 * (self.radius_m * 4.0 / 3.0 + (self.b_m - self.a_m).norm())
+    }
+}
+
 /// Up to [`CAPSULES_MAX`] capsules; reads as a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -11,17 +11,18 @@ use super::error::{Findings, Misfit, misfit};
 use super::framed::Framed;
 use super::tree::{Tree, finite, transform};
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
-use crate::robot_file::RobotFile;
+use crate::robot_file::{HandEntry, RobotFile};
 
 /// The collision capsules of every link that a hand's frames move, each in its frame. A hand that is alone has no other to
-/// keep apart from, so what is no capsule may be passed over.
+/// keep apart from, so what is no capsule may be passed over. Where a hand has more than there is room for, those that lie best
+/// together become one about them.
 pub(super) fn load_capsules(
     tree: &Tree,
     frames: &[Framed],
     alone: bool,
     findings: &mut Findings,
 ) -> Option<Capsules> {
-    let mut capsules = Capsules::new();
+    let mut bodies: Vec<(Capsule, usize)> = Vec::new();
     for link in &tree.robot().links {
         let Some((mover, path)) = findings.note(tree.mover(&link.name))? else {
             continue;
@@ -48,28 +49,56 @@ pub(super) fn load_capsules(
                 radius_m,
                 joint: framed.driver,
             };
-            if !capsules.push(capsule, index) {
-                let was = format!("shape {} of its hand", CAPSULES_MAX + 1);
-                let needs = format!("at most {CAPSULES_MAX} shapes per hand");
-                findings.add(misfit(what(), was, needs));
-                return None;
+            bodies.push((capsule, index));
+        }
+    }
+    while bodies.len() > CAPSULES_MAX {
+        join_two(&mut bodies)?;
+    }
+    let mut capsules = Capsules::new();
+    let fit = bodies
+        .into_iter()
+        .all(|(body, frame)| capsules.push(body, frame));
+    fit.then_some(capsules)
+}
+
+/// Makes one of the two bodies of one frame that leave the least room between them; `None` where no two share a frame, which a hand
+/// has too few frames for.
+fn join_two(bodies: &mut Vec<(Capsule, usize)>) -> Option<()> {
+    let mut least: Option<(f64, usize, usize, Capsule)> = None;
+    for (second, (body, frame)) in bodies.iter().enumerate() {
+        for (first, (other, other_frame)) in bodies[..second].iter().enumerate() {
+            if frame != other_frame {
+                continue;
+            }
+            let joined = other.about(body);
+            let added_m3 = joined.volume_m3() - other.volume_m3() - body.volume_m3();
+            if least.is_none_or(|(least_m3, ..)| added_m3 < least_m3) {
+                least = Some((added_m3, first, second, joined));
             }
         }
     }
-    Some(capsules)
+    let (_, first, second, joined) = least?;
+    bodies[first].0 = joined;
+    bodies.remove(second);
+    Some(())
 }
 
 /// What becomes of the collision shapes that are not taken as they are.
 pub(super) fn remarks(tree: &Tree, file: &RobotFile) -> Vec<String> {
-    let hands = [&file.hands.left, &file.hands.right];
-    let tips = hands.iter().filter_map(|hand| hand.as_ref());
-    let tips = tips.flat_map(|hand| &hand.fingers);
-    let moved: Vec<&str> = tips
-        .filter_map(|finger| tree.chain(&finger.tip).ok())
-        .flat_map(|chain| chain.steps)
-        .map(|step| &*step.joint.name)
-        .collect();
+    let hands = [&file.hands.left, &file.hands.right].map(|hand| hand.as_ref());
+    let hands = hands.into_iter().flatten().map(|hand| movers(tree, hand));
+    let hands: Vec<Vec<&str>> = hands.collect();
+    let moved: Vec<&str> = hands.iter().flatten().copied().collect();
     let mut remarks = Vec::new();
+    for moved in &hands {
+        let shapes = shapes_of(tree, moved);
+        if shapes > CAPSULES_MAX {
+            remarks.push(format!(
+                "{shapes} collision shapes of one hand are taken as {CAPSULES_MAX} capsules around them"
+            ));
+        }
+    }
     for link in &tree.robot().links {
         let mover = tree.mover(&link.name).ok().flatten();
         let moves = mover.is_some_and(|(joint, _)| moved.contains(&&*joint.name));
@@ -95,6 +124,25 @@ pub(super) fn remarks(tree: &Tree, file: &RobotFile) -> Vec<String> {
         }
     }
     remarks
+}
+
+/// The joints that move a hand's fingertips.
+fn movers<'a>(tree: &Tree<'a>, hand: &HandEntry) -> Vec<&'a str> {
+    let tips = hand.fingers.iter();
+    let chains = tips.filter_map(|finger| tree.chain(&finger.tip).ok());
+    let steps = chains.flat_map(|chain| chain.steps);
+    steps.map(|step| &*step.joint.name).collect()
+}
+
+/// How many shapes these joints move that are no meshes.
+fn shapes_of(tree: &Tree, moved: &[&str]) -> usize {
+    let links = tree.robot().links.iter().filter(|link| {
+        let mover = tree.mover(&link.name).ok().flatten();
+        mover.is_some_and(|(joint, _)| moved.contains(&&*joint.name))
+    });
+    let shapes = links.flat_map(|link| &link.collision);
+    let capsules = shapes.filter(|it| !matches!(it.geometry, Geometry::Mesh { .. }));
+    capsules.count()
 }
 
 /// Radius of the capsule around a shape, and the way from its middle to an end, in the shape's frame, metres.

@@ -1,6 +1,10 @@
 //! The URDF loader: what it takes, and what it says about what it refuses.
 
-use robot_model::{ModelError, RobotFiles, RobotModel, SHIPPED, Side, TWO_HAND_ARM};
+use nalgebra::Vector3;
+use robot_model::{
+    CAPSULES_MAX, Capsule, ModelError, RobotFiles, RobotModel, SHIPPED, Side, TWO_HAND_ARM,
+    clearance_m,
+};
 
 use crate::support::ROBOT;
 
@@ -177,15 +181,34 @@ fn text_that_is_no_urdf_is_refused() {
     }
 }
 
+/// Regression: hands whose makers describe every finger by eight boxes were turned away.
 #[test]
-fn too_many_collision_shapes_are_refused() {
-    let one = r#"<collision><geometry><sphere radius="0.01"/></geometry></collision>"#;
+fn collision_shapes_that_there_is_no_room_for_become_capsules_about_them() {
+    let ball = |z_m: f64| {
+        format!(
+            r#"<collision><origin xyz="0.01 0 {z_m}"/><geometry><sphere radius="0.01"/></geometry></collision>"#
+        )
+    };
+    let heights_m: Vec<f64> = (0..20).map(|ball| 0.004 * f64::from(ball)).collect();
     let hand = r#"<link name="left_hand">"#;
-    check(
-        hand,
-        &format!("{hand}{}", one.repeat(10)),
-        "was shape 25 of its hand, needs at most 24 shapes per hand",
-    );
+    let balls: String = heights_m.iter().map(|z_m| ball(*z_m)).collect();
+    let robot =
+        with_urdf(&TWO_HAND_ARM.urdf.replace(hand, &format!("{hand}{balls}"))).expect("it loads");
+    let left = robot.hand(Side::Left);
+    let pose = left.forward(left.reference_rad());
+    let bodies = left.capsules(&pose);
+    assert_eq!(bodies.len(), CAPSULES_MAX);
+    for z_m in heights_m {
+        let centre_m = pose.base_from_hand().point(&Vector3::new(0.01, 0.0, z_m));
+        let ball = Capsule {
+            a_m: centre_m,
+            b_m: centre_m,
+            radius_m: 0.0,
+            joint: 0,
+        };
+        let depth_m = -clearance_m(&[ball], &bodies);
+        assert!(depth_m > 0.01 - 1e-9, "{z_m}: {depth_m}");
+    }
 }
 
 #[test]
