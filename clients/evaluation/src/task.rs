@@ -51,7 +51,7 @@ impl Task {
     /// A built-in object's file is wrong.
     pub fn objects(self) -> Result<Vec<Object>, ObjectError> {
         let grasp = atas_core::settings::Grasp::default();
-        let can_be_held = |object: &Object| Load::of(object, &grasp).is_feasible();
+        let can_be_held = |object: &Object| Load::of(object, &grasp, 1).is_feasible();
         match self {
             Self::Grasp => Object::names().map(Object::built_in).collect(),
             Self::PickPlace => {

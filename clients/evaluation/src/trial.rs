@@ -131,7 +131,8 @@ impl<'a> Stage<'a> {
             .grasp_hint(0)
             .context("a task is about an object")?;
         let placed = &self.scene.objects[0];
-        let load = Load::of(&placed.object, &plan.settings.grasp).gripped(placed, told);
+        let tips = self.robot.hand(self.robot.acting_side()).opposed_tips();
+        let load = Load::of(&placed.object, &plan.settings.grasp, tips).gripped(placed, told);
         let mut progress = GoalProgress::default();
         let mut run = OfflineRun::at_rest(self.robot, &self.scene, self.seed, worn.settings)?;
         run.make_ready(&mut worn.skin);

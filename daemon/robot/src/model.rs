@@ -259,6 +259,13 @@ impl HandModel {
         (0..self.finger_count).filter(presses)
     }
 
+    /// Fingertips of the side that has fewer: as many times as one bears, the hand may press.
+    #[must_use]
+    pub fn opposed_tips(&self) -> usize {
+        let of_side = |side| self.fingers_of(side).count();
+        (0..VIRTUAL_FINGERS).map(of_side).min().unwrap_or(0)
+    }
+
     /// Names of the links that carry the tip frames.
     pub fn tip_links(&self) -> impl Iterator<Item = &str> {
         self.fingers[..self.finger_count]

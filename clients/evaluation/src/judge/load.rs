@@ -9,7 +9,7 @@ use sim_backend::{GraspHint, Object, Placed};
 /// of soft objects the stiffness probe finds F_2 too high by 5 to 9 %, with a standard deviation of 4 %.
 const BORDERLINE_SHARE: f64 = 0.15;
 
-/// The forces that decide whether an object can be held. All per finger, N.
+/// The forces that decide whether an object can be held. All per side of the grip, N: several fingertips of one side share them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Load {
     /// Normal force that carries it by friction: m·g / (2·μ), with the true static friction.
@@ -27,16 +27,18 @@ pub struct Load {
 }
 
 impl Load {
-    /// Of a true object before a hand with these settings.
+    /// Of a true object before a hand with these settings. An object gives way, and is crushed, under each of the `tips` fingertips of
+    /// the side that has fewer: so many times one fingertip's force it bears.
     #[must_use]
-    pub fn of(object: &Object, grasp: &settings::Grasp) -> Self {
+    pub fn of(object: &Object, grasp: &settings::Grasp, tips: usize) -> Self {
+        let tips = tips as f64;
         Self {
             needed_n: object.needed_n(),
             steady_n: object.steady_n(),
             gripped_n: object.steady_n(),
-            crush_n: object.crush_n,
+            crush_n: object.crush_n * tips,
             press_n: grasp.f2_max_n,
-            f2_n: Thresholds::for_stiffness(object.stiffness_n_m, grasp).f2_n,
+            f2_n: Thresholds::for_stiffness(object.stiffness_n_m * tips, grasp).f2_n,
         }
     }
 
@@ -136,7 +138,7 @@ mod tests {
             scene.grasp_hint(0).expect("an object"),
             scene.objects[0].clone(),
         );
-        let load = Load::of(&placed.object, &settings::Grasp::default());
+        let load = Load::of(&placed.object, &settings::Grasp::default(), 1);
         let along = [told.yaw_rad.cos(), told.yaw_rad.sin()];
         let mut gripped_n = |by_m: f64, [x, y]: [f64; 2]| {
             placed.position_m = [told.from_m[0] + by_m * x, told.from_m[1] + by_m * y];
@@ -152,7 +154,7 @@ mod tests {
         let grasp = settings::Grasp::default();
         let f2_n = |name: &str| {
             let object = Object::built_in(name).expect("built in");
-            Load::of(&object, &grasp).f2_n
+            Load::of(&object, &grasp, 1).f2_n
         };
         assert!((f2_n("wood") - 8.0).abs() < 1e-12, "rigid: the upper bound");
         assert!(
@@ -163,5 +165,22 @@ mod tests {
             (f2_n("sponge") - 0.7).abs() < 1e-12,
             "soft: the lower bound"
         );
+    }
+
+    /// Regression: a box that two fingertips on each side held well counted as one that no hand can hold.
+    #[test]
+    fn two_fingertips_on_each_side_may_press_twice_as_hard() {
+        let (grasp, object) = (
+            settings::Grasp::default(),
+            Object::built_in("filled-paper-box"),
+        );
+        let object = object.expect("built in");
+        let [one, two] = [1, 2].map(|tips| Load::of(&object, &grasp, tips));
+        assert!(!one.is_feasible() && two.is_feasible(), "{one:?} {two:?}");
+        assert_eq!(
+            (two.crush_n, two.needed_n),
+            (2.0 * one.crush_n, one.needed_n)
+        );
+        assert_eq!(two.press_n, one.press_n);
     }
 }

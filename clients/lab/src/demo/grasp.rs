@@ -53,7 +53,11 @@ impl Scenario for Grasp {
 
     fn judge(&self, seen: &Seen) -> Judged {
         let hand = self.set.hand();
-        let load = Load::of(self.object(), &Settings::default().grasp);
+        let load = Load::of(
+            self.object(),
+            &Settings::default().grasp,
+            self.set.opposed_tips,
+        );
         let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
         let object = &seen.truth.objects[0];
         let mut figures = vec![

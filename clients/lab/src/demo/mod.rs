@@ -126,6 +126,8 @@ struct Setting {
     goal: GoalRequest,
     /// Fingertips of the hand that acts.
     fingers: usize,
+    /// Those of the side that has fewer.
+    opposed_tips: usize,
 }
 
 impl Setting {
@@ -144,6 +146,7 @@ impl Setting {
         Ok(Self {
             goal: task.goal(&scene, side)?,
             fingers: robot.hand(side).finger_count(),
+            opposed_tips: robot.hand(side).opposed_tips(),
             scene,
         })
     }

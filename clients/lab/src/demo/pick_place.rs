@@ -56,7 +56,12 @@ impl Scenario for PickPlace {
         let [x_m, y_m, _] = self.set.goal.to_m;
         let end = seen.progress.last();
         let placing = Placing::of(end, &seen.truth, [x_m, y_m], seen.progress.let_go_ns());
-        let feasible = Load::of(self.object(), &Settings::default().grasp).is_feasible();
+        let feasible = Load::of(
+            self.object(),
+            &Settings::default().grasp,
+            self.set.opposed_tips,
+        )
+        .is_feasible();
         let outcome = Outcome::of(end, &seen.truth, self.set.hand(), LIFT_M);
         let refused = !feasible && outcome.is_expected(feasible);
         let mut figures = gripped(seen.progress.figures(), self.set.fingers);
