@@ -231,6 +231,7 @@ impl Scene {
             plate.centre_m = moved(plate.centre_m);
         }
         self.place.iter_mut().for_each(move_hint);
+        self.place_in_reach(hand);
         self
     }
 

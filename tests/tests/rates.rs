@@ -162,7 +162,7 @@ fn grasps_hold_at_every_rate() {
 fn placing_holds_at_every_rate() {
     let scene = Scene::pick_place(Object::built_in("wood").expect("built in"), Side::Right);
     let hint = scene.grasp_hint(0).expect("an object");
-    let to_m = scene.place.expect("a place").from_m;
-    let goal = pick_place_goal(&hint, Side::Right, to_m, 0.04);
+    let place = scene.place.expect("a place");
+    let goal = pick_place_goal(&hint, Side::Right, &place, 0.04);
     check("wood", &scene, &goal);
 }

@@ -258,8 +258,17 @@ pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> Goa
 
 /// The goal that a client would send to carry an object to a place: where the fingertips shall be when it stands there.
 #[must_use]
-pub fn pick_place_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
-    goal::pick_place(&target(hint), Hand::BOTH[side.index()], to_m, lift_m)
+pub fn pick_place_goal(
+    hint: &GraspHint,
+    side: Side,
+    place: &GraspHint,
+    lift_m: f64,
+) -> GoalRequest {
+    let hand = Hand::BOTH[side.index()];
+    GoalRequest {
+        to_yaw_rad: place.yaw_rad,
+        ..goal::pick_place(&target(hint), hand, place.from_m, lift_m)
+    }
 }
 
 /// The goal that a client would send to set down, at a place, what it grasped at the hint.

@@ -168,7 +168,7 @@ impl Task {
         let (object, lift_m) = (hint(0)?, LIFT_M);
         Ok(match self {
             Self::Grasp => grasp_goal(&object, side, lift_m, HOLD_S),
-            Self::PickPlace => pick_place_goal(&object, side, place()?.from_m, lift_m),
+            Self::PickPlace => pick_place_goal(&object, side, &place()?, lift_m),
             Self::Screw => screw_goal(&object, side),
             Self::Assembly => assemble_goal(&object, &place()?, hint(1)?.width_m, side),
         })

@@ -19,7 +19,7 @@ fn run_offline(scene: &Scene, seed: u64) -> Trial {
     let robot = RobotModel::two_hand_arm().unwrap();
     let hint = scene.grasp_hint(0).unwrap();
     let goal = match &scene.place {
-        Some(place) => pick_place_goal(&hint, SIDE, place.from_m, LIFT_M),
+        Some(place) => pick_place_goal(&hint, SIDE, place, LIFT_M),
         None => grasp_goal(&hint, SIDE, LIFT_M, 1.0),
     };
     let mut run = OfflineRun::new(&robot, scene, seed, Settings::default()).unwrap();

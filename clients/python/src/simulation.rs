@@ -250,8 +250,8 @@ fn scene_of(name: &str, object: Option<&str>, side: Side) -> PyResult<(Scene, Go
         "pick-place" => (
             Scene::pick_place(thing()?, side),
             Box::new(move |scene| {
-                let goal =
-                    pick_place_goal(&scene.grasp_hint(0)?, side, scene.place?.from_m, LIFT_M);
+                let place = scene.place?;
+                let goal = pick_place_goal(&scene.grasp_hint(0)?, side, &place, LIFT_M);
                 Some(numbered(goal))
             }),
         ),

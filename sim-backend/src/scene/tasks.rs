@@ -7,7 +7,8 @@
 //! The cap is the first object, the bottle the second. A client is told sizes and places as they were meant, and of a
 //! thread, of friction and of mass nothing.
 
-use robot_model::Side;
+use nalgebra::Vector3;
+use robot_model::{GraspFrame, HandModel, Side};
 
 use super::{DEFAULT_YAW_RAD, GraspHint, Mount, Placed, Scene};
 use crate::object::Object;
@@ -18,6 +19,9 @@ use crate::support::Plate;
 const PLACE_M: [f64; 2] = [0.32, 0.27];
 /// Height of the plate that the object stands on, m: the place may then be lower by the family's 10 mm.
 const STEP_M: f64 = 0.010;
+/// How much wider than an object a hand is open over its place, and how high it comes and goes, m (the controller's default).
+const OPEN_M: f64 = 0.010;
+const LIFT_M: f64 = 0.060;
 /// Half edge of the plates of pick and place, m. Ours: wider than every built-in object and its errors.
 const STEP_HALF_M: f64 = 0.055;
 /// Where the clamped bottle of screwing stands: x, and the distance from the middle towards the acting hand, m (issue).
@@ -67,6 +71,38 @@ impl Scene {
             place: Some(place),
             objects: vec![placed],
             ..Self::default()
+        }
+    }
+
+    /// Where a hand does not reach the place of pick and place, that is as far from the object along the circle about the arm's base,
+    /// and turned as much: an arm of five joints cannot turn its hand but with its base.
+    pub(super) fn place_in_reach(&mut self, hand: &HandModel) {
+        let ([_], [_, plate], Some(place)) =
+            (&self.objects[..], &mut self.plates[..], &mut self.place)
+        else {
+            return;
+        };
+        let [from_x_m, from_y_m] = self.objects[0].position_m;
+        let [to_x_m, to_y_m, to_z_m] = place.from_m;
+        let far_m = libm::hypot(to_x_m - from_x_m, to_y_m - from_y_m);
+        let by_rad = far_m / libm::hypot(from_x_m, from_y_m);
+        let outward = hand.side().y_sign();
+        let turned = [outward, -outward].map(|sign| {
+            let (sin, cos) = libm::sincos(sign * by_rad);
+            let [x_m, y_m] = [
+                cos * from_x_m - sin * from_y_m,
+                sin * from_x_m + cos * from_y_m,
+            ];
+            GraspHint {
+                from_m: [x_m, y_m, to_z_m],
+                yaw_rad: place.yaw_rad + sign * by_rad,
+                ..*place
+            }
+        });
+        let mut candidates = core::iter::once(*place).chain(turned);
+        if let Some(reached) = candidates.find(|hint| reaches(hand, hint)) {
+            plate.centre_m = [reached.from_m[0], reached.from_m[1]];
+            *place = reached;
         }
     }
 
@@ -132,6 +168,18 @@ impl Scene {
             ..cap.nominal
         });
     }
+}
+
+/// Whether a hand has a posture where an object is let go and over it, open as it then is.
+fn reaches(hand: &HandModel, hint: &GraspHint) -> bool {
+    let [x_m, y_m, z_m] = hint.from_m;
+    let opening_m = (hint.width_m + OPEN_M).min(hand.widest_m());
+    [z_m, z_m + LIFT_M].into_iter().all(|z_m| {
+        let centre_m = Vector3::new(x_m, y_m, z_m);
+        let yaw_rad = hand.closing_yaw_rad(&centre_m, hint.yaw_rad);
+        let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
+        hand.posture_for(&frame).is_ok()
+    })
 }
 
 fn beside([x_m, off_middle_m]: [f64; 2], side: Side) -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 use crate::rig::{Rig, displace, goal, object};
 use robot_model::{GraspFrame, RobotFiles, RobotModel, Side};
-use shm_schemas::{Cause, GoalKind, GoalState};
+use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState};
 use sim_backend::{Scene, simulated_skin};
 
 const FLAT: &str = "flat-4x4-4.5";
@@ -210,11 +210,7 @@ fn what_seems_to_turn_while_it_still_stands_is_put_back() {
 /// it closes.
 #[test]
 fn a_fixed_and_a_turning_jaw_grasp_and_let_go() {
-    let robot = RobotModel::load(
-        include_str!("../../../daemon/robot/tests/robots/angular-jaw.urdf"),
-        include_str!("../../../daemon/robot/tests/robots/angular-jaw.toml"),
-    )
-    .expect("it fits");
+    let robot = angular_jaw();
     for name in ["wood", "slippery-50", "paper-box", "sponge", "bottle"] {
         let scene = Scene::grasp(object(name), Side::Right).before(robot.hand(Side::Right));
         let mut rig = Rig::of(robot.clone(), &scene.varied(1), 1);
@@ -223,6 +219,39 @@ fn a_fixed_and_a_turning_jaw_grasp_and_let_go() {
         assert!(truth.lifted_m > 0.045, "{name}: {truth:?}");
         assert_eq!((truth.dropped, truth.crushed), (0, 0), "{name}: {truth:?}");
         rig.achieve(&goal(GoalKind::RELEASE, &scene, Side::Right));
+    }
+}
+
+fn angular_jaw() -> RobotModel {
+    RobotModel::load(
+        include_str!("../../../daemon/robot/tests/robots/angular-jaw.urdf"),
+        include_str!("../../../daemon/robot/tests/robots/angular-jaw.toml"),
+    )
+    .expect("it fits")
+}
+
+/// Regression: of the same arm the usual place was out of reach; and turned against its arm it was sent to one where it can let go but
+/// not open, dragged what it had set down along, and crushed it.
+#[test]
+fn an_arm_of_five_joints_sets_down_where_its_base_turns_it() {
+    let robot = angular_jaw();
+    for name in ["wood", "paper-box", "sponge"] {
+        let scene = Scene::pick_place(object(name), Side::Right).before(robot.hand(Side::Right));
+        let place = scene.place.expect("a place");
+        assert!(place.yaw_rad < -0.3, "{place:?}");
+        let request = goal(GoalKind::PICK_PLACE, &scene, Side::Right);
+        let mut rig = Rig::of(robot.clone(), &scene.varied(4), 4);
+        rig.achieve(&request);
+        let truth = rig.object();
+        let off_m = (0..2).map(|axis| (truth.position_m[axis] - place.from_m[axis]).abs());
+        assert!(off_m.fold(0.0, f64::max) < 0.005, "{name}: {truth:?}");
+        assert_eq!((truth.dropped, truth.crushed), (0, 0), "{name}: {truth:?}");
+        let askew = GoalRequest {
+            to_yaw_rad: request.from_yaw_rad,
+            ..request
+        };
+        let refused = rig.refused(&askew);
+        assert_eq!(refused.cause, Cause::UNREACHABLE, "{refused}");
     }
 }
 

@@ -199,8 +199,17 @@ impl Rig {
 
     /// A goal as the daemon would begin it.
     fn checked(&self, request: &GoalRequest) -> Goal {
+        self.check(request).expect("a goal that can be pursued")
+    }
+
+    /// Why a goal that must be refused is.
+    pub(crate) fn refused(&self, request: &GoalRequest) -> Reason {
+        self.check(request).expect_err("a goal that is refused")
+    }
+
+    fn check(&self, request: &GoalRequest) -> Result<Goal, Reason> {
         let circumstances = self.controller.circumstances(&self.robot, &[]);
-        check::check(request, &circumstances).expect("a goal that can be pursued")
+        check::check(request, &circumstances)
     }
 
     /// Begins a goal.

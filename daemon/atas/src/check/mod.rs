@@ -14,7 +14,7 @@ pub use clearance::CLEARANCE_M;
 use crate::follow::{FollowSpace, across_the_middle};
 use crate::goal::Goal;
 use crate::kinematics::frame_of;
-use crate::planning::{OVER_TOP_M, descent_m};
+use crate::planning::{FREED_BY_M, OVER_TOP_M, descent_m};
 use clearance::check_paths;
 use core::f64::consts::{PI, TAU};
 use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, MAX_FORCE, TO_X, TO_YAW, TOP, WIDTH};
@@ -171,9 +171,11 @@ fn check_place(
             ..r
         })
     };
-    // The hand comes open by the clearance on each side, or as far as it can.
+    // The hand comes open by the clearance on each side, and leaves opened farther, or as far as it can.
     let wide_m = 2.0 * now.settings.motion.clearance_m;
-    let mut open_m = (width_m + wide_m).min(hand.widest_m().max(width_m));
+    let widest_m = hand.widest_m().max(width_m);
+    let mut open_m = (width_m + wide_m).min(widest_m);
+    let freed_m = (width_m + 2.0 * FREED_BY_M).min(widest_m);
     if let Some(workspace) = hand.workspace() {
         reach(x, workspace.x_m, index)?;
         reach(y, workspace.y_m, index + 1)?;
@@ -192,6 +194,11 @@ fn check_place(
     let goes = |yaw_rad: f64| {
         let grasp = hand.posture_for(&frame(z, open_m, yaw_rad))?;
         hand.posture_for(&frame(travel_m, open_m, yaw_rad))?;
+        // Only a hand that must tilt to open may have no posture for that where it has one closed.
+        if hand.domes_tilt() {
+            hand.posture_for(&frame(z, freed_m, yaw_rad))?;
+            hand.posture_for(&frame(travel_m, freed_m, yaw_rad))?;
+        }
         hand.touching_posture_for(&frame(z, width_m, yaw_rad))?;
         Ok(grasp)
     };

@@ -9,6 +9,6 @@
 mod motion;
 mod waypoints;
 
-pub(crate) use motion::path_of;
+pub(crate) use motion::{FREED_BY_M, path_of};
 pub(crate) use waypoints::{OVER_TOP_M, descent_m};
 pub use waypoints::{Waypoints, from_the_side, home};

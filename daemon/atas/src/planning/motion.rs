@@ -12,6 +12,8 @@ const OPEN_BY_M: f64 = 0.012;
 /// accelerate, 50 rad/s² of its 60; what asks for more swings back and grips the object again).
 const LET_GO_BY_M: f64 = 0.003;
 const LET_GO_S: f64 = 0.085;
+/// How far each finger is then from what it held, if the hand opens so far, m.
+pub(crate) const FREED_BY_M: f64 = LET_GO_BY_M + OPEN_BY_M;
 
 /// The path of a motion for a hand that is at `now` and whose path was `before`.
 pub(crate) fn path_of(

@@ -132,7 +132,15 @@ impl SceneArgs {
         let to = scene.place.as_ref().map(place).unwrap_or_default();
         let task = match self.scene {
             SceneKind::Table => format!("grasp --at {at} --width {width_mm}"),
-            SceneKind::PickPlace => format!("pick-place --from {at} --to {to} --width {width_mm}"),
+            SceneKind::PickPlace => {
+                let to_yaw = match scene.place {
+                    Some(place) if place.yaw_rad != first.yaw_rad => {
+                        format!(" --to-yaw {:.1}", place.yaw_rad.to_degrees())
+                    }
+                    _ => String::new(),
+                };
+                format!("pick-place --from {at} --to {to}{to_yaw} --width {width_mm}")
+            }
             SceneKind::Screw => format!("screw --at {at} --width {width_mm}"),
             SceneKind::Assembly => {
                 let bottle_mm = mm(&scene.grasp_hint(1)?);
