@@ -119,7 +119,10 @@ impl Task {
             Self::Grasp => able.lifts,
             Self::PickPlace => able.lifts && able.carries,
             Self::Screw => able.turns_caps,
-            Self::Assembly => able.turns_caps && robot.sides().count() > 1,
+            Self::Assembly => {
+                let other = Side::BOTH[1 - robot.acting_side().index()];
+                able.turns_caps && robot.hand(other).abilities().slants
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! What a hand can do of what tasks need, tried by the inverse kinematics about where it rests.
 
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use nalgebra::Vector3;
 
 use crate::model::HandModel;
@@ -20,6 +22,8 @@ const HALVINGS: usize = 12;
 const OPENINGS: usize = 8;
 /// How far each fingertip must be able to pass the other, m (ours: a sixth of a turn of the smallest cap).
 const PASS_M: f64 = 0.006;
+/// Smallest cosine between where a hand that slants points and where it should (ours: 15°).
+const SLANT_COS_MIN: f64 = 0.966;
 /// How wide a cap is that it is tried on, m.
 const CAP_M: f64 = 0.03;
 
@@ -34,6 +38,8 @@ pub struct Abilities {
     pub turns_caps: bool,
     /// It does so by its wrist.
     pub turns_by_wrist: bool,
+    /// It can grasp slanting from the side, as what holds a bottle for the other hand must.
+    pub slants: bool,
 }
 
 impl HandModel {
@@ -53,7 +59,23 @@ impl HandModel {
                 && either(Vector3::y(), ASIDE_M),
             turns_caps: self.is_present() && fits_cap && self.turns_both_ways(),
             turns_by_wrist: self.turns_by_wrist,
+            slants: self.is_present() && self.slants(),
         }
+    }
+
+    /// Whether it can point halfway down and straight away from its base where it rests, its fingertips to its left and right. What
+    /// direction a hand has comes after what its fingertips do, so that is asked for by itself.
+    fn slants(&self) -> bool {
+        let azimuth_rad = self.bearing_rad(&self.home_m);
+        let grasp = GraspFrame {
+            hand_azimuth_rad: azimuth_rad,
+            hand_pitch_rad: FRAC_PI_4,
+            ..GraspFrame::from_above(self.home_m, azimuth_rad + FRAC_PI_2, self.home_opening_m)
+        };
+        self.posture_for(&grasp).is_ok_and(|found| {
+            let points = self.forward(&found.q_rad).hand_axis();
+            points.dot(&grasp.target(self).hand_axis) > SLANT_COS_MIN
+        })
     }
 
     /// Whether it reaches a place beside where it rests, turned against how it rests.

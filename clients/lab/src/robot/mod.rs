@@ -194,6 +194,7 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         (able.lifts, "lift"),
         (able.carries, "carry aside"),
         (able.turns_caps, turn),
+        (able.slants, "grasp slanting from the side"),
     ];
     for (can, what) in words {
         output.line(format_args!(

@@ -324,3 +324,19 @@ fn a_gripper_that_cannot_shift_closes_by_the_mean() {
         assert!((moved_m - 0.00025).abs() < 1e-6, "{moved_m}");
     }
 }
+
+/// Regression: whatever has two hands was said to hold a bottle for the other, also where they only ever point down.
+#[test]
+fn only_arms_that_bend_grasp_from_the_side() {
+    for (robot, slants) in [
+        ("two-hand-arm", true),
+        ("arm7-gripper", true),
+        ("three-finger", true),
+        ("test-bench", false),
+    ] {
+        let robot = RobotModel::find(robot).expect("it ships");
+        for side in robot.sides() {
+            assert_eq!(robot.hand(side).abilities().slants, slants, "{side:?}");
+        }
+    }
+}
