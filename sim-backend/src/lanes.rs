@@ -4,7 +4,8 @@
 //! * **Invariants:** every lane computes what a scalar would, nothing is fused, and what is summed over lanes is summed in their
 //!   order: the instruction set changes no bit. Lanes exist only where their instructions do: whoever makes some shows a `Cpu`,
 //!   which only detection hands out.
-//! * **What to know:** a closure that is not inlined knows nothing of its caller's instructions, so there are none in what is hot.
+//! * **What to know:** what is not inlined knows nothing of its caller's instructions: in what is hot every function is, and closures
+//!   are too short not to be.
 //! * **Absent on purpose:** wider ones. Bristles that touch lie together in fours, seldom in eights.
 
 use core::ops::{Add, BitAnd, Div, Mul, Sub};

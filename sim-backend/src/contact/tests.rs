@@ -133,6 +133,58 @@ fn outer_elements_slip_first() {
     }
 }
 
+/// Bristles that stick, slide, lift off and come back, on faces, ends and sides, soft and rigid: whatever the instructions are.
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let (radius_m, half_height_m) = (HALF_M, HALF_M);
+    let shapes = [
+        Shape::Box {
+            half_m: Vector3::repeat(HALF_M),
+        },
+        Shape::Cylinder {
+            radius_m,
+            half_height_m,
+        },
+    ];
+    for shape in shapes {
+        for stiffness_n_m in [f64::INFINITY, 1500.0] {
+            let mut bench = Bench::new(BRISTLES_PER_ELEMENT, stiffness_n_m);
+            bench.surface.shape = shape;
+            let mut other = bench.contact.clone();
+            let mut touched = 0;
+            for step in 0..800 {
+                let t_s = f64::from(step) * DT_S;
+                let depth_m = 4e-4 + 5e-4 * libm::sin(40.0 * t_s);
+                let approach = Approach {
+                    object_from_tip: Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0),
+                    centre_m: Vector3::new(
+                        -HALF_M - DOME_RADIUS_M + depth_m,
+                        0.004 * libm::sin(15.0 * t_s),
+                        0.02 + 0.05 * t_s,
+                    ),
+                    velocity_m_s: Vector3::new(0.02 * libm::cos(40.0 * t_s), 0.01, 0.05),
+                    angular_rad_s: Vector3::new(0.3, -0.2, 0.1),
+                };
+                let wrench = bench
+                    .contact
+                    .press(&bench.pad, &bench.surface, &approach, DT_S);
+                let portable = other.press_in::<portable::Numbers>(
+                    (),
+                    &bench.pad,
+                    &bench.surface,
+                    &approach,
+                    DT_S,
+                );
+                assert_eq!(wrench, portable, "{shape:?} {stiffness_n_m} step {step}");
+                assert_eq!(bench.contact.slip_m.to_bits(), other.slip_m.to_bits());
+                touched += usize::from(bench.contact.is_touching());
+            }
+            assert!((300..800).contains(&touched), "{shape:?}: {touched}");
+            assert!(bench.contact.slip_m > 1e-3, "{shape:?}");
+        }
+    }
+}
+
 #[test]
 fn gross_slip_is_carried_by_kinetic_friction() {
     let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
