@@ -15,6 +15,7 @@ use crate::lanes::{LANES, Rows};
 pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
 /// Bristles along each edge of an element of a grid (ours: the next odd square).
 const BRISTLES_PER_EDGE: usize = 3;
+
 /// Winkler foundation stiffness of the skin, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
 pub(crate) const FOUNDATION_N_M3: f64 = 1.7e8;
 /// Distance of the six outer bristles from their element's centre, in radii of a disc of the element's area (prototype).

@@ -177,8 +177,7 @@ fn reaches(hand: &HandModel, hint: &GraspHint) -> bool {
     [z_m, z_m + LIFT_M].into_iter().all(|z_m| {
         let centre_m = Vector3::new(x_m, y_m, z_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, hint.yaw_rad);
-        let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
-        hand.posture_for(&frame).is_ok()
+        hand.reaches(&GraspFrame::from_above(centre_m, yaw_rad, opening_m))
     })
 }
 

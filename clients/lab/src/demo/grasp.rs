@@ -2,9 +2,8 @@
 
 use atas_client::goal::LIFT_M;
 use atas_console::arguments::Running;
-use atas_core::Settings;
 use atas_evaluation::Task;
-use atas_evaluation::judge::{Load, Outcome};
+use atas_evaluation::judge::Outcome;
 use robot_model::VIRTUAL_FINGERS;
 use serde_json::Value;
 use shm_schemas::{Cause, GoalRequest, GraspFigures, WorldTruth};
@@ -53,11 +52,7 @@ impl Scenario for Grasp {
 
     fn judge(&self, seen: &Seen) -> Judged {
         let hand = self.set.hand();
-        let load = Load::of(
-            self.object(),
-            &Settings::default().grasp,
-            self.set.opposed_tips,
-        );
+        let load = self.set.load();
         let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
         let object = &seen.truth.objects[0];
         let mut figures = vec![

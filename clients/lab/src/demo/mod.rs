@@ -34,7 +34,9 @@ mod turns;
 
 use atas_console::arguments::{Demo, Running};
 use atas_console::{Ended, Exit, Interrupt, Output, number};
+use atas_core::Settings;
 use atas_evaluation::Task;
+use atas_evaluation::judge::Load;
 use robot_model::RobotModel;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
@@ -158,6 +160,11 @@ impl Setting {
 
     fn object(&self) -> &Object {
         &self.scene.objects[0].object
+    }
+
+    /// What its object needs and bears in that hand.
+    fn load(&self) -> Load {
+        Load::of(self.object(), &Settings::default().grasp, self.opposed_tips)
     }
 }
 

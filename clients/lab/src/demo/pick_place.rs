@@ -2,9 +2,8 @@
 
 use atas_client::goal::LIFT_M;
 use atas_console::arguments::Running;
-use atas_core::Settings;
 use atas_evaluation::Task;
-use atas_evaluation::judge::{Load, Outcome, Placing};
+use atas_evaluation::judge::{Outcome, Placing};
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Object;
 
@@ -56,12 +55,7 @@ impl Scenario for PickPlace {
         let [x_m, y_m, _] = self.set.goal.to_m;
         let end = seen.progress.last();
         let placing = Placing::of(end, &seen.truth, [x_m, y_m], seen.progress.let_go_ns());
-        let feasible = Load::of(
-            self.object(),
-            &Settings::default().grasp,
-            self.set.opposed_tips,
-        )
-        .is_feasible();
+        let feasible = self.set.load().is_feasible();
         let outcome = Outcome::of(end, &seen.truth, self.set.hand(), LIFT_M);
         let refused = !feasible && outcome.is_expected(feasible);
         let mut figures = gripped(seen.progress.figures(), self.set.fingers);

@@ -50,10 +50,11 @@ pub(super) fn load_capsules(
                 joint: framed.driver,
             };
             bodies.push((capsule, index));
+            // One by one: however many a URDF has, the time for each is bounded.
+            if bodies.len() > CAPSULES_MAX {
+                join_two(&mut bodies)?;
+            }
         }
-    }
-    while bodies.len() > CAPSULES_MAX {
-        join_two(&mut bodies)?;
     }
     let mut capsules = Capsules::new();
     let fit = bodies
